@@ -46,7 +46,7 @@ pub const CLIENT: Duration = Duration::from_secs(10);
 /// How long it is waited for, as typed.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
-    /// How long to wait until somebody connects, where the bus is slcan:listen://
+    /// How long to wait for a client, if the bus is slcan:listen://
     #[arg(long, default_value = "10s", value_name = "SPAN", value_parser = parse_span)]
     client_timeout: Duration,
 }

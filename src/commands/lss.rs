@@ -36,16 +36,17 @@ enum Action {
         bus: OnBus,
         #[command(flatten)]
         which: Which,
-        /// The node-ID; none: it shall have none
+        /// The node-ID; none takes it away
         #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
         node_id: Option<u8>,
-        /// The bit rate, such as 250k; it counts once it is activated
+        /// The bit rate, such as 250k; it takes effect when it is activated
         #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
         bit_rate: Option<u8>,
         /// Store both in non-volatile memory
         #[arg(long)]
         store: bool,
-        /// Let all devices change to the bit rate that was set for them, after a silence so long, such as 100ms
+        /// Make all devices change to the bit rate that was set for them, with a pause before and after of this length,
+        /// such as 100ms
         #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
         activate: Option<u16>,
     },
@@ -53,8 +54,8 @@ enum Action {
     Fastscan {
         #[command(flatten)]
         bus: OnBus,
-        /// Give it that node-ID, and the next ones those that follow, until none is found; a device that is found again ends it
-        /// with status 1
+        /// Give it that node-ID, and further devices the node-IDs after it, until none is found; ends with status 1 if
+        /// a device is found again
         #[arg(long, value_name = "NODE", value_parser = crate::devices::parse_node)]
         assign: Option<NodeId>,
         /// Store the node-IDs in non-volatile memory

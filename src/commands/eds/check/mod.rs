@@ -18,10 +18,10 @@ use std::path::PathBuf;
 
 /// Check device descriptions against CiA 306 and the standards, and mend what can be mended
 ///
-/// An error is where a configuration tool or the device goes wrong, a warning is against the letter of the standard, a
-/// hint is a habit. `canvass list eds-rules` shows what is looked for, `canvass explain RULE` what it means. A comment
-/// `; canvass: allow RULE reason` in a file leaves it so: before the first section for the whole file, in a section for
-/// that section.
+/// An error makes a configuration tool or the device fail; a warning contradicts the text of a standard, though the
+/// meaning is clear; a hint is advice. `canvass list eds-rules` lists the rules, `canvass explain RULE` explains one. A
+/// comment `; canvass: allow RULE reason` in a file waives a rule: before the first section for the whole file, in a
+/// section for that section.
 #[derive(clap::Args)]
 pub struct Args {
     /// EDS, DCF, XDD and XDC files, and folders of them; - is standard input
@@ -30,7 +30,7 @@ pub struct Args {
     /// How to print what is found
     #[arg(long, value_enum, default_value_t)]
     format: CheckFormat,
-    /// From which severity on findings make the exit status 1
+    /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
     /// Write files with everything mended that can be mended without guessing

@@ -123,7 +123,7 @@ export function traceView(app, root) {
     const end = await app.run("find", "find", args, "Searching");
     if (!end) return;
     if (typeof end.found === "number") await goTo(end.found);
-    else app.say(`"${search.value}" stands in no frame ${backwards ? "before" : "after"} this one`);
+    else app.say(`"${search.value}" is in no frame ${backwards ? "before" : "after"} this one`);
   }
 
   /** Applies the filter; one that is none leaves the rows as they are. */

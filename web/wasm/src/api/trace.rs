@@ -113,7 +113,7 @@ impl Page {
         Ok(row_at(store, start + Duration((seconds.max(0.0) * 1e9).round() as u64)) as u32)
     }
 
-    /// Looks for a text behind a row, or before it.
+    /// Looks for a text after a row, or before it.
     ///
     /// # Errors
     /// If no capture is open.
