@@ -41,7 +41,17 @@ pub fn bench() -> Result<()> {
     decoding()?;
     crate::diagnosing::diagnosing()?;
     reading()?;
+    crate::describing::describing()?;
     simulation()
+}
+
+/// Of these only what is about device descriptions.
+pub fn descriptions() -> Result<()> {
+    install(&[TIME])?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    println!("machine: {}", machine());
+    crate::describing::describing()
 }
 
 /// Counts the instructions that a frame takes to be decoded, and an exchange to be simulated, by callgrind: they are the same on every machine of an
