@@ -4,7 +4,8 @@ use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow};
-use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
 use canvass_analyzer::{NodeId, wire::Wire};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
@@ -120,9 +121,8 @@ fn parse_bit_rate(text: &str) -> Result<u8> {
         Some((at, 'M')) => number(&text[..at], 1_000_000),
         _ => number(text, 1),
     };
-    let index = BIT_RATES.iter().position(|known| known.is_some() && *known == rate);
-    index.map(|index| index as u8).with_context(|| {
-        let known: Vec<_> = BIT_RATES.iter().flatten().map(|rate| format!("{}k", rate / 1000)).collect();
+    rate.and_then(Lss::bit_rate_index).with_context(|| {
+        let known: Vec<_> = (0..=u8::MAX).filter_map(Lss::bit_rate).map(|rate| format!("{}k", rate / 1000)).collect();
         format!("expected one of {}, found \"{text}\"", known.join(", "))
     })
 }
