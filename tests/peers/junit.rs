@@ -40,10 +40,12 @@ fn documents(folder: &Path) -> Vec<String> {
     let fuzz = ["fuzz", "sim:reference-301+sdo-toggle-unchecked", "--runs", "200", "--note", &note];
     judged(&[&fuzz[..], &["--report", &junit("fuzz.xml")]].concat());
     let capture = path("capture.log");
-    std::fs::write(&capture, "(1.000000) can0 701#05\n(2.000000) can0 081#1081010000000000\n(2.5) can0 581#80001000\n").unwrap();
+    std::fs::write(&capture, "(1.000000) can0 701#05\n(2.000000) can0 081#1081010000000000\n(2.5) can0 581#80001000\n")
+        .unwrap();
     judged(&["diagnose", &capture, "--note", &note, "--format", "junit", "--output", &path("diagnose.xml")]);
     let description = path("mine.eds");
-    std::fs::write(&description, format!("[DeviceInfo]\nProductName={HOSTILE}\n[{HOSTILE}]\n[1000]\nX={HOSTILE}\n")).unwrap();
+    std::fs::write(&description, format!("[DeviceInfo]\nProductName={HOSTILE}\n[{HOSTILE}]\n[1000]\nX={HOSTILE}\n"))
+        .unwrap();
     std::fs::write(path("checked.xml"), judged(&["eds", "check", &description, "--format", "junit"])).unwrap();
     ["test", "worse", "same", "fuzz", "diagnose", "checked"].map(|name| path(&format!("{name}.xml"))).to_vec()
 }
@@ -59,7 +61,10 @@ fn every_document_is_valid_for_ant_and_jenkins() {
         elements.iter().zip(&mut found).for_each(|(element, count)| *count += text.matches(element).count());
     }
     let [failed, skipped, cases] = found;
-    assert!(failed > 0 && skipped > 0 && cases > failed + skipped, "there is something to be held against it: {found:?}");
+    assert!(
+        failed > 0 && skipped > 0 && cases > failed + skipped,
+        "there is something to be held against it: {found:?}"
+    );
 }
 
 /// A check that finds nothing wrong must be able to.
