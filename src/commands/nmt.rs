@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Frame};
 /// Boot-up messages, heartbeats and emergencies of the nodes that are commanded; not the PDOs of a bus at work.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The command
     #[arg(value_enum)]

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// The journal is removed when the device is as it was. Status 1 if not all could be put back.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0 or slcan:PORT[@BITRATE]
+    /// The bus: can0, slcan:PORT[@BITRATE] or pcan:CHANNEL@BITRATE
     bus: String,
     /// The journal that `canvass test` has left
     #[arg(long, value_name = "FILE")]

@@ -1,8 +1,6 @@
 //! A tester that can't keep up says what it has lost, where it was lost and in all.
 
-#![cfg(unix)]
-
-use crate::running::command;
+use crate::running::{command, interrupt};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::Stdio;
@@ -75,8 +73,7 @@ fn monitored(more: &[&str], interrupted: bool) {
     // What is on the way arrives.
     std::thread::sleep(Duration::from_secs(1));
     if interrupted {
-        let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-        assert!(sent.unwrap().success());
+        assert!(interrupt(&child));
     }
     let (stdout, stderr) = (child.stdout.take().unwrap(), child.stderr.take().unwrap());
     let shown = AtomicU64::new(0);
