@@ -2,16 +2,16 @@
 //! device is a process of its own, so that what it holds is seen after the tester has gone.
 
 use crate::live::Device;
-use crate::running::{command, finished, interrupt, run};
+use crate::running::{command, finished, run};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// So many runs are killed, on so many devices at a time: most of the time is waiting. Fewer where each of them has to be
-/// translated.
-const INTERRUPTED: u64 = if cfg!(windows) { 20 } else { 100 };
-const KILLED: u64 = if cfg!(windows) { 20 } else { 50 };
+/// So many runs are killed, on so many devices at a time: most of the time is waiting.
+#[cfg(unix)]
+const INTERRUPTED: u64 = 100;
+const KILLED: u64 = 50;
 const DEVICES: u64 = 10;
 /// One run of so many is killed at a moment counted from its start, and so perhaps before its first case; the others once
 /// the first case has begun.
@@ -25,6 +25,7 @@ const AT_WORK: [(&str, &str); 5] =
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
     /// The user wants it to end.
+    #[cfg(unix)]
     Interrupted,
     /// It is not asked.
     Killed,
@@ -102,7 +103,8 @@ fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
         }
         std::thread::sleep(moment(number));
         match end {
-            End::Interrupted => assert!(interrupt(&child)),
+            #[cfg(unix)]
+            End::Interrupted => assert!(crate::running::interrupt(&child)),
             End::Killed => child.kill().unwrap(),
         }
         let ended = finished(child.wait_with_output().unwrap());
@@ -193,6 +195,7 @@ fn at_a_terminal_the_next_run_asks_whether_to_put_the_device_back() {
     assert_eq!(dictionary(&device.bus), before);
 }
 
+#[cfg(unix)] // a signal: `cargo xtask windows` presses Ctrl-C on a console
 #[test]
 fn an_interrupted_run_leaves_the_device_as_it_was() {
     assert_eq!(kill_all(INTERRUPTED, End::Interrupted), 0);

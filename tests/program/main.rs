@@ -46,6 +46,8 @@ mod fuzz;
 mod history;
 #[cfg(all(test, unix))] // the limit of memory is that of a POSIX shell, and Windows has no files of such names
 mod hostile;
+#[cfg(all(test, unix))] // a signal: `cargo xtask windows` presses Ctrl-C on a console
+mod interrupted;
 #[cfg(test)]
 mod killed;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Running the program as a user does.
 
 use std::io::{ErrorKind, Write};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 
 /// What a run left behind.
 pub struct Run {
@@ -14,30 +14,13 @@ pub struct Run {
 pub fn command(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_canvass"));
     command.args(args).env_remove("NO_COLOR").current_dir(env!("CARGO_MANIFEST_DIR"));
-    // So that it can be interrupted, and not these tests with it.
-    #[cfg(windows)]
-    std::os::windows::process::CommandExt::creation_flags(
-        &mut command,
-        windows_sys::Win32::System::Threading::CREATE_NEW_PROCESS_GROUP,
-    );
     command
 }
 
-/// What a user does who wants a run to end: Ctrl-C, or Ctrl-Break on Windows, which reaches programs that do not own the
-/// console. Says whether it could be done.
-pub fn interrupt(child: &Child) -> bool {
-    #[cfg(unix)]
-    {
-        Command::new("kill").args(["-INT", &child.id().to_string()]).status().is_ok()
-    }
-    #[cfg(windows)]
-    {
-        use windows_sys::Win32::System::Console::{CTRL_BREAK_EVENT, GenerateConsoleCtrlEvent};
-        #[expect(unsafe_code, reason = "the standard library has no such function")]
-        // SAFETY: two numbers; the process has a group of its own.
-        let sent = unsafe { GenerateConsoleCtrlEvent(CTRL_BREAK_EVENT, child.id()) };
-        sent != 0
-    }
+/// Ctrl-C. Says whether it could be pressed.
+#[cfg(unix)]
+pub fn interrupt(child: &std::process::Child) -> bool {
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().is_ok()
 }
 
 pub fn run(args: &[&str]) -> Run {

@@ -9,8 +9,9 @@
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures of pages in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
-//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it. `cargo
-//! xtask dist`: a static program as archive and Debian package.
+//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it. `cargo xtask windows`: the program for
+//! Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as Debian
+//! package, the one for Windows, the page.
 
 mod attack;
 mod bench;
@@ -32,8 +33,10 @@ mod run;
 mod screenshot;
 mod simulation;
 mod storm;
+mod target;
 mod vcan;
 mod web;
+mod windows;
 mod worst;
 
 use anyhow::{Result, bail};
@@ -45,7 +48,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot | web | web-test | dist";
+    rooms [CRATE...] | screenshot | web | web-test | windows | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -75,6 +78,7 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
+        Some("windows") => windows::test(),
         Some("web") => web::build(),
         Some("web-test") => web::test(),
         Some("web-bind") => web::bind(more),
