@@ -46,6 +46,7 @@ impl Kind {
 
 impl Channel {
     /// No channel: what belongs to the library itself.
+    #[cfg(any(windows, target_os = "linux"))]
     pub(super) const NONE: Self = Self(0);
 
     /// All that can be named, in the order of PEAK's own lists: USB first.
