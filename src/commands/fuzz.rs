@@ -41,7 +41,7 @@ use std::time::Instant;
 /// names it, on a simulated bus as on a live one.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The device's node-ID; without it the one that the model has as delivered
     #[arg(long, value_parser = parse_node)]

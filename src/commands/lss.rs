@@ -67,7 +67,7 @@ enum Action {
 
 #[derive(clap::Args)]
 struct OnBus {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// How long to wait for each answer, such as 100ms; a Fastscan waits up to 68 times for every device,
     /// and "store" at least 10 s

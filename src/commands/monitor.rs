@@ -21,7 +21,7 @@ use canvass_traces::Timestamp;
 /// were lost, and their total at the end. Ends by Ctrl-C or --for.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// Fill the terminal: nodes with states, rates and last values; CAN-IDs with cycles and data, changes marked
     #[cfg(feature = "screen")]

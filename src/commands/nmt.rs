@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Frame};
 /// Prints boot-up messages, heartbeats and emergencies of the commanded nodes, but no PDOs.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The command
     #[arg(value_enum)]

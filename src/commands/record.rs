@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// readable. Ends by Ctrl-C, --for or --frames, with status 1 if frames were lost.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The files; the extensions give the formats, such as .pcapng, .mcap or .log; .log.gz is compressed
     #[arg(required = true, value_name = "OUT")]

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// journal is removed when all of them are restored. Status 1 if some could not be.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0 or slcan:PORT[@BITRATE]
+    /// The bus: can0, slcan:PORT[@BITRATE] or pcan:CHANNEL@BITRATE
     bus: String,
     /// The journal that `canvass test` has left
     #[arg(long, value_name = "FILE")]

@@ -48,7 +48,7 @@ enum Action {
 
 #[derive(clap::Args)]
 struct Target {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The node
     #[arg(value_parser = parse_node)]

@@ -27,7 +27,7 @@ pub struct Args {
     /// The device: a built-in model, or a device description (EDS, DCF, XDD, XDC)
     #[arg(value_name = "MODEL|FILE")]
     device: String,
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// Its node-ID; without it that of the model or DCF; none: without node-ID, for LSS to set one
     #[arg(long, value_name = "NODE|none", value_parser = parse_configured)]

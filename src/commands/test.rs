@@ -41,7 +41,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// memory or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The device's node-ID; without it the one that the model or DCF has as delivered
     #[arg(long, value_parser = parse_node)]

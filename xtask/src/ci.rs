@@ -7,7 +7,6 @@ use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
 use crate::vcan;
-use crate::web;
 use anyhow::{Result, bail};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -34,7 +33,7 @@ const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check"
 const BUILD: CiStep = CiStep { name: "build", alone: "cargo build --workspace --locked", run: build };
 const TESTS: CiStep = CiStep { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
 
-const STEPS: [CiStep; 12] = [
+const STEPS: [CiStep; 11] = [
     FORMAT,
     BUILD,
     TESTS,
@@ -42,7 +41,6 @@ const STEPS: [CiStep; 12] = [
     CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
     CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
-    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: web::step },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
     CiStep { name: "attack", alone: "cargo xtask attack --for 90s", run: attacked },

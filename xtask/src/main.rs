@@ -9,8 +9,9 @@
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
-//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo
-//! xtask dist`: a static program as archive and Debian package.
+//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo xtask windows`:
+//! the program for Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as
+//! Debian package, the one for Windows, the page.
 
 mod attack;
 mod bench;
@@ -33,8 +34,10 @@ mod run;
 mod screenshot;
 mod simulation;
 mod storm;
+mod target;
 mod vcan;
 mod web;
+mod windows;
 mod worst;
 
 use anyhow::{Result, bail};
@@ -46,7 +49,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions | --descriptions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | dist";
+    rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -77,9 +80,10 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
+        Some("windows") => windows::step(),
         Some("web") => web::build(),
         Some("web-bench") => web::bench::bench(),
-        Some("web-test") => web::test(),
+        Some("web-test") => web::step(),
         Some("web-bind") => web::bind(more),
         Some("worst") => worst::worst(),
         _ => bail!("{USAGE}"),

@@ -7,9 +7,9 @@ pub mod browser;
 use crate::browser as chromium;
 use crate::consent;
 use crate::run::{is_there, run};
+use crate::target;
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
-use std::process::Command;
 
 /// Where the page is made.
 pub const FOLDER: &str = "target/page";
@@ -88,7 +88,7 @@ pub fn step() -> Result<()> {
 /// What is neither there nor to be had.
 fn missing() -> Vec<String> {
     let mut missing = Vec::new();
-    if let Err(error) = add_target() {
+    if let Err(error) = target::add(TARGET) {
         missing.push(format!("{error:#}"));
     }
     for program in ["node", "npm"] {
@@ -102,15 +102,6 @@ fn missing() -> Vec<String> {
 /// What of npm lies in its folder, with what it was made from.
 const INSTALLED: &str = "node_modules/.package-lock.json";
 const LOCKED: &str = "package-lock.json";
-
-fn add_target() -> Result<()> {
-    let installed = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output()?;
-    if Path::new(String::from_utf8_lossy(&installed.stdout).trim()).is_dir() {
-        return Ok(());
-    }
-    consent::ask(&format!("Rust's library for {TARGET}"), &format!("rustup target add {TARGET}"))?;
-    run("rustup", &["target", "add", TARGET])
-}
 
 /// The packages that the lock file names, where they are not there yet.
 fn install() -> Result<()> {
