@@ -44,7 +44,7 @@ fn prepare(browser: &Browser, view: &str) {
             browser.wait("document.querySelector('.list-body .row .text')?.textContent");
             browser.press("#frames", "\u{E015}");
             browser.wait("document.querySelector('#details h2')");
-            browser.run("document.querySelector('.menu').open = true");
+            browser.run("document.querySelector('#view-trace .menu').open = true");
         }
         "signals" => browser.wait("document.querySelector('#plot canvas')"),
         "results" => {
