@@ -15,8 +15,8 @@ const RESULT: &str = r#"{"schema":"canvass/test/1","bus":"sim:x","node":5,"summa
 #[test]
 fn no_view_breaks_a_rule() {
     let opened = Opened::empty(Screen::Desk);
-    let files =
-        [("machine.log", machine(20).on("can0")), ("encoder.eds", EDS.to_owned()), ("r.json", RESULT.to_owned())];
+    let mut traffic = machine(20);
+    let files = [("machine.log", traffic.on("can0")), ("encoder.eds", EDS), ("r.json", RESULT)];
     opened.take(&files.map(|(name, content)| opened.file(name, content)));
     opened.browser.wait("/frames, /.test(document.getElementById('status').textContent)");
     let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("web/page/node_modules/axe-core/axe.min.js");
@@ -44,7 +44,7 @@ fn prepare(browser: &Browser, view: &str) {
             browser.wait("document.querySelector('.list-body .row .text')?.textContent");
             browser.press("#frames", "\u{E015}");
             browser.wait("document.querySelector('#details h2')");
-            browser.run("document.querySelector('.menu').open = true");
+            browser.run("document.querySelector('#view-trace .menu').open = true");
         }
         "signals" => browser.wait("document.querySelector('#plot canvas')"),
         "results" => {

@@ -33,7 +33,7 @@ fn a_filter_chooses_frames_and_a_wrong_one_says_where() {
     assert!(mistake.starts_with("service=sdo and\n               ^ expected a test"), "{mistake}");
     opened.browser.fill("#filter", " not abort");
     opened.browser.wait(
-        "document.getElementById('filter-mistake').hidden && / of /.test(document.querySelector('.shown').textContent)",
+        "document.getElementById('filter-mistake').hidden && / of /.test(document.querySelector('#view-trace .shown').textContent)",
     );
     opened.browser.wait(
         "[...document.querySelectorAll('.list-body .row .service')].every((cell) => ['', 'sdo'].includes(cell.textContent))",
