@@ -82,6 +82,7 @@ fn damages() -> Vec<(&'static str, Damage)> {
 /// The folder of the files: an EDS of another device, and a file to download.
 struct Beside;
 
+/// The EDS of another device, which lies beside.
 pub const ANOTHER_EDS: &str = "another.eds";
 
 impl Folder for Beside {

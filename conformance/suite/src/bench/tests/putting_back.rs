@@ -13,7 +13,7 @@ use crate::touch::Touch;
 use crate::verdict::Judged;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::Subject;
-use canvass_traces::{CanId, Direction, Duration, Frame};
+use canvass_traces::{Direction, Duration, Frame};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
