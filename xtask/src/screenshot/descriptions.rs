@@ -3,7 +3,6 @@
 use super::{FOLDER, photograph, terminal};
 use crate::measure::release;
 use crate::packages::{Package, install};
-use crate::run::run;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use std::process::{Command, Output};
