@@ -40,7 +40,7 @@ impl<'a> Table<'a> {
 
 impl Answer for Table<'_> {
     fn batch(&mut self, batch: &RecordBatch) -> Result<()> {
-        let printable = |text: Option<String>| text.map(|text| escape::printable(&text).into_owned());
+        let printable = |text: Option<String>| text.map(|text| escape::document(&text).into_owned());
         let column = |column: &ArrayRef| -> Result<ArrayRef, ArrowError> {
             Ok(Arc::new(texts(column)?.into_iter().map(printable).collect::<StringArray>()))
         };
