@@ -1,7 +1,9 @@
 //! What can be typed.
 
-use crate::commands::{ingest, schema, sql};
+use crate::commands::{executor, ingest, scheduler, schema, sql};
 use crate::status::{Failure, Status};
+use canvass_fleet::cluster::codec::absolute;
+use canvass_fleet::cluster::{ClusterError, client};
 use canvass_fleet::devices::{Devices, Rule};
 use canvass_fleet::scan::Options;
 use canvass_fleet::session::{self, Settings};
@@ -24,6 +26,8 @@ enum Command {
     Sql(sql::Args),
     Ingest(ingest::Args),
     Schema(schema::Args),
+    Scheduler(scheduler::Args),
+    Executor(executor::Args),
 }
 
 impl Cli {
@@ -33,6 +37,8 @@ impl Cli {
             Command::Sql(args) => args.run().await,
             Command::Ingest(args) => args.run().await,
             Command::Schema(args) => args.run(),
+            Command::Scheduler(args) => args.run().await,
+            Command::Executor(args) => args.run().await,
         }
     }
 }
@@ -50,6 +56,9 @@ pub struct Engine {
     /// How much memory queries may take before they use the disk, such as 512M or 4G
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
+    /// Run queries on a cluster, whose scheduler is there; captures have to be reachable from all its computers
+    #[arg(long, value_name = "df://HOST:PORT", env = "CANVASS_CLUSTER")]
+    cluster: Option<String>,
 }
 
 impl Engine {
@@ -60,18 +69,32 @@ impl Engine {
     }
 
     /// A session in which queries run.
-    pub fn session(&self) -> Result<SessionContext, Failure> {
+    pub async fn session(&self) -> Result<SessionContext, Failure> {
         // A mistake is told before anything is read.
         self.devices()?;
         let mut scan = Options::default();
         scan.devices = self.device.join("\n");
         let settings = Settings { scan, partitions: self.jobs.map(usize::from), memory: self.memory };
-        Ok(session::local(&settings)?)
+        match &self.cluster {
+            None => Ok(session::local(&settings)?),
+            Some(address) => Ok(client::connect(address, &settings).await.map_err(|error| match error {
+                ClusterError::Unreachable { .. } => Failure::unreachable(error),
+                other => other.into(),
+            })?),
+        }
+    }
+
+    /// Files and patterns, as they mean the same on all computers that read them.
+    pub fn sources(&self, given: Vec<String>) -> Result<Vec<String>, Failure> {
+        match &self.cluster {
+            None => Ok(given),
+            Some(_) => Ok(given.iter().map(|name| absolute(name)).collect::<Result<_, _>>()?),
+        }
     }
 }
 
 /// Bytes as typed, with K, M, G or T.
-fn parse_size(text: &str) -> Result<usize, String> {
+pub fn parse_size(text: &str) -> Result<usize, String> {
     let (digits, shift) = match text.char_indices().last() {
         Some((at, 'k' | 'K')) => (&text[..at], 10),
         Some((at, 'm' | 'M')) => (&text[..at], 20),

@@ -2,6 +2,7 @@
 //!
 //! - [`table`]: the tables and their columns, the only place that says the schema;
 //! - [`capture`]: files found and read, on disk and in object stores;
+//! - [`cluster`]: the same over several computers;
 //! - [`filter`]: what is asked before a row is made;
 //! - [`lake`]: captures and results as Parquet;
 //! - [`render`]: answers as tables, JSON, CSV, Parquet and Arrow;
@@ -14,6 +15,7 @@
 #![warn(clippy::disallowed_methods)]
 
 pub mod capture;
+pub mod cluster;
 pub mod devices;
 pub mod filter;
 pub mod lake;

@@ -29,9 +29,10 @@ const TOLD: usize = 20;
 
 impl Args {
     pub async fn run(self) -> Result<Status, Failure> {
-        let session = self.engine.session()?;
+        let session = self.engine.session().await?;
         let devices = self.engine.devices()?;
-        let ingest = Ingest { sources: self.source, lake: self.into, devices, rehash: self.rehash };
+        let sources = self.engine.sources(self.source)?;
+        let ingest = Ingest { sources, lake: self.into, devices, rehash: self.rehash };
         let summary = ingest.run(&session, &mut |done| progress(&shown(done))).await;
         progress("");
         tell(&summary?)?;

@@ -49,7 +49,7 @@ impl Args {
         if self.format.is_binary() && self.output.is_none() && output::is_terminal() {
             return Err(anyhow!("the format is not for a terminal: give --output FILE, or redirect the output").into());
         }
-        let session = self.engine.session()?;
+        let session = self.engine.session().await?;
         if let Some(lake) = &self.lake {
             lake::register(&session, lake).await?;
         }

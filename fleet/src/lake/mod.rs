@@ -14,7 +14,7 @@ pub use ingest::{Ingest, Progress, Summary};
 pub use location::Location;
 pub use log::Snapshot;
 pub use plan::{IngestScan, IngestSpec, IngestTable};
-pub use provider::{LakeTable, register};
+pub use provider::{LakeSpec, LakeTable, register};
 
 use datafusion::error::DataFusionError;
 

@@ -12,9 +12,11 @@ use datafusion::datasource::physical_plan::{FileGroup, FileScanConfigBuilder, Pa
 use datafusion::datasource::source::DataSourceExec;
 use datafusion::datasource::table_schema::TableSchema;
 use datafusion::error::Result;
+use datafusion::execution::runtime_env::RuntimeEnv;
 use datafusion::logical_expr::{Expr, TableProviderFilterPushDown, TableType};
 use datafusion::physical_plan::ExecutionPlan;
 use datafusion::prelude::SessionContext;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A table of a lake.
@@ -27,11 +29,19 @@ pub struct LakeTable {
 }
 
 /// A Parquet file, and the first and last moment of its rows where they are known.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 struct File {
     part: Part,
     days: i32,
     span: Option<(i64, i64)>,
+}
+
+/// A table of a lake as plain data, which can be sent to another computer.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct LakeSpec {
+    table: Table,
+    lake: String,
+    files: Vec<File>,
 }
 
 impl LakeTable {
@@ -42,7 +52,23 @@ impl LakeTable {
             let parts = entry.parts.clone().into_iter().filter(move |part| part.table == table);
             parts.map(move |part| File { days: days(&part.date), part, span }).collect::<Vec<_>>()
         };
-        let files = snapshot.entries.values().flat_map(of_table).collect();
+        Self::of_files(table, location, snapshot.entries.values().flat_map(of_table).collect())
+    }
+
+    /// The table that was sent here.
+    ///
+    /// # Errors
+    /// [`LakeError::Place`] if the store of the lake is not known here.
+    pub fn of_spec(spec: LakeSpec, runtime: &RuntimeEnv) -> Result<Self, LakeError> {
+        Ok(Self::of_files(spec.table, Location::of(&spec.lake, runtime)?, spec.files))
+    }
+
+    /// What another computer has to know of it.
+    pub fn spec(&self) -> LakeSpec {
+        LakeSpec { table: self.table, lake: self.location.url.to_string(), files: self.files.clone() }
+    }
+
+    fn of_files(table: Table, location: Location, files: Vec<File>) -> Self {
         let date: FieldRef = Arc::new(Field::new("date", DataType::Date32, false));
         let schema = TableSchema::builder(table.schema()).with_table_partition_cols(vec![date]).build();
         Self { table, location, files, schema }

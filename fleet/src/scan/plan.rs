@@ -10,7 +10,7 @@ use datafusion::arrow::array::RecordBatch;
 use datafusion::arrow::datatypes::SchemaRef;
 use datafusion::common::tree_node::TreeNodeRecursion;
 use datafusion::common::{Statistics, stats::Precision};
-use datafusion::error::Result;
+use datafusion::error::{DataFusionError, Result};
 use datafusion::execution::{SendableRecordBatchStream, TaskContext};
 use datafusion::physical_expr::PhysicalExpr;
 use datafusion::physical_plan::execution_plan::{ChildrenPropertiesMode, ReplaceChildrenOptions};
@@ -47,6 +47,8 @@ pub struct CaptureScan {
     schema: SchemaRef,
     properties: Arc<PlanProperties>,
     metrics: ExecutionPlanMetricsSet,
+    /// Where it runs, where that is another computer than the one that asks.
+    host: Option<Arc<str>>,
 }
 
 impl CaptureScan {
@@ -60,7 +62,13 @@ impl CaptureScan {
     pub fn new(spec: ScanSpec) -> Result<Self> {
         let schema: SchemaRef = Arc::new(spec.table.schema().project(&spec.columns)?);
         let properties = leaf::properties(&schema, spec.partitions.len());
-        Ok(Self { spec: Arc::new(spec), schema, properties, metrics: ExecutionPlanMetricsSet::new() })
+        Ok(Self { spec: Arc::new(spec), schema, properties, metrics: ExecutionPlanMetricsSet::new(), host: None })
+    }
+
+    /// The same on a computer, whose name is told with every error.
+    #[must_use]
+    pub fn at(self, host: Option<Arc<str>>) -> Self {
+        Self { host, ..self }
     }
 
     /// What it does.
@@ -187,8 +195,13 @@ impl ExecutionPlan for CaptureScan {
     }
 
     fn execute(&self, partition: usize, context: Arc<TaskContext>) -> Result<SendableRecordBatchStream> {
-        let task = self.task(partition, &context);
-        Ok(leaf::stream(SchemaRef::clone(&self.schema), move |handle, sender| task.run(handle, sender)))
+        let (task, host) = (self.task(partition, &context), self.host.clone());
+        let on_host = move |error| match host {
+            Some(host) => DataFusionError::Execution(format!("{host}: {error}")),
+            None => error,
+        };
+        let work = move |handle: &Handle, sender| task.run(handle, sender).map_err(on_host);
+        Ok(leaf::stream(SchemaRef::clone(&self.schema), work))
     }
 
     fn metrics(&self) -> Option<MetricsSet> {
@@ -214,7 +227,7 @@ impl ExecutionPlan for CaptureScan {
 
     fn with_fetch(&self, limit: Option<usize>) -> Option<Arc<dyn ExecutionPlan>> {
         let spec = ScanSpec { fetch: limit, ..ScanSpec::clone(&self.spec) };
-        Some(Arc::new(Self::new(spec).ok()?))
+        Some(Arc::new(Self::new(spec).ok()?.at(self.host.clone())))
     }
 
     fn fetch(&self) -> Option<usize> {

@@ -11,6 +11,7 @@ use datafusion::catalog::{Session, TableProvider};
 use datafusion::error::Result;
 use datafusion::logical_expr::{Expr, TableProviderFilterPushDown, TableType};
 use datafusion::physical_plan::ExecutionPlan;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A table of captures or results.
@@ -24,7 +25,7 @@ pub struct CaptureTable {
 }
 
 /// Which files.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum Files {
     /// Those that patterns mean when a query is planned.
     Patterns(Vec<String>),
@@ -42,7 +43,12 @@ impl CaptureTable {
     /// If a rule of `canvass.devices` can't be used.
     pub fn new(table: Table, files: Files, options: &Options) -> Result<Self> {
         let devices = if table.is_of_results() { Devices::default() } else { options.devices()? };
-        Ok(Self { table, files, schema: table.schema(), push_down: options.push_down, devices })
+        Ok(Self::of_devices(table, files, devices, options.push_down))
+    }
+
+    /// The table of these files, where the rules are read already.
+    pub fn of_devices(table: Table, files: Files, devices: Devices, push_down: bool) -> Self {
+        Self { table, files, schema: table.schema(), push_down, devices }
     }
 
     /// Which table it is.
