@@ -78,6 +78,11 @@ impl Slave {
         *self = Self { mode: Mode::Unsure, serial: self.serial, awaited: Awaited::Anything, ..Self::new() };
     }
 
+    /// The slave is in operation; which parts of an address have matched is not known.
+    pub const fn go_on(&mut self) {
+        *self = Self { serial: self.serial, selected: None, identified: None, ..Self::new() };
+    }
+
     fn class(&self) -> LssState {
         match self.mode {
             Mode::Configuration => LssState::Configuration,

@@ -131,11 +131,17 @@ impl Slave {
 
     /// Whether the slave waits, and nothing that was configured waits for a reset.
     pub fn is_at_rest(&self) -> bool {
-        self.mode == Mode::Waiting
-            && self.awaited == Awaited::Nothing
-            && self.pending.is_none()
-            && !self.given
-            && !self.timing_changed
+        self.mode == Mode::Waiting && self.awaited == Awaited::Nothing && self.is_settled()
+    }
+
+    /// Whether nothing that was configured waits for a reset.
+    pub fn is_settled(&self) -> bool {
+        self.pending.is_none() && !self.given && !self.timing_changed
+    }
+
+    /// The slave waits; which parts of an address have matched is not known.
+    pub fn go_on(&mut self) {
+        *self = Self { unconfigured: self.unconfigured, selected: None, identified: None, ..Self::new() };
     }
 
     pub fn due(&self) -> Option<Timestamp> {
