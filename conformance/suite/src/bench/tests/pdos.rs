@@ -5,6 +5,7 @@
 use super::super::objects::{TPDO_COB_ID, TPDO_MAPPED};
 use super::super::pdo::{Mapped, RPDO, TPDO};
 use super::{Bench, on_device};
+use crate::scripted::{dictionary, with_bench};
 use crate::verdict::Stop;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
@@ -60,6 +61,31 @@ fn a_parameter_is_set_while_the_pdo_is_off() {
         let remains = bench.finish();
         assert_eq!((remains.notes, bench.read_number(TPDO.parameter(5))), (Vec::new(), Ok(0)));
         assert_eq!((bench.pdo_cob_id(TPDO), bench.pdo_inhibit_time(TPDO)), (Ok(before), Ok(Duration::ZERO)));
+    });
+}
+
+/// 0 need not be written to a timer that the device does not have; the transmission type has no such value, and every PDO has
+/// it.
+#[test]
+fn a_timer_that_is_not_there_is_off() {
+    let row = |sub, value: &[u8]| ((0x1800, sub), value.to_vec(), true);
+    let without = vec![row(1, &[0xBF, 1, 0, 0x40]), row(2, &[255])];
+    with_bench(dictionary(without), |bench| {
+        assert_eq!(bench.set_pdo(TPDO, &[(2, &[0]), (3, &[0, 0]), (5, &[0, 0])]), Ok(()));
+        assert_eq!(bench.read_number(TPDO.parameter(2)), Ok(0));
+        for timer in [[1, 0], [0, 1]] {
+            assert!(matches!(bench.set_pdo(TPDO, &[(3, &timer)]), Err(Stop::Inconclusive(_))), "{timer:?}");
+        }
+        assert!(bench.set_pdo(TPDO.numbered(2), &[(2, &[0])]).is_err(), "there is no such PDO");
+    });
+    let only_its_id = vec![row(1, &[0xBF, 1, 0, 0x40])];
+    with_bench(dictionary(only_its_id), |bench| {
+        assert!(bench.set_pdo(TPDO, &[(2, &[0])]).is_err(), "a transmission type of 0 is no timer that is off");
+    });
+    let with = vec![row(1, &[0xBF, 1, 0, 0x40]), row(3, &[5, 0])];
+    with_bench(dictionary(with), |bench| {
+        assert_eq!(bench.set_pdo(TPDO, &[(3, &[0, 0])]), Ok(()));
+        assert_eq!(bench.read_number(TPDO.parameter(3)), Ok(0), "one that is there is switched off");
     });
 }
 
