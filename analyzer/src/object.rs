@@ -4,6 +4,8 @@
 pub const DEVICE_TYPE: u16 = 0x1000;
 /// 1001h: error register.
 pub const ERROR_REGISTER: u16 = 0x1001;
+/// 1002h: manufacturer status register.
+pub const MANUFACTURER_STATUS_REGISTER: u16 = 0x1002;
 /// 1003h: pre-defined error field.
 pub const PREDEFINED_ERROR_FIELD: u16 = 0x1003;
 /// 1004h of DS-301 V3.0: number of PDOs.

@@ -263,7 +263,7 @@ impl NodeStatistics {
         match (index, sub) {
             (object::DEVICE_TYPE, 0) => self.identity.device_type = number.or(self.identity.device_type),
             (object::IDENTITY, 1..=4) => self.identity.numbers[usize::from(sub) - 1] = number,
-            (0x1008..=0x100A, 0) => {
+            (object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION, 0) => {
                 let text = name(&data[..data.len().min(Self::NAME)]);
                 self.identity.names[usize::from(index - object::MANUFACTURER_DEVICE_NAME)] = Some(text);
             }

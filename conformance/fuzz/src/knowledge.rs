@@ -278,7 +278,16 @@ impl Services {
 
 /// Objects whose reading differs from what was written, by their purpose.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
-    matches!(at.index.0, object::ERROR_REGISTER | 0x1002 | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+    matches!(
+        at.index.0,
+        object::ERROR_REGISTER..=object::PREDEFINED_ERROR_FIELD
+            | object::STORE_PARAMETERS
+            | object::RESTORE_DEFAULT_PARAMETERS
+            | object::HIGH_RESOLUTION_TIME_STAMP
+            | object::VERIFY_CONFIGURATION
+            | 0x1023..=0x1026
+            | 0x1F50..=0x1F57
+    )
 }
 
 /// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).

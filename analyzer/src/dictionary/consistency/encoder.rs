@@ -4,6 +4,7 @@ use super::Check;
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::dictionary::rules::standard as rules;
 use crate::identity::Multiplexer;
+use crate::object;
 
 /// The encoder types of CiA 406 in the high word of 1000h.
 const SINGLE_TURN: u64 = 1;
@@ -13,7 +14,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     if check.description.device_profile() != Some(ENCODER_PROFILE) {
         return;
     }
-    let kind = check.default(0x1000, 0).map(|device_type| device_type >> 16);
+    let kind = check.default(object::DEVICE_TYPE, 0).map(|device_type| device_type >> 16);
     // Of a linear encoder 6501h is the measuring step, which says nothing about its range.
     if !matches!(kind, Some(SINGLE_TURN | MULTI_TURN)) {
         return;

@@ -7,6 +7,7 @@ use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::{Entry, Object, ObjectCode, Setting};
 use crate::dictionary::rules::{Rule, pdo as rules};
 use crate::identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
+use crate::object;
 
 /// The two directions: first communication parameter, first mapping parameter.
 const RPDO: (u16, u16) = (0x1400, 0x1600);
@@ -41,7 +42,7 @@ fn reserved_sub_index(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
 
 /// EMCY and the first four PDOs of each direction have the COB-IDs of the predefined connection set.
 fn predefined(check: &mut Check<'_>) {
-    let emcy = std::iter::once((Multiplexer::new(0x1014, 0), 0x80));
+    let emcy = std::iter::once((Multiplexer::new(object::COB_ID_EMCY, 0), 0x80));
     let pdos = (0..4u16).flat_map(|number| {
         let at = |first: u16| Multiplexer::new(first + number, 1);
         [(at(RPDO.0), 0x200 + 0x100 * u32::from(number)), (at(TPDO.0), 0x180 + 0x100 * u32::from(number))]
@@ -177,7 +178,8 @@ impl Mapping<'_> {
 
 /// Default COB-IDs are not restricted, and no two are the same at any node-ID.
 fn cob_ids(check: &mut Check<'_>) {
-    let single = [0x1005, 0x1012, 0x1014].map(|index| Multiplexer::new(index, 0));
+    let single =
+        [object::COB_ID_SYNC, object::COB_ID_TIME, object::COB_ID_EMCY].map(|index| Multiplexer::new(index, 0));
     let pdos = [RPDO.0, TPDO.0].into_iter().flat_map(|first| check.objects(first, first + 0x1FF));
     let pdos = pdos.filter(|object| object.code == ObjectCode::RECORD);
     let all: Vec<Multiplexer> =
@@ -189,7 +191,7 @@ fn cob_ids(check: &mut Check<'_>) {
         let Some(value) = value.and_then(|value| value.to_raw()) else { continue };
         // Bit 31 of 1005h and 1012h says that the device consumes, not that the COB-ID is invalid.
         let cob_id = CobId(value as u32);
-        if !cob_id.is_valid() && !matches!(at.index.0, 0x1005 | 0x1012) {
+        if !cob_id.is_valid() && !matches!(at.index.0, object::COB_ID_SYNC | object::COB_ID_TIME) {
             continue;
         }
         let found = format!("{:X}h", cob_id.can_id());

@@ -8,6 +8,7 @@ use crate::dictionary::names::object_name;
 use crate::dictionary::object::{Entry, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::Multiplexer;
+use crate::object;
 use std::cmp::Ordering;
 
 kinds! {
@@ -76,8 +77,8 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
     };
     let (default, configured): (&Kind, &Kind) = match (at.index.0, at.sub.0) {
         _ if is_cob_id && !is_of_pdo => (&COB_ID, &CONFIGURED_COB_ID),
-        (0x1000, 0) => (&DEVICE_TYPE, &CONFIGURED),
-        (0x1018, 1 | 2) => (&IDENTITY, &CONFIGURED),
+        (object::DEVICE_TYPE, 0) => (&DEVICE_TYPE, &CONFIGURED),
+        (object::IDENTITY, 1 | 2) => (&IDENTITY, &CONFIGURED),
         (_, 0) if !is_single && !new.access.is_writable() => (&COUNT, &CONFIGURED),
         _ => (&DEFAULT, &CONFIGURED),
     };

@@ -11,6 +11,7 @@ use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDiction
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
 use crate::identity::SubIndex;
+use crate::object;
 
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
 const MOST_ENTRIES: usize = 200_000;
@@ -308,7 +309,7 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
         let expected = "the highest sub-index in sub-index 0";
         let found = format!("{highest:02X}h is the highest");
         // 1003h counts the errors that there are.
-        if object.index.0 != 0x1003 {
+        if object.index.0 != object::PREDEFINED_ERROR_FIELD {
             fields.problems.report(place, &rules::list::HIGHEST, expected, &found);
         }
     }

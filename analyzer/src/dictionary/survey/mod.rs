@@ -6,6 +6,7 @@ pub mod compare;
 pub mod describe;
 
 use crate::identity::{Index, Multiplexer, SubIndex};
+use crate::object;
 use crate::wire::sdo::AbortCode;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -124,7 +125,7 @@ impl Survey {
 
     /// The number of the device profile: the low word of 1000h.
     pub fn device_profile(&self) -> Option<u16> {
-        self.number(Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+        self.number(Multiplexer::new(object::DEVICE_TYPE, 0)).map(|device_type| device_type as u16)
     }
 
     /// How many entries there were answers for, and how many of them exist.

@@ -3,6 +3,7 @@
 use super::{Comparison, Kind, Side, Weight};
 use crate::dictionary::difference::{Fact, Subject};
 use crate::identity::Multiplexer;
+use crate::object;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let device = &comparison.description.device;
@@ -12,7 +13,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
         (Kind::Release, "RevisionNumber", device.revision_number, 3),
     ];
     for (kind, field, described, sub) in fields {
-        let at = Multiplexer::new(0x1018, sub);
+        let at = Multiplexer::new(object::IDENTITY, sub);
         let entry = comparison.description.dictionary.entry(at).ok();
         let is_told = entry.is_some_and(|entry| entry.configured.is_some() || entry.default.is_some());
         let (Some(described), Some(found)) = (described, comparison.survey.number(at)) else { continue };

@@ -18,6 +18,7 @@ use crate::dictionary::difference::{Fact, Subject};
 use crate::dictionary::names::object_name;
 use crate::dictionary::value::Value;
 use crate::identity::{Multiplexer, NodeId, SubIndex};
+use crate::object;
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -88,11 +89,11 @@ pub fn compare(description: &DeviceDescription, survey: &Survey, node: NodeId) -
 
 /// The addresses that tell most of a device, whether they are described or not.
 pub const IDENTITY: [Multiplexer; 5] = [
-    Multiplexer::new(0x1000, 0),
-    Multiplexer::new(0x1018, 0),
-    Multiplexer::new(0x1018, 1),
-    Multiplexer::new(0x1018, 2),
-    Multiplexer::new(0x1018, 3),
+    Multiplexer::new(object::DEVICE_TYPE, 0),
+    Multiplexer::new(object::IDENTITY, 0),
+    Multiplexer::new(object::IDENTITY, 1),
+    Multiplexer::new(object::IDENTITY, 2),
+    Multiplexer::new(object::IDENTITY, 3),
 ];
 
 /// Where a difference stands among the others.

@@ -4,6 +4,7 @@ use super::{Answer, Comparison, Kind, Side, Weight, values};
 use crate::dictionary::difference::{Fact, Subject};
 use crate::dictionary::object::{Entry, Object};
 use crate::identity::Multiplexer;
+use crate::object;
 use crate::wire::sdo::AbortCode;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
@@ -54,7 +55,7 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
 
 /// Errors that have not happened have no sub-index in 1003h, or no value.
 fn is_empty_history(at: Multiplexer) -> bool {
-    at.index.0 == 0x1003 && at.sub.0 > 0
+    at.index.0 == object::PREDEFINED_ERROR_FIELD && at.sub.0 > 0
 }
 
 fn value(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, bytes: &[u8]) {

@@ -6,6 +6,7 @@ use crate::dictionary::names::is_cob_id;
 use crate::dictionary::object::{Access, Entry, Object, Setting};
 use crate::dictionary::value::{Value, ValueError};
 use crate::identity::{Multiplexer, NodeId};
+use crate::object;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, bytes: &[u8]) {
     let at = Multiplexer { index: object.index, sub: entry.sub };
@@ -65,7 +66,8 @@ fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
     let is_filler = |byte: &&u8| **byte == 0 || byte.is_ascii_whitespace();
     let trimmed = |bytes: &[u8]| bytes.len() - bytes.iter().rev().take_while(is_filler).count();
     let same = described.get(..trimmed(described)) == found.get(..trimmed(found));
-    matches!(at.index.0, 0x1008..=0x100A) && (described.is_empty() || same)
+    matches!(at.index.0, object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION)
+        && (described.is_empty() || same)
 }
 
 /// What it means if the value is not the default; `None` where it means nothing.
@@ -73,17 +75,20 @@ fn weighed(object: &Object, entry: &Entry) -> Option<(Kind, Weight)> {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     let kind = match (at.index.0, at.sub.0) {
         // Errors, time and serial number are the device's own.
-        (0x1001..=0x1003 | 0x1013, _) | (0x1018, 4) => return None,
-        (0x1018, 1..=3) if is_open(entry) => return None,
-        (0x1000 | 0x1008, _) | (0x1018, 1 | 2) => Kind::Identity,
-        (0x1009 | 0x100A, _) | (0x1018, 3) => Kind::Release,
+        (object::ERROR_REGISTER..=object::PREDEFINED_ERROR_FIELD | object::HIGH_RESOLUTION_TIME_STAMP, _)
+        | (object::IDENTITY, 4) => return None,
+        (object::IDENTITY, 1..=3) if is_open(entry) => return None,
+        (object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME, _) | (object::IDENTITY, 1 | 2) => Kind::Identity,
+        (object::MANUFACTURER_HARDWARE_VERSION | object::MANUFACTURER_SOFTWARE_VERSION, _) | (object::IDENTITY, 3) => {
+            Kind::Release
+        }
         _ if entry.configured.is_some() => Kind::Configured,
         _ if !entry.access.is_writable() && entry.pdo_mappable => return None,
         _ if is_cob_id(at) => Kind::CobId,
         (_, 0) if !object.code.is_single() && !entry.access.is_writable() => Kind::Count,
         _ if entry.access == Access::Const => Kind::Constant,
         // What they give when they are read says what the device can do.
-        (0x1010 | 0x1011, _) => Kind::State,
+        (object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS, _) => Kind::State,
         _ if entry.access.is_writable() => Kind::Setting,
         (0x1004..=0x1FFF, _) => Kind::Constant,
         _ => Kind::State,

@@ -4,11 +4,12 @@ use super::Facts;
 use crate::dictionary::description::DeviceInfo;
 use crate::dictionary::object::ObjectDictionary;
 use crate::identity::Multiplexer;
+use crate::object;
 use crate::wire::pdo::MappingEntry;
 
 pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rate: Option<u16>) -> DeviceInfo {
     let identity = |sub| {
-        let number = facts.survey.number(Multiplexer::new(0x1018, sub));
+        let number = facts.survey.number(Multiplexer::new(object::IDENTITY, sub));
         number.and_then(|number| u32::try_from(number).ok())
     };
     let count = |first: u16| {
@@ -31,7 +32,7 @@ pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rat
 
 /// The manufacturer's device name, as far as it can stand in a file.
 fn name(facts: &Facts<'_>) -> String {
-    let name = facts.survey.value(Multiplexer::new(0x1008, 0)).unwrap_or_default();
+    let name = facts.survey.value(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)).unwrap_or_default();
     let name: String = name.iter().filter(|byte| matches!(byte, b' '..=b'~')).map(|&byte| char::from(byte)).collect();
     name.trim().to_owned()
 }

@@ -5,6 +5,7 @@ use super::sdo::{Outcome, Transfer, Violation};
 use crate::BusError;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::survey::{Answer, Survey};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use canvass_traces::Duration;
@@ -109,7 +110,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
 
     /// A device that has not answered for some entries is asked for one that every device has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
-        const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+        const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
         if (0..LAST_TRIES).any(|_| !matches!(self.ask(DEVICE_TYPE), Ok(Answer::Silent))) {
             return Ok(());
         }
