@@ -1,4 +1,4 @@
-//! The words of messages, as the standards name what they say, and the bits that stand behind numbers.
+//! The words of messages, as the standards name what they say, and the bits that stand after numbers.
 
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]

@@ -198,7 +198,7 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     })
 }
 
-/// What a comment begins with that is given with the frame behind it: others are a person's, or the format's own.
+/// What a comment begins with that is given with the frame after it: others are a person's, or the format's own.
 pub(crate) const NOTE: &str = "canvass: ";
 
 /// The text of a line that is such a comment.

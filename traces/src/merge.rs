@@ -3,7 +3,7 @@
 //! - One record of each source is looked ahead, and only while more than one source is left; nothing is sorted.
 //!   Where a source's own clock steps back, its records keep the order of their source.
 //! - Of records of the same time, those of the source named first come first.
-//! - A damage comes out as soon as it is found: behind the record before it in its own source. One with a salvaged
+//! - A damage comes out as soon as it is found: after the record before it in its own source. One with a salvaged
 //!   record takes that record's place in time.
 //! - Channels of different sources are different channels, even if their names are equal: with more than one source
 //!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to

@@ -62,7 +62,7 @@ fn after(found: &str) -> String {
 /// ```
 pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     let bytes = text.as_bytes();
-    whole(frame(bytes), "nothing more behind the frame").map_err(|missing| {
+    whole(frame(bytes), "nothing more after the frame").map_err(|missing| {
         let position = bytes.len().saturating_sub(missing.at.len());
         let rest = text.get(position..).unwrap_or_default();
         let found = rest.chars().take(40).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
@@ -144,7 +144,7 @@ fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-/// `_9` to `_F` behind eight bytes.
+/// `_9` to `_F` after eight bytes.
 #[inline]
 fn raw_dlc(frame: Frame, input: &[u8]) -> Parsed<'_, Record> {
     match input {

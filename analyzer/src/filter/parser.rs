@@ -210,7 +210,7 @@ fn range(input: &str) -> Parsed<'_, RangeInclusive<u32>> {
     }
 }
 
-/// Decimal, or hexadecimal with 0x in front or h behind.
+/// Decimal, or hexadecimal with 0x in front or h at the end.
 fn number(input: &str) -> Parsed<'_, u32> {
     let expected = "a number such as 63, 0x3F or 3Fh";
     let (rest, digits) = match preceded(multispace0::<_, Mistake<'_>>, take_while1(alphanumeric)).parse(input) {

@@ -34,7 +34,7 @@ fn any(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     dice.pick(&all)
 }
 
-/// Puts a line somewhere behind that one in its section.
+/// Puts a line somewhere after that one in its section.
 fn behind(eds: &mut Eds, dice: &mut Dice, line: usize, text: String) -> Place {
     let last = eds.last(header_of(eds, line));
     let at = dice.between(line as u64 + 1, last as u64) as usize;

@@ -76,7 +76,7 @@ fn a_mapping_has_up_to_64_entries() {
     }
 }
 
-/// Signals lie one behind the other, by the bit; a data type as object is a gap.
+/// Signals lie one after the other, by the bit; a data type as object is a gap.
 #[test]
 fn signals_follow_each_other() {
     let mut trace = Trace::new();

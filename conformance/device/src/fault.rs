@@ -499,7 +499,7 @@ faults! {
     EdsSubIndexMissing = "eds-sub-index-missing" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS does not describe sub-index 0 of 1018h.",
     EdsFieldTwice = "eds-field-twice" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS has a field twice in a section.",
     EdsDataTypeMissing = "eds-data-type-missing" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS gives 1017h no data type.",
-    EdsNumberUnreadable = "eds-number-unreadable" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS writes a hexadecimal number with h behind it.",
+    EdsNumberUnreadable = "eds-number-unreadable" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS writes a hexadecimal number with h at its end.",
     EdsFloatDefault = "eds-float-default" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS gives an integer a default with a decimal point.",
     EdsSubNumberWrong = "eds-sub-number-wrong" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS counts more sub-indexes of 1018h than it describes.",
     EdsPdoCountWrong = "eds-pdo-count-wrong" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS counts more TPDOs than it describes.",

@@ -15,7 +15,7 @@ use crate::{CanId, ChannelId, Direction, Frame, Place, Record, Timestamp};
 pub(crate) struct Names(Vec<Name>);
 
 struct Name {
-    /// The padding, the name and the space behind it, filled up with zeros.
+    /// The padding, the name and the space after it, filled up with zeros.
     word: u64,
     /// The bytes of a word that belong to it.
     mask: u64,
@@ -72,7 +72,7 @@ fn chunk<const N: usize>(window: &[u8], at: usize) -> Option<&[u8; N]> {
     window.get(at..)?.first_chunk()
 }
 
-/// The time in nanoseconds, and where the text behind its parenthesis and one space begins.
+/// The time in nanoseconds, and where the text after its parenthesis and one space begins.
 #[inline]
 fn time(window: &[u8]) -> Option<(u64, usize)> {
     let head: &[u8; 24] = window.first_chunk()?;
@@ -96,7 +96,7 @@ fn two_decimal(tens: u8, ones: u8) -> Option<u64> {
     (tens < 10 && ones < 10).then(|| u64::from(10 * tens + ones))
 }
 
-/// An identifier of 3 or 8 digits that is no error frame, and where the text behind its `#` begins.
+/// An identifier of 3 or 8 digits that is no error frame, and where the text after its `#` begins.
 #[inline]
 fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     let text: &[u8; 9] = chunk(window, at)?;
@@ -114,7 +114,7 @@ fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     (i8 == b'#').then_some((id, at + 9))
 }
 
-/// The direction behind the data, and where the next line begins.
+/// The direction after the data, and where the next line begins.
 #[inline]
 fn line_end(window: &[u8], at: usize) -> Option<(Direction, usize)> {
     match window.get(at..)? {

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `~~` adds a liberty to the device before it: something that the standard leaves free, and that this device does in its
-//! own way. It may stand behind a fault too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
+//! own way. It may stand after a fault too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
 //! (`.eds`, `.dcf`, `.xdd`, `.xdc`), one more device. The bit rate of the first device is that of the bus; another
 //! device with another one does not understand what is on the bus. `NODE` is 1 to 127, or 255 for a device that waits
 //! for LSS to give it a node-ID. Without it a device has the node-ID of its model or, where an earlier device has that,
@@ -70,7 +70,7 @@ pub struct Attached {
 /// The endings of device descriptions.
 const DESCRIPTIONS: [&str; 4] = [".eds", ".dcf", ".xdd", ".xdc"];
 
-/// The devices that the part of an address behind `sim:` names; at least one.
+/// The devices that the part of an address after `sim:` names; at least one.
 ///
 /// # Errors
 /// What is wrong and what would be right.
@@ -100,7 +100,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
     }
 }
 
-/// What stands before the first `~~`, and the liberties behind it.
+/// What stands before the first `~~`, and the liberties after it.
 fn liberties(text: &str) -> Result<(&str, Vec<Liberty>), String> {
     let mut pieces = text.split("~~");
     let head = pieces.next().unwrap_or_default();

@@ -18,7 +18,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
-/// The values, and what stands behind them.
+/// The values, and what stands after them.
 #[derive(Clone, Debug)]
 pub(super) struct Objects {
     pub model: Model,

@@ -220,7 +220,7 @@ impl McapReader {
         self.pending.extend(missing);
         self.source.consume(end + magic);
         if self.has(1)? {
-            let expected = "the end of the file behind the magic number";
+            let expected = "the end of the file after the magic number";
             self.pending.push_back(Damage::new(DamageKind::Malformed, self.place(), expected, b"more bytes"));
         }
         Ok(None)

@@ -5,7 +5,7 @@
 //! uint8[<=64] data              # T[] a sequence, T[<=N] a bounded one, T[N] an array
 //! int32 STANDARD=0              # a constant: no part of the message
 //! ================================================================================
-//! MSG: std_msgs/Header          # the definitions of the types used, each behind such a line
+//! MSG: std_msgs/Header          # the definitions of the types used, each after such a line
 //! ```
 
 use std::collections::HashMap;
@@ -108,13 +108,13 @@ fn plain_name(name: &str) -> String {
 fn field(line: &str) -> Result<Option<(&str, &str)>, String> {
     let mut words = line.splitn(2, char::is_whitespace);
     let (Some(kind), rest) = (words.next().filter(|word| !word.is_empty()), words.next()) else { return Ok(None) };
-    let rest = rest.ok_or_else(|| format!("a field's name behind its type: {line}"))?.trim();
+    let rest = rest.ok_or_else(|| format!("a field's name after its type: {line}"))?.trim();
     let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
     let (name, value) = rest.split_at(end);
     if name.is_empty() {
         return Err(format!("a field's name: {line}"));
     }
-    // A constant has its value behind `=`; a default value of ROS 2 stands behind a blank.
+    // A constant has its value after `=`; a default value of ROS 2 stands after a blank.
     Ok((!value.trim_start().starts_with('=')).then_some((kind, name)))
 }
 
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_named() {
-        assert_eq!(parse("a/B", "uint8"), Err("a field's name behind its type: uint8".into()));
+        assert_eq!(parse("a/B", "uint8"), Err("a field's name after its type: uint8".into()));
         assert_eq!(parse("a/B", "Nowhere x"), Err("a known type: Nowhere".into()));
         assert_eq!(parse("a/B", "uint8[x] x"), Err("a number of elements: uint8[x]".into()));
     }

@@ -6,7 +6,7 @@ use super::ros_definition::Count;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Numbers and arrays of fixed size, one behind the other.
+/// Numbers and arrays of fixed size, one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
     /// How many bytes its first number is aligned to. None of the others asks for more, so the distances between
