@@ -105,7 +105,7 @@ fn one(program: &Program, seeds: &Seeds, seed: u64, number: u64, thread: u64, ta
         let args: Vec<String> = command.split(' ').map(|word| word.replace("FILE", &path)).collect();
         failed.extend(tally.take(&program.run(&args), &args));
     }
-    if original.kind == seeds::Kind::Capture {
+    if original.kind == seeds::SeedKind::Capture {
         match account::account(program, original, mutation, &bytes, &path, thread) {
             Ok(accounted) => failed.extend(tally.account(accounted)),
             Err(error) => failed.push(format!("{error:#}")),

@@ -1,4 +1,4 @@
-use super::kind::{Kind, kind};
+use super::kind::{EncoderKind, kind};
 use crate::findings::facts::Operand;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -97,7 +97,9 @@ impl PositionJump {
         // A step of the sensor: of a revolution, or in nanometres.
         let step = || known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
         match kind(context, node) {
-            Some(Kind::Linear) => step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
+            Some(EncoderKind::Linear) => {
+                step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6))
+            }
             _ => {
                 let units = per_revolution.or_else(step).unwrap_or(self.resolution);
                 units.saturating_mul(self.speed) / 60

@@ -1,4 +1,4 @@
-use super::kind::{Kind, kind};
+use super::kind::{EncoderKind, kind};
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -35,7 +35,7 @@ const SCALING: u64 = 1 << 2;
 /// The positions of the sensor itself: steps of one revolution (6501h) times revolutions (6502h).
 fn physical_range(context: &Context<'_>, node: NodeId) -> Option<u64> {
     // In linear devices 6501h is the length of a step.
-    let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(Kind::Rotary))?;
+    let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(EncoderKind::Rotary))?;
     let of = |index| known.certain(node, Multiplexer::new(index, 0)).map(u64::from);
     of(0x6501)?.checked_mul(of(0x6502)?).filter(|&range| range > 0)
 }

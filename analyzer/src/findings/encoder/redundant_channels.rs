@@ -1,4 +1,4 @@
-use super::kind::{Kind, is_encoder, kind, layout};
+use super::kind::{EncoderKind, is_encoder, kind, layout};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen};
@@ -52,7 +52,7 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
         return None;
     }
     // Without a mapping: two halves. Angles run over; only lengths don't.
-    if kind(context, node) == Some(Kind::Rotary) {
+    if kind(context, node) == Some(EncoderKind::Rotary) {
         return None;
     }
     let payload = context.record.frame.data();

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 /// A field's type without its count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum FieldKind {
     /// A number of that many bytes, or a truth value.
     Number {
         size: usize,
@@ -36,7 +36,7 @@ pub(crate) enum Count {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Field {
     pub(crate) name: String,
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
     pub(crate) count: Count,
 }
 
@@ -144,8 +144,8 @@ fn counted(text: &str) -> Result<(&str, Count), String> {
     })
 }
 
-fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<Kind, String> {
-    let number = |size, signed| Ok(Kind::Number { size, signed });
+fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<FieldKind, String> {
+    let number = |size, signed| Ok(FieldKind::Number { size, signed });
     // `string<=10` is a bounded string: the same on the wire.
     match text.split("<=").next().unwrap_or(text) {
         "bool" | "byte" | "char" | "uint8" => return number(1, false),
@@ -156,15 +156,15 @@ fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<Kind
         "int32" => return number(4, true),
         "uint64" | "float64" => return number(8, false),
         "int64" => return number(8, true),
-        "string" => return Ok(Kind::Text),
-        "wstring" => return Ok(Kind::WideText),
+        "string" => return Ok(FieldKind::Text),
+        "wstring" => return Ok(FieldKind::WideText),
         _ => {}
     }
     let name = plain_name(text);
     let neighbour = user.split_once('/').map(|(package, _)| format!("{package}/{name}"));
     let known = [Some(name.clone()), neighbour, (name == "Header").then(|| "std_msgs/Header".to_owned())];
     let place = known.iter().flatten().find_map(|name| places.get(name.as_str()));
-    place.map(|&place| Kind::Message(place)).ok_or_else(|| format!("a known type: {text}"))
+    place.map(|&place| FieldKind::Message(place)).ok_or_else(|| format!("a known type: {text}"))
 }
 
 #[cfg(test)]
@@ -182,13 +182,13 @@ mod tests {
         let Definitions(messages) = parse("can_msgs/msg/Frame", FRAME).unwrap();
         let fields: Vec<_> =
             messages[0].fields.iter().map(|field| (field.name.as_str(), field.kind, field.count)).collect();
-        let flag = Kind::Number { size: 1, signed: false };
+        let flag = FieldKind::Number { size: 1, signed: false };
         assert_eq!(messages[0].name, "can_msgs/Frame");
         assert_eq!(
             fields,
             [
-                ("header", Kind::Message(1), Count::One),
-                ("id", Kind::Number { size: 4, signed: false }, Count::One),
+                ("header", FieldKind::Message(1), Count::One),
+                ("id", FieldKind::Number { size: 4, signed: false }, Count::One),
                 ("is_rtr", flag, Count::One),
                 ("is_extended", flag, Count::One),
                 ("is_error", flag, Count::One),
@@ -196,7 +196,7 @@ mod tests {
                 ("data", flag, Count::Array(8)),
             ]
         );
-        assert_eq!(messages[1].fields[0].kind, Kind::Message(2));
+        assert_eq!(messages[1].fields[0].kind, FieldKind::Message(2));
     }
 
     #[test]
@@ -209,14 +209,14 @@ mod tests {
         assert_eq!(
             fields,
             [
-                ("s", Kind::Text, Count::One),
-                ("x", Kind::Number { size: 1, signed: false }, Count::One),
-                ("parts", Kind::Message(1), Count::Sequence(None)),
-                ("w", Kind::WideText, Count::Sequence(Some(3))),
-                ("f", Kind::Number { size: 8, signed: false }, Count::Array(2)),
+                ("s", FieldKind::Text, Count::One),
+                ("x", FieldKind::Number { size: 1, signed: false }, Count::One),
+                ("parts", FieldKind::Message(1), Count::Sequence(None)),
+                ("w", FieldKind::WideText, Count::Sequence(Some(3))),
+                ("f", FieldKind::Number { size: 8, signed: false }, Count::Array(2)),
             ]
         );
-        let Kind::Message(header) = messages[1].fields[1].kind else { panic!() };
+        let FieldKind::Message(header) = messages[1].fields[1].kind else { panic!() };
         assert_eq!(messages[header].name, "std_msgs/Header");
     }
 
