@@ -51,7 +51,7 @@ fn candidates(typed: &OsStr, words: Words) -> Vec<CompletionCandidate> {
     words(typed).into_iter().filter(|word| word.starts_with(typed)).map(CompletionCandidate::new).collect()
 }
 
-/// The last word of a list with commas, behind what stands before it.
+/// The last word of a list with commas, after what stands before it.
 fn listed(typed: &str, words: impl IntoIterator<Item = String>) -> Vec<String> {
     let before = typed.rfind(',').map_or("", |comma| &typed[..=comma]);
     words.into_iter().map(|word| format!("{before}{word}")).collect()
@@ -104,7 +104,7 @@ fn interfaces() -> Vec<String> {
     Vec::new()
 }
 
-/// Models and files, behind the node-ID if it is typed.
+/// Models and files, after the node-ID if it is typed.
 fn devices(typed: &str) -> Vec<String> {
     let (before, path) = typed.find('=').map_or(("", typed), |at| typed.split_at(at + 1));
     let files = PathCompleter::file().complete(OsStr::new(path)).into_iter();

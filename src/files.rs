@@ -124,6 +124,8 @@ impl Identity {
         let name = path.file_name()?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
         let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+        // Windows makes one file of names that differ in case only.
+        let name = if cfg!(windows) { name.to_ascii_lowercase() } else { name.to_owned() };
         Some(Self::Path(folder.join(name)))
     }
 

@@ -33,7 +33,7 @@ pub fn ask(bus: &mut dyn Bus, node: NodeId) -> Result<DeviceIdentity, BusError> 
     for (sub, part) in (1..).zip(&mut identity.identity) {
         *part = number(read(object::IDENTITY, sub)?);
     }
-    for (index, name) in (0x1008..).zip(&mut identity.names) {
+    for (index, name) in (object::MANUFACTURER_DEVICE_NAME..).zip(&mut identity.names) {
         *name = text(read(index, 0)?);
     }
     Ok(identity)

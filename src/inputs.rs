@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// How captures are read.
 #[derive(clap::Args, Default)]
 pub struct InputOptions {
-    /// The format of the captures, where it is not recognised
+    /// The format of the captures, if it is not recognised
     #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
     format_in: Option<Format>,
     /// Read only these topics, in formats that have topics (MCAP)

@@ -46,7 +46,7 @@ pub const CLIENT: Duration = Duration::from_secs(10);
 /// How long it is waited for, as typed.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
-    /// How long to wait until somebody connects, where the bus is slcan:listen://
+    /// How long to wait for a client, if the bus is slcan:listen://
     #[arg(long, default_value = "10s", value_name = "SPAN", value_parser = parse_span)]
     client_timeout: Duration,
 }
@@ -94,7 +94,7 @@ pub fn channel_name(address: &str) -> &str {
     match address.split_once(':') {
         Some(("sim", _)) => "sim",
         Some(("socketcan", interface)) => interface,
-        Some(("slcan", rest)) => rest.split('@').next().unwrap_or(rest),
+        Some(("slcan" | "pcan", rest)) => rest.split('@').next().unwrap_or(rest),
         _ => address,
     }
 }
@@ -264,7 +264,8 @@ mod tests {
 
     #[test]
     fn a_bus_has_a_name() {
-        let names = ["can0", "socketcan:vcan1", "sim:x+y", "slcan:/dev/ttyACM0@250k"].map(channel_name);
-        assert_eq!(names, ["can0", "vcan1", "sim", "/dev/ttyACM0"]);
+        let live = ["can0", "socketcan:vcan1", "slcan:/dev/ttyACM0@250k", "slcan:COM3@1M", "pcan:PCAN_USBBUS1@250k"];
+        assert_eq!(live.map(channel_name), ["can0", "vcan1", "/dev/ttyACM0", "COM3", "PCAN_USBBUS1"]);
+        assert_eq!(channel_name("sim:x+y"), "sim");
     }
 }

@@ -67,7 +67,11 @@ impl LiveSource {
         match self.chunks.try_recv() {
             Ok(chunk) => return chunk.map(Some),
             Err(TryRecvError::Disconnected) => return Ok(None),
-            Err(TryRecvError::Empty) => self.output.flush()?,
+            // Nobody reads what was made of it: nothing more is wanted.
+            Err(TryRecvError::Empty) => match self.output.flush() {
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(None),
+                flushed => flushed?,
+            },
         }
         while !self.interrupt.came() {
             match self.chunks.recv_timeout(LOOK) {

@@ -7,6 +7,7 @@ mod bundle;
 mod cli;
 mod commands;
 mod completion;
+mod console;
 mod damages;
 mod destination;
 mod devices;
@@ -34,7 +35,7 @@ use status::Status;
 
 fn main() -> std::process::ExitCode {
     clap_complete::CompleteEnv::with_factory(cli::Cli::described).var(completion::VARIABLE).complete();
-    let started = cli::Cli::of_arguments(quality::with_format(std::env::args_os()).collect());
+    let started = cli::Cli::of_arguments(quality::with_format(console::arguments().into_iter()).collect());
     let ended = started.and_then(|(cli, typed)| cli.run(&typed));
     let status = ended.unwrap_or_else(|failure| failure.report());
     // The process ends here: what is buffered was written by the commands themselves.

@@ -1,5 +1,6 @@
 //! Standard output and standard error.
 
+use crate::console::takes_sequences;
 use canvass_reports::ascii::ascii;
 use canvass_reports::escape::{Printable, Visible};
 use std::borrow::Cow;
@@ -23,9 +24,13 @@ impl Color {
     /// Whether standard output gets colours.
     pub fn on_stdout(self) -> bool {
         match self {
-            Self::Always => true,
+            Self::Always => {
+                // A console that can't show them gets them all the same: that was asked for.
+                takes_sequences(&raw());
+                true
+            }
             Self::Never => false,
-            Self::Auto => is_terminal() && may_have_colors(),
+            Self::Auto => is_terminal() && may_have_colors() && takes_sequences(&raw()),
         }
     }
 }
@@ -180,7 +185,7 @@ fn stderr() -> Stderr {
 
 /// Whether somebody sees standard error as it is written, on a terminal on which a line can take the place of another.
 pub fn is_seen() -> bool {
-    stderr().is_terminal() && !is_dumb()
+    stderr().is_terminal() && !is_dumb() && takes_sequences(&stderr())
 }
 
 /// Whether the last line of standard error is a progress.

@@ -23,7 +23,7 @@ use std::str::FromStr;
 /// What the user adds to a report.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Remarks {
-    /// Something for the reports, such as tester=Ann or firmware=1.4.2; can be given several times
+    /// A note for the reports, such as tester=Ann or firmware=1.4.2; can be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     note: Vec<Note>,
     /// The date for the reports, such as 2026-11-22T14:00:00+01:00, where no live bus is used; without it

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Whether and how the quality of the captures is shown.
 #[derive(clap::Args, Default)]
 pub struct QualityOptions {
-    /// Say at the end what the captures hold and lack: frames, damage, clock steps, time resolution, gaps
+    /// Report at the end what the captures contain and lack: frames, damage, clock steps, time resolution, gaps
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "text")]
     quality: Option<QualityFormat>,
     /// Where to; without it standard error; - is standard output
@@ -21,7 +21,7 @@ pub struct QualityOptions {
     quality_out: Option<PathBuf>,
 }
 
-/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file behind it would
+/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file after it would
 /// be taken for its format.
 pub fn with_format(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
     let mut arguments = arguments.peekable();

@@ -147,7 +147,7 @@ pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Comple
             command = with_default(command, &name, id, &values);
             set.push(id);
         } else if matches!(id, "timeout" | "threshold") {
-            // Each of them is a setting of its own: what was typed comes behind those of the file.
+            // Each of them is a setting of its own: what was typed comes after those of the file.
             put_first(&mut arguments, &name, id, &values);
         }
     }

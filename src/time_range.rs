@@ -16,10 +16,11 @@ pub enum TimePoint {
 /// The part of a capture between two points; both are in it.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct TimeRange {
-    /// Leave out what was before: seconds as in the capture, +SECONDS since its first frame, or 2025-01-28T10:47:15Z
+    /// Leave out frames before this time: seconds as in the capture, +SECONDS since its first frame, or
+    /// 2025-01-28T10:47:15Z
     #[arg(long, value_name = "TIME")]
     from: Option<TimePoint>,
-    /// Leave out what came after
+    /// Leave out frames after this time
     #[arg(long, value_name = "TIME")]
     to: Option<TimePoint>,
     #[arg(skip)]

@@ -49,6 +49,11 @@ impl Clause {
             None => self.standard.to_owned(),
         }
     }
+
+    /// `CiA 301 7.5.2.20 (derived)`, but the standard alone where the section is not known: for places where that is no news.
+    pub fn brief(&self) -> String {
+        if self.section.is_some() { self.to_string() } else { self.standard.to_owned() }
+    }
 }
 
 /// Never shows a section as certain that is not: `CiA 301 7.5.2.20 (derived)`.
@@ -96,5 +101,8 @@ mod tests {
         assert_eq!(clause(Some("7.5.2.20"), Confidence::Derived), "CiA 301 7.5.2.20 (derived)");
         assert_eq!(clause(Some("7.2.4.3.6"), Confidence::Known), "CiA 301 7.2.4.3.6 (unconfirmed)");
         assert_eq!(clause(None, Confidence::Unknown), "CiA 301, section unknown");
+        let brief = |section, confidence| Clause { standard: "CiA 301", section, confidence }.brief();
+        assert_eq!(brief(Some("7.5.2.20"), Confidence::Derived), "CiA 301 7.5.2.20 (derived)");
+        assert_eq!(brief(None, Confidence::Unknown), "CiA 301");
     }
 }

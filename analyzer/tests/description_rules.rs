@@ -4,7 +4,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_analyzer::dictionary::check::check;
+use canvass_analyzer::dictionary::check::{Folder, check, check_in};
 use canvass_analyzer::dictionary::rules::{self, Rule};
 use canvass_analyzer::dictionary::{DeviceDescription, Severity};
 use std::path::Path;
@@ -29,8 +29,22 @@ fn models() -> Vec<(String, String)> {
     files.iter().map(|path| read(path)).collect()
 }
 
+/// The folder of the files: a file to download, and the EDS of another device.
+struct Beside;
+
+impl Folder for Beside {
+    fn has(&self, name: &str) -> bool {
+        name == "program.bin"
+    }
+
+    fn read(&self, name: &str) -> Option<Vec<u8>> {
+        let text = "[OptionalObjects]\nSupportedObjects=1\n1=0x1FFE\n[1FFE]\nParameterName=Another\nDataType=0x0005\nAccessType=ro\n";
+        (name == "another.eds").then(|| text.as_bytes().to_vec())
+    }
+}
+
 fn found(bytes: &[u8]) -> Vec<&'static str> {
-    let checked = check(bytes, Some(NAME)).unwrap();
+    let checked = check_in(bytes, Some(NAME), Some(&Beside)).unwrap();
     assert!(checked.description.is_ok(), "{:?}", checked.description.err());
     checked.findings.iter().map(|finding| finding.problem.rule.id).collect()
 }

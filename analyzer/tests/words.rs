@@ -7,10 +7,11 @@ use canvass_analyzer::network::sdo::{Direction, Mode, Side, Violation};
 use canvass_analyzer::wire::case_marker::Verdict;
 use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::flying_master::FlyingMaster;
-use canvass_analyzer::wire::lss::{self, Bound, ConfigureCommand, Part};
+use canvass_analyzer::wire::layer_setting::Protocol;
+use canvass_analyzer::wire::lss::{self, Bound, ConfigureCommand, Lss, Part};
 use canvass_analyzer::wire::pdo::{TransmissionType, extract, insert};
 use canvass_analyzer::wire::sdo::{Expedited, Request, Response, Segment};
-use canvass_analyzer::wire::{Malformed, Wire, lmt};
+use canvass_analyzer::wire::{Malformed, Wire};
 use canvass_traces::CanId;
 
 /// CiA 305, the LSS address and the bounds of "identify remote slave".
@@ -42,8 +43,8 @@ fn layer_setting_in_words() {
             ],
         ),
     ] {
-        assert_eq!([0, 1, 2, 255].map(|error| command.error_name(error)), errors, "{command:?}");
-        assert_eq!(command.error_name(3), None);
+        assert_eq!([0, 1, 2, 255].map(|error| command.error_name::<Lss>(error)), errors, "{command:?}");
+        assert_eq!(command.error_name::<Lss>(3), None);
     }
     let request = |bytes: [u8; 8]| lss::Request::read(&bytes).unwrap().to_string();
     for (bytes, text) in [
@@ -100,9 +101,9 @@ fn layer_setting_in_words() {
 /// Each of the command specifiers that only one of the two protocols knows (CiA 305 and CiA 205-2).
 #[test]
 fn command_specifiers_belong_to_one_protocol() {
-    use lmt::Dialect::{Lmt, Lss};
-    let of = |range: std::ops::RangeInclusive<u8>| range.map(|byte| lmt::dialect(&[byte, 0])).collect::<Vec<_>>();
-    for (range, dialect) in [
+    use Protocol::{Lmt, Lss};
+    let of = |range: std::ops::RangeInclusive<u8>| range.map(|byte| Protocol::of(&[byte, 0])).collect::<Vec<_>>();
+    for (range, protocol) in [
         (0x00..=0x00, None),
         (0x01..=0x03, Some(Lmt)),
         (0x04..=0x04, None),
@@ -119,9 +120,9 @@ fn command_specifiers_belong_to_one_protocol() {
         (0x5A..=0x5E, Some(Lss)),
         (0x5F..=0xFF, None),
     ] {
-        assert!(of(range.clone()).iter().all(|found| *found == dialect), "{range:02X?}");
+        assert!(of(range.clone()).iter().all(|found| *found == protocol), "{range:02X?}");
     }
-    assert_eq!(lmt::dialect(&[]), None);
+    assert_eq!(Protocol::of(&[]), None);
 }
 
 /// CiA 301, 7.2.7.1 and 7.5.2.2: the class of an error and its bit in the error register.

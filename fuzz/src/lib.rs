@@ -121,7 +121,7 @@ pub fn waivers(bytes: &[u8]) {
     }
 }
 
-/// The two files of a model: the bytes before the first NUL are its sheet, those behind it its EDS; without a NUL an EDS
+/// The two files of a model: the bytes before the first NUL are its sheet, those after it its EDS; without a NUL an EDS
 /// of the same bytes is read as a device of which nothing else is known.
 pub fn model(bytes: &[u8]) {
     let end = bytes.iter().position(|&byte| byte == 0);

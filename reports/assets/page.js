@@ -18,6 +18,14 @@
   }));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => dispatchEvent(new Event('themechange')));
 
+  // Where another page shows this one, it has the colours of that page.
+  if (parent !== window) {
+    document.querySelectorAll('.themes').forEach((themes) => { themes.hidden = true; });
+    addEventListener('message', ({ source, data }) => {
+      if (source === parent && ['', 'light', 'dark'].includes(data?.theme)) choose(data.theme);
+    });
+  }
+
   // The section that is being read is marked in the navigation.
   const links = [...document.querySelectorAll('nav.sections a')];
   const sections = links.map((link) => document.getElementById(link.hash.slice(1)));

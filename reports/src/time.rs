@@ -29,7 +29,7 @@ pub struct Clock {
     previous: Option<Timestamp>,
     /// A second and its text: most frames have the same as the one before.
     second: (u64, Vec<u8>),
-    /// What stands behind a date.
+    /// What follows a date.
     zone: Vec<u8>,
 }
 
@@ -84,7 +84,7 @@ impl Clock {
         }
     }
 
-    /// Whole seconds and the point behind them.
+    /// Whole seconds and the point after them.
     fn push_seconds(&mut self, second: u64, out: &mut Vec<u8>) {
         let (known, digits) = &mut self.second;
         if *known != second || digits.is_empty() {

@@ -23,7 +23,8 @@ pub struct Args {
     /// Cases that only the old result has were left out on purpose
     #[arg(long)]
     allow_missing: bool,
-    /// A result of a release before these two, oldest first: a case that was bad in one of them, and not in OLD, has returned
+    /// Results of releases before OLD, oldest first: a case that was bad in one of them, but not in OLD, is reported as
+    /// returned
     #[arg(long, value_name = "[RELEASE=]FILE")]
     earlier: Vec<String>,
     #[command(flatten)]

@@ -16,9 +16,9 @@ use std::str::FromStr;
 
 /// Convert captures to another format
 ///
-/// The format written is told by the extension of OUT, which .gz or .zst may follow for compression, or by --to. Several
-/// captures are merged by time. What the format can't hold, and what can't be read, is said on standard error.
-/// Ctrl-C ends the file properly.
+/// The output format is given by the extension of OUT, which .gz or .zst may follow for compression, or by --to.
+/// Several captures are merged by time. What the format can't hold, and what can't be read, is reported on standard
+/// error. On Ctrl-C the file is completed.
 #[derive(clap::Args)]
 #[command(override_usage = "canvass convert [OPTIONS] <IN>... <OUT>")]
 #[command(after_help = "\
@@ -31,10 +31,12 @@ pub struct Args {
     /// Capture files, and the file to write; - is standard input or output
     #[arg(required = true, value_name = "IN... OUT")]
     files: Vec<PathBuf>,
-    /// The format to write, such as pcapng; or the time behind which frames are left out, as for --from; or both, one each
+    /// The output format, such as pcapng; or a time after which frames are left out, as for --from; can be given once
+    /// for each
     #[arg(long, value_name = "FORMAT|TIME")]
     to: Vec<To>,
-    /// Leave out what was before: seconds as in the capture, +SECONDS since its first frame, or 2025-01-28T10:47:15Z
+    /// Leave out frames before this time: seconds as in the capture, +SECONDS since its first frame, or
+    /// 2025-01-28T10:47:15Z
     #[arg(long, value_name = "TIME")]
     from: Option<TimePoint>,
     /// Overwrite OUT if it exists

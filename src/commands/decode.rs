@@ -38,7 +38,7 @@ pub struct View {
     /// Show what happened instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
     #[arg(long)]
     events: bool,
-    /// Sort frames that are out of order by up to 20 ms, as several processors or adapters leave them
+    /// Sort frames that are out of order by up to 20 ms, as recorders with several threads or adapters write them
     #[arg(long, conflicts_with = "events")]
     in_order: bool,
     /// Which time to show; JSON always has integer nanoseconds

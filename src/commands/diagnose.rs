@@ -37,13 +37,14 @@ pub struct Args {
     /// Print every finding with all its frames, and every node, however many there are
     #[arg(long, short)]
     verbose: bool,
-    /// From which severity on findings make the exit status 1
+    /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
     /// Set a threshold of a rule, such as bus/load.percent=70; can be given several times
     #[arg(long, value_name = "RULE.NAME=VALUE")]
     threshold: Vec<String>,
-    /// The bit rate of the bus in bit/s, such as 250k; without it, it is that which the capture says, or is inferred where possible
+    /// The bit rate of the bus in bit/s, such as 250k; without it, the one that the capture names, or that its frames
+    /// let infer
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     bit_rate: Option<u32>,
     /// Which device a node is: a built-in model or an EDS or DCF file

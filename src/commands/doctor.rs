@@ -36,6 +36,7 @@ impl Args {
         let mut findings = vec![system()];
         findings.extend(socketcan());
         findings.push(serial_ports());
+        findings.extend(pcan());
         findings.push(wake_up());
         findings.push(processors());
         if self.json || matches!(self.format, TextOrJson::Json) {
@@ -109,10 +110,48 @@ fn socketcan() -> Vec<Finding> {
 
 #[cfg(not(target_os = "linux"))]
 fn socketcan() -> Vec<Finding> {
-    vec![Finding { what: "SocketCAN", good: false, text: "only Linux has it: use slcan:PORT".to_owned() }]
+    vec![Finding {
+        what: "SocketCAN",
+        good: false,
+        text: "only Linux has it: use slcan:PORT or pcan:CHANNEL".to_owned(),
+    }]
 }
 
+/// Adapters of PEAK, by PEAK's own library.
+#[cfg(any(windows, target_os = "linux"))]
+fn pcan() -> Option<Finding> {
+    use canvass_bus::pcan::{PcanError, installed};
+    let (good, text) = match installed() {
+        Ok(found) => {
+            let channels: Vec<String> = found.channels.iter().map(ToString::to_string).collect();
+            let version = found.version.map_or_else(String::new, |version| format!("version {version}: "));
+            let none = "no adapter is plugged in".to_owned();
+            (true, version + &if channels.is_empty() { none } else { channels.join("; ") })
+        }
+        // Most users have no such adapter, and on Linux those who have need it not.
+        Err(PcanError::NoLibrary { .. }) => (true, "not installed: only pcan:CHANNEL needs it".to_owned()),
+        Err(error) => (false, error.to_string()),
+    };
+    Some(Finding { what: "PCAN-Basic", good, text })
+}
+
+#[cfg(not(any(windows, target_os = "linux")))]
+fn pcan() -> Option<Finding> {
+    None
+}
+
+/// Serial ports: those of Windows, whatever is behind them.
+#[cfg(windows)]
+fn serial_ports() -> Finding {
+    let ports = canvass_bus::slcan::ports();
+    let text = if ports.is_empty() { NO_PORTS.to_owned() } else { ports.join(", ") };
+    Finding { what: "serial ports", good: true, text }
+}
+
+const NO_PORTS: &str = "none (slcan:tcp://HOST:PORT works all the same)";
+
 /// Serial ports that CAN adapters show as.
+#[cfg(not(windows))]
 fn serial_ports() -> Finding {
     let entries = fs::read_dir("/dev").into_iter().flatten().flatten();
     let mut ports: Vec<String> = entries
@@ -124,7 +163,7 @@ fn serial_ports() -> Finding {
     let locked = |port: &&String| fs::OpenOptions::new().read(true).write(true).open(port).is_err();
     let denied: Vec<&String> = ports.iter().filter(locked).collect();
     let (good, text) = match (&*ports, &*denied) {
-        ([], _) => (true, "none (slcan:tcp://HOST:PORT works all the same)".to_owned()),
+        ([], _) => (true, NO_PORTS.to_owned()),
         (_, []) => (true, ports.join(", ")),
         (_, [first, ..]) => {
             (false, format!("{first} can't be opened: join its group, usually `usermod -aG dialout $USER`"))

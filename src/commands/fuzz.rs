@@ -33,15 +33,15 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Fuzz a device: send it what nobody expects, and judge every frame that comes back
+/// Fuzz a device: send it unexpected sequences of frames, and judge every frame that comes back
 ///
-/// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send.
-/// What they find is repeated, and the sequence of frames that shows it made as short as it gets. Nothing is done that
-/// writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow names
-/// it, on a simulated bus as on a live one.
+/// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send. Each
+/// violation is repeated to confirm it, and its sequence of frames is shortened as far as possible. Nothing is done
+/// that writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow
+/// names it, on a simulated bus as on a live one.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The device's node-ID; without it the one that the model has as delivered
     #[arg(long, value_parser = parse_node)]
@@ -55,16 +55,16 @@ pub struct Args {
     /// How long: 30s, 10m, 1h; without it and --runs 10s on a simulated bus, 60s on a live one
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// How many sequences: the same number with the same seed is the same run
+    /// How many sequences; the same number and the same seed give the same run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     runs: Option<u64>,
-    /// The seed of everything that is left to chance; without it one from the clock, which the result names
+    /// The seed of all random choices; without it one from the clock, which the result names
     #[arg(long)]
     seed: Option<u64>,
     /// End with the first violation
     #[arg(long)]
     stop_at_first: bool,
-    /// How many tries making a sequence shorter may take; without it 2000 on a simulated bus, 100 on a live one
+    /// How many tries are spent on shortening a sequence; without it 2000 on a simulated bus, 100 on a live one
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
     /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
@@ -76,7 +76,7 @@ pub struct Args {
     /// A file of sequences that showed violations: they are tried first, and new ones are appended
     #[arg(long, value_name = "FILE")]
     regressions: Option<PathBuf>,
-    /// A folder that gets a candump log of each violation, for --replay and canplayer; it is made where it does not exist
+    /// A folder for a candump log of each violation, for --replay and canplayer; it is created if it does not exist
     #[arg(long, value_name = "DIR")]
     reproducers: Option<PathBuf>,
     #[command(flatten)]

@@ -12,9 +12,10 @@ use std::path::PathBuf;
 
 /// Show many results of `canvass test --format json`, over releases and samples
 ///
-/// Says of each case how it was in which release, since when it is bad, and whether it is flaky; of releases what they ran. The
-/// results stand in the order of the releases, oldest first. A result belongs to the release that is written before it
-/// (1.4=a.json), else to that of its --note release=1.4, else to one of its file's name. Results of one release are samples.
+/// Shows for each case its verdict in every release, the release since which it fails, and whether it is flaky; and for
+/// each release which cases it ran. Give the results in the order of the releases, oldest first. A result belongs to
+/// the release that is written before it (1.4=a.json), else to that of its --note release=1.4, else to one named like
+/// its file. Several results of one release are samples of it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The results, oldest first

@@ -42,7 +42,7 @@ enum What {
     Models,
     /// Firmware faults that a simulated device can be given
     Faults,
-    /// What the standard leaves free, as a simulated device can do it
+    /// What the standard leaves free, and a simulated device can do
     Liberties,
     /// Rules of `canvass diagnose`
     Rules,
@@ -61,7 +61,7 @@ enum ListFormat {
     Text,
     /// An array of objects with `id` and `summary`
     Json,
-    /// The catalogue of cases, the rules of descriptions, or the faults with what the fuzzer makes of them, as a page
+    /// The catalogue of cases, the rules of descriptions, or the faults and whether the fuzzer finds them, as a page
     Markdown,
 }
 

@@ -4,7 +4,8 @@ use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow};
-use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
 use canvass_analyzer::{NodeId, wire::Wire};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
@@ -36,16 +37,17 @@ enum Action {
         bus: OnBus,
         #[command(flatten)]
         which: Which,
-        /// The node-ID; none: it shall have none
+        /// The node-ID; none takes it away
         #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
         node_id: Option<u8>,
-        /// The bit rate, such as 250k; it counts once it is activated
+        /// The bit rate, such as 250k; it takes effect when it is activated
         #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
         bit_rate: Option<u8>,
         /// Store both in non-volatile memory
         #[arg(long)]
         store: bool,
-        /// Let all devices change to the bit rate that was set for them, after a silence so long, such as 100ms
+        /// Make all devices change to the bit rate that was set for them, with a pause before and after of this length,
+        /// such as 100ms
         #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
         activate: Option<u16>,
     },
@@ -53,8 +55,8 @@ enum Action {
     Fastscan {
         #[command(flatten)]
         bus: OnBus,
-        /// Give it that node-ID, and the next ones those that follow, until none is found; a device that is found again ends it
-        /// with status 1
+        /// Give it that node-ID, and further devices the node-IDs after it, until none is found; ends with status 1 if
+        /// a device is found again
         #[arg(long, value_name = "NODE", value_parser = crate::devices::parse_node)]
         assign: Option<NodeId>,
         /// Store the node-IDs in non-volatile memory
@@ -65,7 +67,7 @@ enum Action {
 
 #[derive(clap::Args)]
 struct OnBus {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// How long to wait for each answer, such as 100ms; a Fastscan waits up to 68 times for every device,
     /// and "store" at least 10 s
@@ -119,9 +121,8 @@ fn parse_bit_rate(text: &str) -> Result<u8> {
         Some((at, 'M')) => number(&text[..at], 1_000_000),
         _ => number(text, 1),
     };
-    let index = BIT_RATES.iter().position(|known| known.is_some() && *known == rate);
-    index.map(|index| index as u8).with_context(|| {
-        let known: Vec<_> = BIT_RATES.iter().flatten().map(|rate| format!("{}k", rate / 1000)).collect();
+    rate.and_then(Lss::bit_rate_index).with_context(|| {
+        let known: Vec<_> = (0..=u8::MAX).filter_map(Lss::bit_rate).map(|rate| format!("{}k", rate / 1000)).collect();
         format!("expected one of {}, found \"{text}\"", known.join(", "))
     })
 }

@@ -15,19 +15,19 @@ use canvass_traces::Duration;
 #[cfg(feature = "screen")]
 use canvass_traces::Timestamp;
 
-/// Decode a bus as it comes: one annotated line per frame, or one per event
+/// Decode a live bus: one annotated line per frame, or one per event
 ///
-/// With the options of `canvass decode`. Receiving does not wait for the terminal; what is lost is said where it was lost,
-/// and in all at the end. Ends by Ctrl-C or --for.
+/// With the options of `canvass decode`. Receiving does not wait for the terminal; lost frames are reported where they
+/// were lost, and their total at the end. Ends by Ctrl-C or --for.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// Fill the terminal: nodes with states, rates and last values; CAN-IDs with cycles and data, changes marked
     #[cfg(feature = "screen")]
     #[arg(long)]
     screen: bool,
-    /// End after that time, such as 10, 500ms or 1h
+    /// End after this time, such as 10, 500ms or 1h
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
     #[command(flatten)]

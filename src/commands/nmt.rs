@@ -10,12 +10,12 @@ use canvass_analyzer::wire::nmt::{self, Nmt};
 use canvass_analyzer::wire::{Wire, emcy, error_control};
 use canvass_traces::{Duration, Frame};
 
-/// Command a node's state, or that of all nodes, and print what comes of it
+/// Send an NMT command to a node or to all nodes, and print how they react
 ///
-/// Boot-up messages, heartbeats and emergencies of the nodes that are commanded; not the PDOs of a bus at work.
+/// Prints boot-up messages, heartbeats and emergencies of the commanded nodes, but no PDOs.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The command
     #[arg(value_enum)]

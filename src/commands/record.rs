@@ -19,30 +19,30 @@ use std::path::PathBuf;
 /// readable. Ends by Ctrl-C, --for or --frames, with status 1 if frames were lost.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The files; their endings say the formats, such as .pcapng, .mcap or .log, and .log.gz compresses
+    /// The files; the extensions give the formats, such as .pcapng, .mcap or .log; .log.gz is compressed
     #[arg(required = true, value_name = "OUT")]
     out: Vec<PathBuf>,
-    /// The format to write, where the ending does not tell it
+    /// The format to write, if the extension does not give it
     #[arg(long, value_name = "FORMAT", value_parser = crate::inputs::parse_format)]
     to: Option<Format>,
     /// Overwrite existing files
     #[arg(long)]
     force: bool,
-    /// Begin the next file after so many bytes, such as 500k, 100M or 2G; files are numbered then: OUT-0001
+    /// Begin a new file after this many bytes, such as 500k, 100M or 2G; the files are then numbered: OUT-0001
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     rotate_size: Option<u64>,
-    /// Begin the next file after that time, such as 10min or 1h
+    /// Begin a new file after this time, such as 10min or 1h
     #[arg(long, value_name = "SPAN", value_parser = parse_span)]
     rotate_time: Option<Duration>,
-    /// Keep only the last so many files of each output
+    /// Keep only this many files of each output, the latest
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     keep: Option<u32>,
-    /// End after that time, such as 10, 500ms or 1h
+    /// End after this time, such as 10, 500ms or 1h
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// End after so many frames
+    /// End after this many frames
     #[arg(long, value_name = "N")]
     frames: Option<u64>,
 }

@@ -8,13 +8,13 @@ use crate::timing::Timeout;
 use canvass_suite::bench::Timing;
 use std::path::PathBuf;
 
-/// Put a device back that an interrupted run of `canvass test` has left changed
+/// Restore a device that an interrupted run of `canvass test` has left changed
 ///
-/// A run that was killed, or whose machine lost power, leaves its journal: what it had changed, and what that was before.
-/// The journal is removed when the device is as it was. Status 1 if not all could be put back.
+/// A run that was killed, or whose machine lost power, leaves its journal: what it changed, with the values before. The
+/// journal is removed when all of them are restored. Status 1 if some could not be.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0 or slcan:PORT[@BITRATE]
+    /// The bus: can0, slcan:PORT[@BITRATE] or pcan:CHANNEL@BITRATE
     bus: String,
     /// The journal that `canvass test` has left
     #[arg(long, value_name = "FILE")]

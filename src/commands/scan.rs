@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Nothing is changed in any device. Status 3 if nothing is found.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// Only listen: send nothing
     #[arg(long)]

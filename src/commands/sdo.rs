@@ -20,8 +20,8 @@ use serde_json::json;
 
 /// Read or write an object of a device
 ///
-/// Objects are INDEX:SUB in hexadecimal, such as 1018:01, or names of the device's description. A value is typed by the
-/// description or the standard; --type says it for other objects.
+/// Objects are INDEX:SUB in hexadecimal, such as 1018:01, or names of the device's description. The data type comes
+/// from the description or the standard; for other objects --type gives it.
 #[derive(clap::Args)]
 pub struct Args {
     /// What to do
@@ -48,7 +48,7 @@ enum Action {
 
 #[derive(clap::Args)]
 struct Target {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The node
     #[arg(value_parser = parse_node)]

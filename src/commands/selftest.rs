@@ -19,8 +19,9 @@ use canvass_traces::Duration;
 /// Test the tester: run the cases against firmware with known faults
 ///
 /// Every fault is put into the firmware of a simulated device, and every case runs against it. A fault is detected if a
-/// case that names it fails. Every model without fault must pass, and so must every firmware that takes liberties which the
-/// standard leaves free; faults are looked for beside liberties, too. The fuzzer may find nothing on any of them.
+/// case that names it fails. Every model without fault must pass, and so must every firmware that takes liberties,
+/// which the standard leaves free; faults must also be detected together with liberties. The fuzzer must find nothing
+/// on any firmware without faults.
 #[derive(clap::Args)]
 pub struct Args {
     /// Which cases, as for `canvass test`; without it all, and all faults
@@ -29,7 +30,7 @@ pub struct Args {
     /// Which faults, with the cases that name them; without it those that the cases name
     #[arg(long, value_name = "FAULT", value_delimiter = ',')]
     fault: Vec<Fault>,
-    /// From which liberties are drawn and combined
+    /// The liberties that are combined at random
     #[arg(long, default_value_t = Chance::WHOLE.seed)]
     seed: u64,
     /// Test the fuzzer instead: how fast it finds each fault that it claims to find, with five seeds
@@ -38,7 +39,7 @@ pub struct Args {
     /// With --fuzz: how many seeds
     #[arg(long, value_name = "N", default_value_t = 5, requires = "fuzz")]
     seeds: u64,
-    /// With --fuzz: the time in which every seed has to find a fault
+    /// With --fuzz: the time that each seed has to find a fault
     #[arg(long = "within", value_name = "SPAN", default_value = "10s", value_parser = parse_span, requires = "fuzz")]
     within: Duration,
     /// How to print the matrix

@@ -11,7 +11,7 @@ use canvass_traces::{Duration, Frame, FrameSyntax, parse_frame};
 /// Frames are written as candump and cansend write them: 63F#4000600000000000, 701#R.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The frames, sent one after the other
     #[arg(required = true, value_name = "FRAME", value_parser = parse_sent)]

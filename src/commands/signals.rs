@@ -17,9 +17,9 @@ use tempfile::SpooledTempFile;
 
 /// Print the values of PDOs as columns over time, for plots and data frames
 ///
-/// One row for each PDO, with the latest value of every column; empty is what is not known yet. A column is named
-/// CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known: from --device, or because the capture shows how it is read or
-/// written. Times are integer nanoseconds.
+/// One row for each PDO, with the latest value of every column; values that are not known yet are empty. A column is
+/// named CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known: from --device, or because the capture shows how it is
+/// read or written. Times are integer nanoseconds.
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input
@@ -28,7 +28,7 @@ pub struct Args {
     /// How to print the rows
     #[arg(long, value_enum, default_value_t)]
     format: SignalFormat,
-    /// One row in that distance, such as 10ms, with the latest values, instead of one for each PDO
+    /// One row per interval, such as 10ms, with the latest values, instead of one for each PDO
     #[arg(long, value_name = "SPAN", value_parser = parse_span)]
     every: Option<Duration>,
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub struct Args {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum SignalFormat {
-    /// Comma-separated values; the header needs all columns, so it comes when everything was read
+    /// Comma-separated values; the header names all columns, so nothing is printed before everything was read
     #[default]
     Csv,
     /// JSON Lines, as they come

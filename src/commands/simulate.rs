@@ -20,34 +20,34 @@ use std::path::{Path, PathBuf};
 /// Simulate a device on a bus, in real time
 ///
 /// It takes part in the bus as the device would: boots, answers, sends heartbeats and PDOs, until Ctrl-C.
-/// slcan:listen://PORT waits for programs on this machine, slcan:listen://HOST:PORT also for those on others: the protocol
-/// has no passwords, and whoever connects is on the bus.
+/// slcan:listen://PORT waits for programs on this machine, slcan:listen://HOST:PORT also for those on other machines:
+/// the protocol has no passwords, so anyone who connects can read and send frames.
 #[derive(clap::Args)]
 pub struct Args {
     /// The device: a built-in model, or a device description (EDS, DCF, XDD, XDC)
     #[arg(value_name = "MODEL|FILE")]
     device: String,
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// Its node-ID; without it that of the model or DCF; none: not configured, to be given one by LSS
+    /// Its node-ID; without it that of the model or DCF; none: without node-ID, for LSS to set one
     #[arg(long, value_name = "NODE|none", value_parser = parse_configured)]
     node: Option<Configured>,
     /// What its firmware does wrong (`canvass list faults`)
     #[arg(long, value_delimiter = ',', value_name = "FAULT")]
     fault: Vec<Fault>,
-    /// What it does in its own way, as the standard lets it (`canvass list liberties`)
+    /// What it does differently, as the standard allows (`canvass list liberties`)
     #[arg(long, value_delimiter = ',', value_name = "LIBERTY")]
     liberty: Vec<Liberty>,
     /// How its shaft moves: revolutions per minute, or still, mm/s=N, sine=AMPLITUDE,PERIOD, ramp=RPM,SECONDS, csv=FILE
     #[arg(long, value_name = "MOTION", allow_hyphen_values = true, value_parser = parse_motion)]
     motion: Option<MotionSpec>,
-    /// What it stores: taken from this file if it is there, and kept in it
+    /// The file that holds what it stores; read at the start if it exists
     #[arg(long, value_name = "FILE")]
     memory: Option<PathBuf>,
-    /// The seed of everything that is left to chance
+    /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Switch it off after that time, such as 10, 500ms or 1h
+    /// Switch it off after this time, such as 10, 500ms or 1h
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
 }

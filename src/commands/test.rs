@@ -41,7 +41,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// memory or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The device's node-ID; without it the one that the model or DCF has as delivered
     #[arg(long, value_parser = parse_node)]
@@ -59,30 +59,31 @@ pub struct Args {
     /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
-    /// Run each case so often; a case that does not always end the same way is flaky
+    /// Run each case this many times; a case that does not always end the same way is flaky
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Run a case that fails again, at most so often; one that passes then passes, and is said to be flaky
+    /// Repeat a case that fails, up to this many times; if it passes then, it counts as passed and is marked as flaky
     #[arg(long, default_value_t = 0, value_name = "N", conflicts_with = "repeat", value_parser = clap::value_parser!(u32).range(0..=1000))]
     retries: u32,
     /// End with the first case that fails
     #[arg(long)]
     fail_fast: bool,
-    /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
+    /// Record all frames in a capture, in which the cases are marked; its extension gives the format
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Mark the cases in the capture as CiA's test tool does, too: by frames of CAN-ID 7FFh, which were not on the bus
     #[arg(long, requires = "record")]
     cct_markers: bool,
-    /// Write all that there is of the run into one file, for `canvass verify`: report, result, recording, description, waivers
+    /// Write everything about the run into one file, for `canvass verify`: report, result, recording, description,
+    /// waivers
     #[arg(long, value_name = "FILE.zip")]
     bundle: Option<PathBuf>,
-    /// Where a run on a live bus writes down what it changes before it does, for `canvass restore`; none: nowhere
+    /// The journal in which a run on a live bus records each change beforehand, for `canvass restore`; none: no journal
     ///
-    /// Without it, canvass-BUS-nodeN.journal in this folder. It is removed when the device is as it was.
+    /// Without it, canvass-BUS-nodeN.journal in this folder. It is removed when the device is restored.
     #[arg(long, value_name = "FILE|none")]
     journal: Option<PathBuf>,
-    /// If an earlier run was interrupted and has left its journal, put the device back first
+    /// If an earlier run was interrupted and has left its journal, restore the device first
     #[arg(long)]
     restore: bool,
     /// Overwrite the files of --record and --bundle if they exist
@@ -91,22 +92,22 @@ pub struct Args {
     /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
-    /// How far the mean of a period may be off, in percent
+    /// By how many percent the mean of a period may differ
     #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
     tolerance: u32,
-    /// A shell command that switches the supply of the device off and on: tried when the device stops answering
+    /// A shell command that switches the supply of the device off and on; it is run when the device stops answering
     #[arg(long, value_name = "COMMAND")]
     power_cycle: Option<String>,
-    /// The seed of everything that is left to chance
+    /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Try everything where cases try samples: every index, every restricted CAN-ID (takes minutes on a live bus)
     #[arg(long)]
     exhaustive: bool,
-    /// End after that time, such as 10min; without it, on a live bus, after a minute and five seconds for each case
+    /// End after this time, such as 10min; without it, on a live bus, after a minute and five seconds for each case
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// Only say which cases would run, and how long that would take
+    /// Only print which cases would run, and how long that would take
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]

@@ -32,8 +32,8 @@ use std::sync::atomic::AtomicBool;
 
 /// Verify a bundle of `canvass test --bundle`
 ///
-/// Sees that no byte was changed, and judges the run again: the cases run against the recording as their bus. What they send
-/// must be what was sent; what came then comes again. Status 1 if a byte was changed or a verdict is another one.
+/// Checks that no byte was changed, and repeats the run with the recording as its bus: the cases must send the recorded
+/// frames, and get the recorded answers. Status 1 if a byte was changed or a verdict differs.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bundle

@@ -1,7 +1,10 @@
 //! What connects this computer to a bus, as far as the operating system tells.
 
+use canvass_bus::pcan::Channel;
 use canvass_device::address::BusAddress;
 use std::path::{Path, PathBuf};
+
+const PCAN: &str = "PCAN-Basic";
 
 /// In a few words: `simulated`, `SocketCAN, driver peak_usb, PEAK-System PCAN-USB FD`.
 pub fn of(address: &str) -> String {
@@ -20,8 +23,23 @@ pub fn of(address: &str) -> String {
             }
             _ => "SLCAN".to_owned(),
         },
+        Ok(BusAddress::Pcan(opening)) => pcan(opening.channel),
         Err(_) => "unknown".to_owned(),
     }
+}
+
+/// With the versions that PEAK's library tells: another one may behave in another way.
+#[cfg(any(windows, target_os = "linux"))]
+fn pcan(channel: Channel) -> String {
+    let Ok(installed) = canvass_bus::pcan::installed() else { return PCAN.to_owned() };
+    let adapter = installed.channels.into_iter().find(|present| present.channel == channel);
+    let kind = installed.version.map_or_else(|| PCAN.to_owned(), |version| format!("{PCAN} {version}"));
+    [Some(kind), adapter.and_then(|present| present.adapter)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(not(any(windows, target_os = "linux")))]
+fn pcan(_: Channel) -> String {
+    PCAN.to_owned()
 }
 
 /// With what a USB device says of itself: in its own folder, or in one of those above the interface's.

@@ -28,6 +28,11 @@ const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
 impl Browser {
     /// Opens a file in a browser that knows nothing of any other.
     pub fn open(page: &Path, screen: Screen) -> Self {
+        Self::prepared(&url(page), screen, |_| {})
+    }
+
+    /// Opens an address, once a browser was made ready for it.
+    pub fn prepared(address: &str, screen: Screen, prepare: impl FnOnce(&Self)) -> Self {
         let mut driver = Command::new("chromedriver")
             .arg("--port=0")
             .stdout(Stdio::piped())
@@ -56,8 +61,37 @@ impl Browser {
         browser.post("url", &json!({ "url": "about:blank" }));
         browser.post("se/log", &json!({ "type": "performance" }));
         browser.post("se/log", &json!({ "type": "browser" }));
-        browser.post("url", &json!({ "url": url(page) }));
+        prepare(&browser);
+        browser.go(address);
         browser
+    }
+
+    /// Goes to an address.
+    pub fn go(&self, address: &str) {
+        self.post("url", &json!({ "url": address }));
+    }
+
+    /// A command of the browser's own protocol.
+    pub fn command(&self, name: &str, parameters: &Value) -> Value {
+        self.post("goog/cdp/execute", &json!({ "cmd": name, "params": parameters }))
+    }
+
+    /// What is to be seen, as PNG in base64.
+    pub fn picture(&self) -> String {
+        self.request("GET", &format!("/session/{}/screenshot", self.session), &json!({})).as_str().unwrap().to_owned()
+    }
+
+    /// The most memory that the processes took which show pages, in kB.
+    pub fn most_memory(&self) -> std::io::Result<u64> {
+        let mut all = 0;
+        for process in descendants(self.driver.id())? {
+            let file = |name: &str| std::fs::read_to_string(format!("/proc/{process}/{name}"));
+            let shows = file("cmdline").is_ok_and(|words| words.contains("--type=renderer"));
+            let status = file("status").unwrap_or_default();
+            let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));
+            all += peak.filter(|_| shows).map_or(0, |peak| peak.trim().parse().unwrap_or(0));
+        }
+        Ok(all)
     }
 
     /// Runs a function's body in the page, and gives what it returns.
@@ -82,9 +116,15 @@ impl Browser {
     /// Waits until an expression holds: what a page does next, it does soon.
     #[track_caller]
     pub fn wait(&self, expression: &str) {
+        self.wait_for(expression, Duration::from_secs(20));
+    }
+
+    /// The same of what takes longer.
+    #[track_caller]
+    pub fn wait_for(&self, expression: &str, longest: Duration) {
         let begin = Instant::now();
         while self.run(&format!("return Boolean({expression})")) != Value::Bool(true) {
-            assert!(begin.elapsed() < Duration::from_secs(20), "{expression} does not come true");
+            assert!(begin.elapsed() < longest, "{expression} does not come true");
         }
     }
 
@@ -234,13 +274,27 @@ fn port(driver: &mut Child) -> u16 {
     port.expect("chromedriver tells its port")
 }
 
+/// A process's children, and theirs.
+fn descendants(ancestor: u32) -> std::io::Result<Vec<u32>> {
+    let parent = |process: u32| {
+        let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+        status.lines().find_map(|line| line.strip_prefix("PPid:")?.trim().parse::<u32>().ok())
+    };
+    let processes = std::fs::read_dir("/proc")?.flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let is_of = |process: &u32| {
+        let line = std::iter::successors(parent(*process), |above| parent(*above).filter(|above| *above > 0));
+        line.take(50).any(|above| above == ancestor)
+    };
+    Ok(processes.filter(is_of).collect())
+}
+
 /// Whether an address is that of something that stands in the page.
 fn is_within(url: &str) -> bool {
     url.starts_with("data:image/svg+xml") || url.starts_with("blob:")
 }
 
 /// A file as an address: whatever is in its name.
-fn url(path: &Path) -> String {
+pub fn url(path: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.".contains(&byte);
     let path = path.to_str().unwrap().bytes();
     let escaped = path.map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") });

@@ -58,7 +58,7 @@ fn one_unreadable_file_does_not_stop_the_others() {
     let folder = Folder::new().with("a.log", A).with("b.log", B);
     folder.good("convert b.log b.log.gz");
     let mut damaged = std::fs::read(folder.path("b.log.gz")).unwrap();
-    // The head of the deflated data: nothing can be read behind it.
+    // The head of the deflated data: nothing can be read after it.
     damaged.truncate(18);
     let folder = folder.with("b.log.gz", damaged);
     let (status, out, errors) = folder.run("convert a.log b.log.gz - --to candump --format-in candump");

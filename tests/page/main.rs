@@ -3,13 +3,19 @@
 //! `cargo xtask web-test` makes the page and runs these tests, which are behind the feature `page`.
 
 #[cfg(test)]
+mod access;
+#[cfg(test)]
 #[path = "../browser/captures.rs"]
 #[allow(dead_code)]
 mod captures;
 #[cfg(test)]
 mod diagnosis;
 #[cfg(test)]
+mod equal;
+#[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod network;
 #[cfg(test)]
 mod opened;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The page with files in it.
 
-use crate::webdriver::{Browser, Screen};
+use crate::webdriver::{Browser, Screen, url};
 use std::path::{Path, PathBuf};
 
 /// The page, and a folder for the files that it is given.
@@ -12,9 +12,18 @@ pub struct Opened {
 impl Opened {
     /// The page as it is opened first.
     pub fn empty(screen: Screen) -> Self {
+        Self::of(screen, |_| {})
+    }
+
+    /// The same at a desk, once the browser was made ready for it.
+    pub fn prepared(prepare: impl FnOnce(&Browser)) -> Self {
+        Self::of(Screen::Desk, prepare)
+    }
+
+    fn of(screen: Screen, prepare: impl FnOnce(&Browser)) -> Self {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page/canvass.html");
         assert!(page.exists(), "cargo xtask web makes {}", page.display());
-        let browser = Browser::open(&page, screen);
+        let browser = Browser::prepared(&url(&page), screen, prepare);
         browser.wait("document.documentElement.dataset.ready === 'yes'");
         Self { browser, folder: tempfile::tempdir().unwrap() }
     }
@@ -23,7 +32,7 @@ impl Opened {
     pub fn with(screen: Screen, name: &str, content: impl AsRef<[u8]>) -> Self {
         let opened = Self::empty(screen);
         opened.take(&[opened.file(name, content)]);
-        opened.browser.wait("/frames, /.test(document.getElementById('status').textContent)");
+        opened.browser.wait("/frames?, /.test(document.getElementById('status').textContent)");
         opened
     }
 
@@ -47,10 +56,10 @@ impl Opened {
 
     /// The rows in sight, their cells parted by bars.
     pub fn rows(&self) -> Vec<String> {
-        self.browser.wait("document.querySelector('.list .row .text')?.textContent");
+        self.browser.wait("document.querySelector('.list-body .row .text')?.textContent");
         let rows = self.browser.run(
-            "return [...document.querySelectorAll('.list .row')].filter((row) => !row.hidden) \
-             .map((row) => [...row.children].map((cell) => cell.textContent).join('|'))",
+            "return [...document.querySelectorAll('.list-body .row')].filter((row) => !row.hidden) \
+             .map((row) => [...row.children].filter((cell) => cell.checkVisibility()).map((cell) => cell.textContent).join('|'))",
         );
         rows.as_array().unwrap().iter().map(|row| row.as_str().unwrap().to_owned()).collect()
     }

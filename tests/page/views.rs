@@ -16,10 +16,10 @@ fn values_are_drawn_and_read_at_cursors() {
     let inked = "const canvas = document.querySelector('#plot canvas'); return canvas.getContext('2d') \
                  .getImageData(0, 0, canvas.width, canvas.height).data.filter((value, n) => n % 4 === 3 && value > 0).length";
     assert!(opened.browser.number(inked) > 500.0, "an empty plot");
-    opened.browser.drag(".u-over", 0.25, 0.25, false);
-    opened.browser.drag(".u-over", 0.75, 0.75, true);
+    opened.browser.drag("#plot .u-over", 0.25, 0.25, false);
+    opened.browser.drag("#plot .u-over", 0.75, 0.75, true);
     let cells = "[...document.querySelectorAll('#readings tbody tr')].map((row) => row.lastChild.textContent)";
-    opened.browser.wait(&format!("{cells}.every((text) => text !== '')"));
+    opened.browser.wait(&format!("{cells}.length > 1 && {cells}.every((text) => text !== '')"));
     let between = opened.browser.number(&format!("return Number({cells}[0])"));
     assert!(between > 5.0 && between < 15.0, "half of 20 s: {between}");
     opened.browser.is_quiet();
@@ -44,18 +44,26 @@ fn a_description_names_what_the_capture_shows() {
 fn a_device_is_tested_and_fuzzed_in_the_page() {
     let opened = Opened::empty(Screen::Desk);
     opened.view("try");
-    opened.browser.wait("document.querySelector('#try-fault option[value=\"boot-up-twice\"]')");
-    opened.browser.run("document.getElementById('try-fault').value = 'boot-up-twice'");
-    opened.browser.fill("#try-select", "301/boot-up");
+    opened.browser.wait("document.querySelector('#try-faults input[value=boot-up-twice]')");
+    opened.browser.click("#try-faults input[value=boot-up-twice]");
+    opened.browser.click("#try-faults input[value=sdo-toggle-unchecked]");
+    let command = opened.browser.text("return document.getElementById('try-command').textContent");
+    assert_eq!(command, "canvass test sim:kuebler-sendix-58x8+boot-up-twice+sdo-toggle-unchecked");
+    opened.browser.fill("#try-select", "301/boot-up\u{E00C}");
     opened.browser.click("#try-test");
     opened.browser.wait("document.querySelector('#view-try iframe')?.title.includes('') && /: done/.test(document.getElementById('status').textContent)");
     opened.browser.within("#view-try iframe", |browser| {
         browser.wait("document.querySelector('h2#failures, h2#matrix')");
         assert!(browser.text("return document.body.textContent").contains("301/boot-up/reset-node"));
     });
-    opened.browser.run("document.getElementById('try-sequences').value = '20'");
+    opened.browser.run("document.getElementById('try-seconds').value = '1'");
     opened.browser.click("#try-fuzz");
     opened.browser.wait("/canvass fuzz .*: done/.test(document.getElementById('status').textContent)");
+    opened
+        .browser
+        .run("[...document.querySelectorAll('#view-try button')].find((one) => /^Keep/.test(one.textContent)).click()");
+    opened.view("results");
+    opened.browser.wait("/exchanges/.test(document.querySelector('#view-results .card')?.textContent)");
     opened.browser.is_quiet();
 }
 
@@ -73,6 +81,8 @@ fn results_of_the_program_are_shown_and_compared() {
     let (good, bad) = (tested("1.0.json", ""), tested("1.1.json", "+boot-up-twice"));
     opened.take(std::slice::from_ref(&bad));
     opened.browser.wait("document.querySelector('.entry.fail')");
+    opened.browser.click(".entry.fail summary");
+    opened.browser.wait("/boot-up/.test(document.querySelector('.entry.fail .evidence')?.textContent)");
     opened.take(&[good, bad]);
     opened.browser.wait("document.querySelector('#view-results iframe')");
     opened.browser.is_quiet();

@@ -1,8 +1,8 @@
 //! The peers agree: files that canvass writes are read by other people's programs with equal frames and times, and
-//! files that they write are read by canvass.
+//! files that they write are read by canvass; clients of language servers have sessions with it.
 //!
-//! `cargo xtask ci` installs the peers (tshark, can-utils, xmllint, and a Python environment with what `requirements.txt`
-//! names) and runs these tests, which are behind the feature `peers`.
+//! `cargo xtask ci` installs the peers (tshark, can-utils, xmllint, a Python environment with what `requirements.txt` names, Node
+//! with what the extension of Visual Studio Code needs) and runs these tests, which are behind the feature `peers`.
 
 #[cfg(test)]
 mod agreement;
@@ -11,9 +11,13 @@ mod can_utils;
 #[cfg(test)]
 mod cantools;
 #[cfg(test)]
+mod extension;
+#[cfg(test)]
 mod junit;
 #[cfg(test)]
 mod kept;
+#[cfg(test)]
+mod language_server;
 #[cfg(test)]
 mod python;
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! Every command that asks a device comes to its end in time, whatever the device does.
 
-#![cfg(unix)]
-
 use crate::rogues::Rogue;
 use crate::running::{Run, command, finished};
 use std::process::Stdio;

@@ -1,8 +1,7 @@
 //! `canvass test` and `canvass send` as a user meets them.
 
-use crate::running::{command, finished, run};
+use crate::running::run;
 use serde_json::Value;
-use std::process::Stdio;
 
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
@@ -127,21 +126,6 @@ fn all_reports_of_a_run_are_written() {
     for file in files {
         let path = file.split_once('=').unwrap().1;
         assert!(std::fs::metadata(path).unwrap().len() > 1000, "{path}");
-    }
-}
-
-#[test]
-fn ctrl_c_still_writes_the_report() {
-    // So many repetitions of the catalogue never end by themselves in the time of this test: the signal ends them.
-    let child =
-        command(&["test", ENCODER, "--format", "json"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    let ended = finished(child.wait_with_output().unwrap());
-    // The run may be over before the signal comes, or not have begun; what it must not be is killed half-way.
-    assert!(killed.is_ok());
-    assert!([0, 1, 3, -1].contains(&ended.status), "{}", ended.status);
-    if ended.status >= 0 && ended.status != 3 {
-        assert_eq!(json(&ended.stdout)["schema"], "canvass/test/1");
     }
 }
 
@@ -306,31 +290,6 @@ fn waiting_times_can_be_set() {
     assert!([0, 1, 3].contains(&slow.status));
     for wrong in ["sdo", "sdo=0", "dinner=5"] {
         assert_eq!(run(&["test", ENCODER, "--timeout", wrong]).status, 2, "{wrong}");
-    }
-}
-
-/// A device that was at work, with values that nobody has stored, has them again after a run that was interrupted.
-#[test]
-fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
-    for round in 0..20_u64 {
-        let child = command(&["test", "sim:reference-301", "--allow", "nvm", "--format", "json"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        // Any moment, but the same ones in every run of this test.
-        std::thread::sleep(std::time::Duration::from_millis(round * 37 % 400));
-        let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-        assert!(killed.is_ok());
-        let ended = finished(child.wait_with_output().unwrap());
-        if ended.stdout.is_empty() {
-            continue;
-        }
-        let report = json(&ended.stdout);
-        assert_eq!(report["notices"], Value::Array(Vec::new()), "round {round}: {}", report["notices"]);
-        // Interrupted while the dictionary was read, no case has run.
-        let ran = !report["cases"].as_array().unwrap().is_empty();
-        assert!(!ran || report["dictionary"].as_array().unwrap().len() > 100);
     }
 }
 

@@ -188,7 +188,7 @@ fn unreadable_input_is_status_2() {
         (&["decode", "no-such-file.log"][..], "no-such-file.log"),
         (&["decode", "Cargo.toml"], "no known format"),
         (&["decode", "Cargo.toml"], "candump-console; if you know which, say --format-in"),
-        (&["decode", "/dev/null"], "empty"),
+        (&["decode", if cfg!(windows) { "NUL" } else { "/dev/null" }], "empty"),
         (&["decode", "-", "--device", "200=x.eds"], "node-ID of 1 to 127"),
         (&["decode", "-", "--device", "5=no-such-model"], "neither a built-in model"),
     ] {

@@ -177,3 +177,44 @@ fn eds_rules_md_is_current() {
     let written = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(written == handbook(), "docs/eds-rules.md is out of date: UPDATE_DOCS=1 cargo test eds_rules_md renews it");
 }
+
+/// What a DCF names stands beside it: the EDS that it was made of, and what is to be downloaded.
+#[test]
+fn what_a_dcf_names_is_looked_for_beside_it() {
+    let (folder, _) = folder("Lines=1", "Lines=1");
+    let commissioning = "\n[DeviceComissioning]\nNodeID=5\nBaudrate=250\n";
+    let dcf = PLAIN.replacen("[FileInfo]\n", "[FileInfo]\nLastEDS=plain.eds\n", 1) + commissioning;
+    let path = folder.path().join("node.dcf");
+    let found = |text: String| {
+        std::fs::write(&path, text).unwrap();
+        let (_, found) = json(&["eds", "check", path.to_str().unwrap(), "--format", "json", "--select", "eds/dcf"]);
+        let findings = found["findings"].as_array().unwrap().clone();
+        findings.iter().map(|one| (one["rule"].as_str().unwrap().to_owned(), one["line"].as_u64())).collect::<Vec<_>>()
+    };
+    assert_eq!(found(dcf.clone()), []);
+    // What it configures is its own; what the device is, is not.
+    let setting = "ParameterName=Setting\n";
+    assert_eq!(found(dcf.replacen(setting, "ParameterName=Setting\nParameterValue=3\n", 1)), []);
+    let other = dcf.replacen(setting, "ParameterName=Setting\nLowLimit=1\n", 1);
+    assert_eq!(found(other.clone()), [("eds/dcf/other-eds".to_owned(), Some(2))]);
+    std::fs::remove_file(folder.path().join("plain.eds")).unwrap();
+    assert_eq!(found(other), [], "an EDS that is not there says nothing");
+    let downloads = |name: &str| dcf.replacen(setting, &format!("ParameterName=Setting\nDownloadFile={name}\n"), 1);
+    assert_eq!(found(downloads("program.bin")).len(), 1);
+    std::fs::write(folder.path().join("program.bin"), "").unwrap();
+    assert_eq!(found(downloads("program.bin")), []);
+    // Elsewhere is not looked.
+    assert_eq!(found(downloads("../../program.bin")), []);
+    assert_eq!(found(downloads("C:\\\\programs\\\\program.bin")), []);
+}
+
+/// What a file leaves as it is, is no change.
+#[test]
+fn a_difference_without_a_change_has_status_0() {
+    let (_folder, path) = folder("Lines=1", "; canvass: allow eds/file/comment-count as it is\nLines=2");
+    let nothing = run(&["eds", "check", &path, "--diff", "--select", "eds/file/comment-count"]);
+    assert_eq!((nothing.status, nothing.stdout.as_str()), (0, ""));
+    let (_folder, path) = folder("Lines=1", "Lines=2");
+    let change = run(&["eds", "check", &path, "--diff", "--select", "eds/file/comment-count"]);
+    assert!(change.status == 1 && change.stdout.contains("\n+Lines=1\n"), "{}", change.stdout);
+}

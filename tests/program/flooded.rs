@@ -1,11 +1,9 @@
 //! A tester that can't keep up says what it has lost, where it was lost and in all.
 
-#![cfg(unix)]
-
 use crate::running::command;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -67,16 +65,15 @@ fn lost(stderr: &str) -> (Vec<u64>, u64) {
 }
 
 /// Nobody reads what `monitor` shows until all frames have come; then it goes on to its end, or is interrupted.
-fn monitored(more: &[&str], interrupted: bool) {
+fn monitored(more: &[&str], interrupt: Option<fn(&Child) -> bool>) {
     let (bus, all_sent) = adapter();
     let args = [&["monitor", &bus], more].concat();
     let mut child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     all_sent.recv_timeout(Duration::from_secs(60)).unwrap();
     // What is on the way arrives.
     std::thread::sleep(Duration::from_secs(1));
-    if interrupted {
-        let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-        assert!(sent.unwrap().success());
+    if let Some(interrupt) = interrupt {
+        assert!(interrupt(&child));
     }
     let (stdout, stderr) = (child.stdout.take().unwrap(), child.stderr.take().unwrap());
     let shown = AtomicU64::new(0);
@@ -97,7 +94,7 @@ fn monitored(more: &[&str], interrupted: bool) {
     let (each, all) = lost(&told);
     assert!(all > 0 && each.iter().sum::<u64>() == all, "{told}");
     assert_eq!(shown + all, FRAMES, "{shown} shown, {told}");
-    if !interrupted {
+    if interrupt.is_none() {
         let before = shown_before.unwrap();
         assert!(before < shown / 2, "told after {before} of {shown} lines, while frames still wait: {told}");
     }
@@ -105,10 +102,11 @@ fn monitored(more: &[&str], interrupted: bool) {
 
 #[test]
 fn a_monitor_that_falls_behind_accounts_for_every_frame() {
-    monitored(&["--for", "20s"], false);
+    monitored(&["--for", "20s"], None);
 }
 
+#[cfg(unix)] // a signal: `cargo xtask windows` presses Ctrl-C on a console
 #[test]
 fn an_interrupted_monitor_accounts_for_every_frame() {
-    monitored(&[], true);
+    monitored(&[], Some(crate::running::interrupt));
 }

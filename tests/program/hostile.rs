@@ -166,7 +166,6 @@ fn gzip_bombs() {
 }
 
 /// Whatever a command reads as a whole it stops reading when there is more of it than such a file can have.
-#[cfg(target_os = "linux")]
 #[test]
 fn a_file_without_end_for_whatever_is_read() {
     let sample = format!("{}/traces/samples/python-can.log", env!("CARGO_MANIFEST_DIR"));
@@ -204,11 +203,9 @@ fn a_file_without_end_for_whatever_is_read() {
 
 /// Every kind of character that acts: a control sequence, a line that looks like a message, bidirectional controls, a line
 /// separator, an invisible mark, a tag.
-#[cfg(unix)]
 const ACTING: &str = "a\u{1b}[2J\ncanvass: all is well\u{202e}\u{2066}\u{2028}\u{2029}\u{feff}\u{e0041}b";
 
 /// Names of files, channels and waivers are what their author makes them; no output lets them act.
-#[cfg(unix)]
 #[test]
 fn names_do_not_act() {
     let folder = tempfile::tempdir().unwrap();

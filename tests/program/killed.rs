@@ -4,13 +4,12 @@
 use crate::live::Device;
 use crate::running::{command, finished, run};
 use serde_json::Value;
-use std::fs::File;
-use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
 /// So many runs are killed, on so many devices at a time: most of the time is waiting.
+#[cfg(unix)]
 const INTERRUPTED: u64 = 100;
 const KILLED: u64 = 50;
 const DEVICES: u64 = 10;
@@ -21,6 +20,16 @@ const AT_ANY_MOMENT: u64 = 7;
 /// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.
 const AT_WORK: [(&str, &str); 5] =
     [("1017", "1000"), ("1800:05", "500"), ("1006", "20000"), ("2041", "321"), ("1016:01", "6619236")];
+
+/// How a run ends before its time.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// The user wants it to end.
+    #[cfg(unix)]
+    Interrupted,
+    /// It is not asked.
+    Killed,
+}
 
 /// A moment in the life of a run, the same in every run of this test, different for every kill.
 fn moment(kill: u64) -> Duration {
@@ -63,7 +72,7 @@ fn write(bus: &str, object: &str, value: &str) {
 }
 
 /// Kills one run after the other on one device; says what was different afterwards, and how often there was a journal.
-fn kill(first: u64, kills: u64, signal: &str) -> (Vec<String>, u64) {
+fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal");
     let journal_path = journal.to_str().unwrap();
@@ -93,12 +102,15 @@ fn kill(first: u64, kills: u64, signal: &str) -> (Vec<String>, u64) {
             wait_for_a_case(&mut child, &journal);
         }
         std::thread::sleep(moment(number));
-        let killed = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
-        assert!(killed.unwrap().success());
+        match end {
+            #[cfg(unix)]
+            End::Interrupted => assert!(crate::running::interrupt(&child)),
+            End::Killed => child.kill().unwrap(),
+        }
         let ended = finished(child.wait_with_output().unwrap());
         let cases = serde_json::from_str::<Value>(&ended.stdout).ok();
         let last = cases.and_then(|report| report["cases"].as_array()?.last().map(|case| case["id"].to_string()));
-        assert!(signal == "-KILL" || !journal.exists(), "a run that puts the device back itself leaves no journal");
+        assert!(end == End::Killed || !journal.exists(), "a run that puts the device back itself leaves no journal");
         if journal.exists() {
             restored += 1;
             let again = run(&["test", &device.bus, "--device", "reference-301", "--journal", journal_path]);
@@ -123,9 +135,9 @@ fn kill(first: u64, kills: u64, signal: &str) -> (Vec<String>, u64) {
 }
 
 /// Runs are killed on all devices; gives how many left a journal.
-fn kill_all(kills: u64, signal: &'static str) -> u64 {
+fn kill_all(kills: u64, end: End) -> u64 {
     let ends: Vec<(Vec<String>, u64)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first, kills, signal))).collect();
+        let threads: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first, kills, end))).collect();
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
     let wrong: Vec<&str> = ends.iter().flat_map(|(wrong, _)| wrong).map(String::as_str).collect();
@@ -134,11 +146,13 @@ fn kill_all(kills: u64, signal: &'static str) -> u64 {
 }
 
 /// A run at a terminal whose user gives that answer; what it says there.
+#[cfg(unix)]
 fn answered(args: &[&str], answer: &str) -> (i32, String) {
+    use std::io::{Read, Write};
     let terminal = nix::pty::openpty(None, None).unwrap();
     let side = || Stdio::from(terminal.slave.try_clone().unwrap());
     let mut child = command(args).stdin(side()).stdout(Stdio::null()).stderr(side()).spawn().unwrap();
-    let mut user = File::from(terminal.master);
+    let mut user = std::fs::File::from(terminal.master);
     let mut listener = user.try_clone().unwrap();
     let told = std::thread::spawn(move || {
         let mut told = Vec::new();
@@ -153,6 +167,7 @@ fn answered(args: &[&str], answer: &str) -> (i32, String) {
     (status, told.join().unwrap())
 }
 
+#[cfg(unix)] // the question is asked on a pseudo-terminal
 #[test]
 fn at_a_terminal_the_next_run_asks_whether_to_put_the_device_back() {
     const QUESTION: &str = "Put the device back first? [Y/n]";
@@ -180,13 +195,14 @@ fn at_a_terminal_the_next_run_asks_whether_to_put_the_device_back() {
     assert_eq!(dictionary(&device.bus), before);
 }
 
+#[cfg(unix)] // a signal: `cargo xtask windows` presses Ctrl-C on a console
 #[test]
 fn an_interrupted_run_leaves_the_device_as_it_was() {
-    assert_eq!(kill_all(INTERRUPTED, "-INT"), 0);
+    assert_eq!(kill_all(INTERRUPTED, End::Interrupted), 0);
 }
 
 #[test]
 fn the_journal_of_a_killed_run_puts_the_device_back() {
-    let restored = kill_all(KILLED, "-KILL");
+    let restored = kill_all(KILLED, End::Killed);
     assert!(restored > KILLED / 2, "only {restored} runs had begun a case");
 }

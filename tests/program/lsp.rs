@@ -223,12 +223,27 @@ fn the_extension_is_whole() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("editors/vscode");
     let read = |name: &str| -> String { std::fs::read_to_string(folder.join(name)).unwrap() };
     let manifest: Value = serde_json::from_str(&read("package.json")).unwrap();
+    for field in ["name", "displayName", "description", "version", "publisher", "license"] {
+        assert!(manifest[field].as_str().is_some_and(|text| !text.is_empty()), "{field}");
+    }
+    let is_name = |character: char| character.is_ascii_lowercase() || character == '-';
+    assert!(manifest["name"].as_str().unwrap().chars().all(is_name));
+    assert!(manifest["engines"]["vscode"].as_str().unwrap().starts_with('^'));
+    let locked: Value = serde_json::from_str(&read("package-lock.json")).unwrap();
+    let own = &locked["packages"][""];
+    assert_eq!((&own["version"], &own["dependencies"]), (&manifest["version"], &manifest["dependencies"]));
     let contributes = &manifest["contributes"];
+    assert_eq!(contributes["languages"][0]["id"], contributes["grammars"][0]["language"]);
     assert_eq!(contributes["languages"][0]["extensions"], json!([".eds", ".dcf"]));
     for named in [&contributes["languages"][0]["configuration"], &contributes["grammars"][0]["path"]] {
         serde_json::from_str::<Value>(&read(named.as_str().unwrap())).unwrap();
     }
     let grammar: Value = serde_json::from_str(&read(contributes["grammars"][0]["path"].as_str().unwrap())).unwrap();
     assert_eq!(grammar["scopeName"], contributes["grammars"][0]["scopeName"]);
-    assert!(read(manifest["main"].as_str().unwrap()).contains("args: [\"lsp\"]"));
+    let main = read(manifest["main"].as_str().unwrap());
+    assert!(main.contains("args: [\"lsp\"]"));
+    assert!(main.contains(&format!("language: {}", contributes["languages"][0]["id"])));
+    let setting = contributes["configuration"]["properties"].as_object().unwrap().keys().next().unwrap();
+    let (section, name) = setting.split_once('.').unwrap();
+    assert!(main.contains(&format!("getConfiguration(\"{section}\").get(\"{name}\")")));
 }

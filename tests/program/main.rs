@@ -1,4 +1,6 @@
 //! The program, end to end.
+//!
+//! What needs Unix says why, behind `cfg(unix)`: `cargo xtask windows`, which runs the others as programs of Windows, prints it.
 
 #[cfg(test)]
 mod archive;
@@ -6,7 +8,7 @@ mod archive;
 mod bounded;
 #[cfg(test)]
 mod bundle;
-#[cfg(test)]
+#[cfg(all(test, unix))] // the recipes are scripts of a POSIX shell
 mod ci_page;
 #[cfg(test)]
 mod closed_output;
@@ -42,8 +44,10 @@ mod flooded;
 mod fuzz;
 #[cfg(test)]
 mod history;
-#[cfg(test)]
+#[cfg(all(test, unix))] // the limit of memory is that of a POSIX shell, and Windows has no files of such names
 mod hostile;
+#[cfg(all(test, unix))] // a signal: `cargo xtask windows` presses Ctrl-C on a console
+mod interrupted;
 #[cfg(test)]
 mod killed;
 #[cfg(test)]
@@ -52,13 +56,15 @@ mod live;
 mod lsp;
 #[cfg(test)]
 mod marks;
-#[cfg(test)]
+#[cfg(all(test, unix))] // what a process has needed stands in /proc
 mod memory;
 #[cfg(test)]
 mod one_language;
-#[cfg(test)]
+#[cfg(all(test, unix))] // the documentation shows a POSIX shell
 mod pages;
 #[cfg(test)]
+mod pcan;
+#[cfg(all(test, unix))] // it is shown on pseudo-terminals
 mod progress;
 #[cfg(test)]
 mod provenance;
@@ -72,7 +78,9 @@ mod rows;
 mod running;
 #[cfg(test)]
 mod settings;
-#[cfg(test)]
+#[cfg(all(test, unix))] // pseudo-terminals, and what they say of themselves
 mod terminals;
-#[cfg(test)]
+#[cfg(all(test, unix))] // signals, named pipes and /proc
 mod waiting;
+#[cfg(all(test, windows))]
+mod windows;

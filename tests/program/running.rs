@@ -17,6 +17,12 @@ pub fn command(args: &[&str]) -> Command {
     command
 }
 
+/// Ctrl-C. Says whether it could be pressed.
+#[cfg(unix)]
+pub fn interrupt(child: &std::process::Child) -> bool {
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().is_ok()
+}
+
 pub fn run(args: &[&str]) -> Run {
     finished(command(args).stdin(Stdio::null()).output().unwrap())
 }

@@ -1,7 +1,5 @@
 //! Terminals that are narrow, that know no sequences, or that show nothing but ASCII.
 
-#![cfg(unix)]
-
 use crate::running::command;
 use nix::pty::{Winsize, openpty};
 use std::fs::File;

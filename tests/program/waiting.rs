@@ -1,7 +1,5 @@
 //! What never comes to its end, or never begins, is ended by the first signal.
 
-#![cfg(unix)]
-
 use crate::running::{command, finished};
 use std::path::Path;
 use std::process::{Command, Stdio};

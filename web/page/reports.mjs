@@ -15,6 +15,7 @@ export async function load(folder, files) {
       return part.length;
     },
     progress() {},
+    now: () => performance.now(),
     stopped: (why) => console.error(why),
   };
   const module = await import(pathToFileURL(join(folder, "canvass_web.js")));

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 const FRAMES: u32 = 1_000_000;
 /// Python is given the first of them only, as it is slow.
 const FRAMES_FOR_PYTHON: u32 = 100_000;
-const RUNS: usize = 3;
+pub const RUNS: usize = 3;
 const READING_RUNS: &str = "15";
 /// tshark's JSON takes most of a minute.
 const SLOW_RUNS: usize = 1;
@@ -41,7 +41,17 @@ pub fn bench() -> Result<()> {
     decoding()?;
     crate::diagnosing::diagnosing()?;
     reading()?;
+    crate::describing::describing()?;
     simulation()
+}
+
+/// Of these only what is about device descriptions.
+pub fn descriptions() -> Result<()> {
+    install(&[TIME])?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    println!("machine: {}", machine());
+    crate::describing::describing()
 }
 
 /// Counts the instructions that a frame takes to be decoded, and an exchange to be simulated, by callgrind: they are the same on every machine of an
@@ -143,7 +153,7 @@ fn total(written: &str) -> Option<u64> {
 }
 
 /// Makes a capture of so many frames of the usual traffic.
-fn make(format: &str, frames: u32, path: &str) -> Result<()> {
+pub fn make(format: &str, frames: u32, path: &str) -> Result<()> {
     let capture = File::create(path)?;
     let written =
         Command::new(release("examples/traffic")).args([format, &frames.to_string()]).stdout(capture).status()?;

@@ -1,9 +1,10 @@
-//! `cargo xtask dist`: what is given away. A static program with its manual pages and completions as an archive and as a Debian
-//! package, and the checksums of both, in `target/dist`.
+//! `cargo xtask dist`: what is given away, in `target/dist`. A static program for Linux with its manual pages and completions,
+//! as an archive and as a Debian package; the program for Windows; the page; and the checksums of all.
 
 use crate::consent;
 use crate::packages::{self, Package};
 use crate::run::{is_there, run};
+use crate::{target, web, windows};
 use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use std::process::Command;
@@ -12,42 +13,37 @@ const FOLDER: &str = "target/dist";
 /// No library of the machine is needed.
 const TARGET: &str = "x86_64-unknown-linux-musl";
 const PROGRAM: &str = "target/x86_64-unknown-linux-musl/release/canvass";
-/// The C parts (zstd, lz4) need a compiler for that target.
-const COMPILER: [Package; 1] = [Package { program: "musl-gcc", probe: &["--version"], package: "musl-tools" }];
+const ON_WINDOWS: &str = "target/x86_64-pc-windows-gnu/release/canvass.exe";
+/// The C parts (zstd, lz4) need a compiler for each target; the archive for Windows is one that Windows itself opens.
+const TOOLS: [Package; 3] = [
+    Package { program: "musl-gcc", probe: &["--version"], package: "musl-tools" },
+    windows::COMPILER,
+    Package { program: "zip", probe: &["--version"], package: "zip" },
+];
 /// Each shell, and what its file is called.
 const COMPLETIONS: [(&str, &str); 3] = [("bash", "canvass.bash"), ("zsh", "_canvass"), ("fish", "canvass.fish")];
-/// What lies beside the program in the archive.
+const POWERSHELL: (&str, &str) = ("powershell", "canvass.ps1");
+/// What lies beside the program in the archives.
 const BESIDE: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
 /// Builds all of it.
 pub fn dist() -> Result<()> {
-    packages::install(&COMPILER)?;
-    add_target()?;
+    packages::install(&TOOLS)?;
     install_cargo_deb()?;
-    run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET])?;
+    for target in [TARGET, windows::TARGET] {
+        target::add(target)?;
+        run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", target])?;
+    }
     ensure_static()?;
+    web::build()?;
     lay_out()?;
-    let archive = archive()?;
-    run("cargo", &["deb", "--no-build", "--no-strip", "--target", TARGET, "--output", FOLDER])?;
-    let package = std::fs::read_dir(FOLDER)?
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .find(|name| name.ends_with(".deb"))
-        .context("cargo deb left no package")?;
-    let sums =
-        Command::new("sha256sum").args([&archive, &package]).current_dir(FOLDER).output().context("sha256sum")?;
+    let page = page()?;
+    let products = [archive()?, package()?, archive_for_windows()?, page.0, page.1];
+    let sums = Command::new("sha256sum").args(&products).current_dir(FOLDER).output().context("sha256sum")?;
     ensure!(sums.status.success(), "sha256sum ended with {}", sums.status);
     std::fs::write(Path::new(FOLDER).join("SHA256SUMS"), &sums.stdout)?;
     print!("{}", String::from_utf8_lossy(&sums.stdout));
     Ok(())
-}
-
-fn add_target() -> Result<()> {
-    let installed = Command::new("rustup").args(["target", "list", "--installed"]).output().context("rustup")?;
-    if String::from_utf8_lossy(&installed.stdout).lines().any(|line| line == TARGET) {
-        return Ok(());
-    }
-    consent::ask(&format!("Rust's library for {TARGET}"), &format!("rustup target add {TARGET}"))?;
-    run("rustup", &["target", "add", TARGET])
 }
 
 fn install_cargo_deb() -> Result<()> {
@@ -77,27 +73,82 @@ fn lay_out() -> Result<()> {
     std::fs::create_dir_all(format!("{FOLDER}/completions"))?;
     run(PROGRAM, &["man", "--out", &format!("{FOLDER}/man")])?;
     for (shell, file) in COMPLETIONS {
-        let script = Command::new(PROGRAM).args(["completions", shell]).output().context(PROGRAM)?;
-        ensure!(script.status.success(), "canvass completions {shell} ended with {}", script.status);
-        std::fs::write(format!("{FOLDER}/completions/{file}"), script.stdout)?;
+        completions(shell, &format!("{FOLDER}/completions/{file}"))?;
     }
     Ok(())
 }
 
-/// The name of the archive.
-fn archive() -> Result<String> {
-    let name = format!("canvass-{}-{TARGET}", env!("CARGO_PKG_VERSION"));
-    let root = format!("{FOLDER}/{name}");
+fn completions(shell: &str, file: &str) -> Result<()> {
+    let script = Command::new(PROGRAM).args(["completions", shell]).output().context(PROGRAM)?;
+    ensure!(script.status.success(), "canvass completions {shell} ended with {}", script.status);
+    std::fs::write(file, script.stdout).with_context(|| file.to_owned())
+}
+
+/// What the products for that system are called, without their ending.
+fn name(target: &str) -> String {
+    format!("canvass-{}-{target}", env!("CARGO_PKG_VERSION"))
+}
+
+/// A folder with the program and what lies beside it.
+fn folder(target: &str, program: &str) -> Result<String> {
+    let root = format!("{FOLDER}/{}", name(target));
     std::fs::create_dir_all(&root)?;
-    for file in BESIDE.iter().chain([&PROGRAM]) {
+    for file in BESIDE.iter().chain([&program]) {
         let to = Path::new(&root).join(Path::new(file).file_name().context("a file")?);
         std::fs::copy(file, to).with_context(|| (*file).to_owned())?;
     }
+    Ok(root)
+}
+
+/// The name of the archive for Linux.
+fn archive() -> Result<String> {
+    let root = folder(TARGET, PROGRAM)?;
     run("cp", &["-r", &format!("{FOLDER}/man"), &format!("{FOLDER}/completions"), &root])?;
-    let file = format!("{name}.tar.gz");
+    let file = format!("{}.tar.gz", name(TARGET));
     // The same files make the same bytes.
     let order = ["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0"];
-    run("tar", &[&order[..], &["-C", FOLDER, "-czf", &format!("{FOLDER}/{file}"), &name]].concat())?;
+    run("tar", &[&order[..], &["-C", FOLDER, "-czf", &format!("{FOLDER}/{file}"), &name(TARGET)]].concat())?;
     std::fs::remove_dir_all(root)?;
+    Ok(file)
+}
+
+/// The name of the Debian package.
+fn package() -> Result<String> {
+    run("cargo", &["deb", "--no-build", "--no-strip", "--target", TARGET, "--output", FOLDER])?;
+    std::fs::read_dir(FOLDER)?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .find(|name| name.ends_with(".deb"))
+        .context("cargo deb left no package")
+}
+
+/// The name of the archive for Windows.
+fn archive_for_windows() -> Result<String> {
+    let root = folder(windows::TARGET, ON_WINDOWS)?;
+    completions(POWERSHELL.0, &format!("{root}/{}", POWERSHELL.1))?;
+    let file = zip(&name(windows::TARGET))?;
+    std::fs::remove_dir_all(root)?;
+    Ok(file)
+}
+
+/// The names of the page: a folder for a server, and one file for a stick or a mail.
+fn page() -> Result<(String, String)> {
+    let (folder, file) = (name("page"), format!("{}.html", name("page")));
+    run("cp", &["-r", &format!("{}/folder", web::FOLDER), &format!("{FOLDER}/{folder}")])?;
+    let zipped = zip(&folder)?;
+    std::fs::remove_dir_all(format!("{FOLDER}/{folder}"))?;
+    std::fs::copy(format!("{}/canvass.html", web::FOLDER), format!("{FOLDER}/{file}"))?;
+    Ok((zipped, file))
+}
+
+/// Packs a folder; gives the name of the archive. The same files make the same bytes: all are of the first day that such
+/// archives know, without their owners.
+fn zip(folder: &str) -> Result<String> {
+    let file = format!("{folder}.zip");
+    let script =
+        "find \"$1\" -exec touch -d 1980-01-01T00:00:00Z {} + && find \"$1\" -type f | sort | zip -X -q \"$2\" -@";
+    eprintln!("$ zip {file}");
+    let mut shell = Command::new("sh");
+    let status = shell.args(["-ec", script, "sh", folder, &file]).env("TZ", "UTC").current_dir(FOLDER).status()?;
+    ensure!(status.success(), "zip ended with {status}");
     Ok(file)
 }

@@ -7,16 +7,18 @@
 //! incidents`: what the diagnosis names first in a thousand
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
-//! screenshot`: the pictures of pages in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
+//! screenshot`: the pictures in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
-//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it. `cargo
-//! xtask dist`: a static program as archive and Debian package.
+//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo xtask windows`:
+//! the program for Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as
+//! Debian package, the one for Windows, the page.
 
 mod attack;
 mod bench;
 mod browser;
 mod ci;
 mod consent;
+mod describing;
 mod diagnosing;
 mod dist;
 mod flaky;
@@ -32,8 +34,10 @@ mod run;
 mod screenshot;
 mod simulation;
 mod storm;
+mod target;
 mod vcan;
 mod web;
+mod windows;
 mod worst;
 
 use anyhow::{Result, bail};
@@ -44,8 +48,8 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     fuzz | attack [--for SPAN] [--seed N] | storm
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
-    bench [--instructions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot | web | web-test | dist";
+    bench [--instructions | --descriptions] | memory | worst | incidents
+    rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -63,6 +67,7 @@ fn main() -> Result<()> {
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),
         Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),
+        Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
         Some("bench") => bench::bench(),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
@@ -71,12 +76,14 @@ fn main() -> Result<()> {
         Some("incidents") => incidents::incidents(),
         Some("mutants") => mutants::mutants(more),
         Some("rooms") => rooms::rooms(more),
-        Some("screenshot") => screenshot::screenshot(),
+        Some("screenshot") => screenshot::screenshot(more),
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
+        Some("windows") => windows::step(),
         Some("web") => web::build(),
-        Some("web-test") => web::test(),
+        Some("web-bench") => web::bench::bench(),
+        Some("web-test") => web::step(),
         Some("web-bind") => web::bind(more),
         Some("worst") => worst::worst(),
         _ => bail!("{USAGE}"),

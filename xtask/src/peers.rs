@@ -22,12 +22,38 @@ const XMLLINT: Package = Package { program: "xmllint", probe: &["--version"], pa
 const VENV_MODULE: Package =
     Package { program: "python3", probe: &["-c", "import ensurepip, venv"], package: "python3-venv" };
 
-/// Installs tshark, can-utils, xmllint and a Python environment with what the tests' requirements name.
+const NODE: Package = Package { program: "node", probe: &["--version"], package: "nodejs" };
+const NPM: Package = Package { program: "npm", probe: &["--version"], package: "npm" };
+/// The extension for Visual Studio Code, and what npm installs for it.
+const EXTENSION: &str = "editors/vscode";
+
+/// Installs tshark, can-utils, xmllint, a Python environment with what the tests' requirements name, and what the extension needs.
 pub fn install_all() -> Result<()> {
-    install(&[TSHARK, CAN_UTILS, XMLLINT])?;
+    install(&[TSHARK, CAN_UTILS, XMLLINT, NODE, NPM])?;
+    extension()?;
+    python()
+}
+
+/// Installs what the lock file of the extension names.
+fn extension() -> Result<()> {
+    let library = format!("{EXTENSION}/node_modules/vscode-languageclient/package.json");
+    let lock = format!("{EXTENSION}/package-lock.json");
+    let installed = format!("{EXTENSION}/node_modules/.package-lock.json");
+    let written = |path: &str| fs::metadata(path).and_then(|data| data.modified()).ok();
+    if fs::exists(library)? && written(&installed) >= written(&lock) {
+        return Ok(());
+    }
+    let npm = ["--prefix", EXTENSION, "ci", "--no-audit", "--no-fund"];
+    consent::ask(&format!("what {EXTENSION} needs"), &format!("npm {}", npm.join(" ")))?;
+    run("npm", &npm)
+}
+
+fn python() -> Result<()> {
     let wanted = fs::read_to_string(REQUIREMENTS)?;
     let is_installed = fs::read_to_string(INSTALLED).is_ok_and(|installed| installed == wanted);
-    if is_installed && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools"]) {
+    if is_installed
+        && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools, pytest_lsp"])
+    {
         return Ok(());
     }
     install(&[VENV_MODULE])?;

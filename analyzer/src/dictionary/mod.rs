@@ -11,6 +11,7 @@ pub mod difference;
 pub mod editor;
 pub mod eds;
 pub mod layout;
+mod limits;
 mod loss;
 mod manual;
 mod moment;

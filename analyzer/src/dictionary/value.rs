@@ -190,7 +190,7 @@ impl DaysAndMilliseconds {
         Self { days: (raw >> 32) as u16, milliseconds: (raw & Self::MILLISECONDS) as u32 }
     }
 
-    fn to_raw(self) -> u64 {
+    pub(in crate::dictionary) fn to_raw(self) -> u64 {
         u64::from(self.days) << 32 | u64::from(self.milliseconds)
     }
 }

@@ -18,9 +18,11 @@
 //! A test of a field that a frame does not have is false, and so is its negation with `!=` or `not in`; `not` in
 //! front of it makes it true.
 
+mod completion;
 mod expression;
 mod parser;
 
+pub use completion::Completion;
 pub use expression::{Filter, Subject};
 pub use parser::FilterError;
 

@@ -5,8 +5,7 @@ use crate::message::Service;
 use nom::branch::alt;
 use nom::bytes::complete::{tag, take_while, take_while1};
 use nom::character::complete::{char, multispace0};
-use nom::combinator::opt;
-use nom::multi::separated_list1;
+use nom::combinator::{cut, opt};
 use nom::sequence::{delimited, preceded};
 use nom::{IResult, Parser};
 use std::ops::RangeInclusive;
@@ -79,13 +78,29 @@ fn fail<'a, T>(at: &'a str, expected: &'static str) -> Parsed<'a, T> {
 }
 
 fn expression(input: &str, depth: usize) -> Parsed<'_, Expression> {
-    let (rest, terms) = separated_list1(keyword("or"), |input| conjunction(input, depth)).parse(input)?;
+    let (rest, terms) = joined(input, keyword("or"), |input| conjunction(input, depth))?;
     Ok((rest, one_or(terms, Expression::Or)))
 }
 
 fn conjunction(input: &str, depth: usize) -> Parsed<'_, Expression> {
-    let (rest, terms) = separated_list1(keyword("and"), |input| factor(input, depth)).parse(input)?;
+    let (rest, terms) = joined(input, keyword("and"), |input| factor(input, depth))?;
     Ok((rest, one_or(terms, Expression::And)))
+}
+
+/// One or more with something between them, behind which there must be another.
+fn joined<'a, T>(
+    input: &'a str,
+    mut between: impl Parser<&'a str, Output = &'a str, Error = Mistake<'a>>,
+    mut one: impl FnMut(&'a str) -> Parsed<'a, T>,
+) -> Parsed<'a, Vec<T>> {
+    let (mut rest, first) = one(input)?;
+    let mut all = vec![first];
+    while let Ok((after, _)) = between.parse(rest) {
+        let (after, next) = cut(&mut one).parse(after)?;
+        all.push(next);
+        rest = after;
+    }
+    Ok((rest, all))
 }
 
 fn one_or(mut terms: Vec<Expression>, many: impl FnOnce(Vec<Expression>) -> Expression) -> Expression {
@@ -142,7 +157,7 @@ type Ranges = Vec<RangeInclusive<u32>>;
 /// An operator and its numbers, as ranges; `None` where no operator follows.
 fn comparison(input: &str) -> Result<Option<(&str, Ranges, bool)>, nom::Err<Mistake<'_>>> {
     if let Ok((rest, negated)) = is_in(input) {
-        let (rest, ranges) = separated_list1(symbol(","), range).parse(rest)?;
+        let (rest, ranges) = joined(rest, symbol(","), range)?;
         return Ok(Some((rest, ranges, negated)));
     }
     let operators = ["!=", "<=", ">=", "==", "=", "<", ">"];
@@ -185,7 +200,7 @@ fn channel_test(input: &str) -> Parsed<'_, Expression> {
 /// `= name`, `!= name`, `in name, name`, `not in name, name`.
 fn names<'a, T>(input: &'a str, name: impl Fn(&'a str) -> Parsed<'a, T>) -> Parsed<'a, (Vec<T>, bool)> {
     if let Ok((rest, negated)) = is_in(input) {
-        let (rest, names) = separated_list1(symbol(","), &name).parse(rest)?;
+        let (rest, names) = joined(rest, symbol(","), name)?;
         return Ok((rest, (names, negated)));
     }
     let Ok((rest, operator)) = alt((symbol("!="), symbol("=="), symbol("="))).parse(input) else {

@@ -68,6 +68,9 @@ fn errors_point_at_the_column() {
     assert_eq!(error("node in 1..x").column, 12);
     assert_eq!(error("(abort").column, 7);
     assert_eq!(error("").column, 1);
+    for open in ["abort and ", "abort or", "not", "service in sdo,", "node in 1,"] {
+        assert_eq!((error(open).found, error(open).column), (None, open.len() + 1), "{open}");
+    }
     assert!(shown("node=x").contains("expected a number such as 63, 0x3F or 3Fh, found \"x\"\n  node=x\n       ^"));
     assert!(shown("service=can").contains("expected a service: nmt"));
 }

@@ -8,7 +8,7 @@ use super::node::Node;
 use super::sdo::{Channel, ChannelIndex, Transfer};
 use super::srdo_pairs::SrdoPairs;
 use crate::room::Room;
-use crate::wire::lmt::Dialect;
+use crate::wire::layer_setting::Protocol;
 use crate::{NodeId, PerNode};
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ pub struct Bus {
     /// The models that nodes can be recognised as.
     pub(super) candidates: Candidates,
     /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
-    pub(super) dialect: Option<Dialect>,
+    pub(super) protocol: Option<Protocol>,
     pub(super) srdo_pairs: SrdoPairs,
     pub(super) layer_setting: LayerSetting,
     /// What the last frame brought about; its memory is used again.
@@ -78,7 +78,7 @@ impl Bus {
             further_channels: BTreeMap::new(),
             nodes: PerNode::default(),
             candidates: Candidates::default(),
-            dialect: None,
+            protocol: None,
             srdo_pairs: SrdoPairs::default(),
             layer_setting: LayerSetting::default(),
             events: Vec::new(),

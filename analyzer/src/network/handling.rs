@@ -12,14 +12,14 @@ use crate::message::{Message, PdoNumber, Service};
 use crate::wire::case_marker::CaseMarker;
 use crate::wire::error_control::{ErrorControl, State};
 use crate::wire::flying_master::FlyingMaster;
-use crate::wire::lmt::{self, Dialect};
+use crate::wire::layer_setting::Protocol;
 use crate::wire::mpdo::Mpdo;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sdo::{Request, Response};
 use crate::wire::srdo::Half;
 use crate::wire::sync::Sync;
 use crate::wire::time::TimeOfDay;
-use crate::wire::{Malformed, Wire, emcy::Emcy, lss};
+use crate::wire::{Malformed, Wire, emcy::Emcy, lmt, lss};
 use canvass_traces::{Duration, Frame, FrameKind, Record, Timestamp};
 use std::sync::Arc;
 
@@ -99,9 +99,9 @@ impl Bus {
 
     #[cold]
     fn layer_setting_request(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
-        let decoded = match self.dialect(payload) {
-            Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
-            Dialect::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
+        let decoded = match self.protocol(payload) {
+            Protocol::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
+            Protocol::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
         };
         match decoded.message {
             Message::LssRequest(request) => self.layer_setting.lss_request(now, request, &mut self.events),
@@ -113,13 +113,13 @@ impl Bus {
 
     #[cold]
     fn layer_setting_response(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
-        let decoded = match self.dialect(payload) {
-            Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
-            Dialect::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
+        let decoded = match self.protocol(payload) {
+            Protocol::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
+            Protocol::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
         };
         match decoded.message {
-            Message::LssResponse(response) => self.layer_setting.lss_response(now, response, &mut self.events),
-            Message::LmtResponse(response) => self.layer_setting.lmt_response(now, response, &mut self.events),
+            Message::LssResponse(response) => self.layer_setting.response(now, response, &mut self.events),
+            Message::LmtResponse(response) => self.layer_setting.response(now, response, &mut self.events),
             _ => {}
         }
         decoded
@@ -127,13 +127,13 @@ impl Bus {
 
     /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
     /// whose they are, and until then the descriptions of the devices do.
-    fn dialect(&mut self, payload: &[u8]) -> Dialect {
-        self.dialect = lmt::dialect(payload).or(self.dialect);
-        self.dialect.unwrap_or_else(|| self.described_dialect())
+    fn protocol(&mut self, payload: &[u8]) -> Protocol {
+        self.protocol = Protocol::of(payload).or(self.protocol);
+        self.protocol.unwrap_or_else(|| self.described_protocol())
     }
 
     /// LMT where a device on the bus knows it and none knows LSS.
-    fn described_dialect(&self) -> Dialect {
+    fn described_protocol(&self) -> Protocol {
         let nodes = self.nodes.iter().filter_map(|(_, node)| node.as_deref());
         let mut devices = nodes.filter_map(|node| node.device.as_deref());
         let mut known = false;
@@ -141,7 +141,7 @@ impl Bus {
             known |= device.manual.settings.layer_management;
             !device.description.device.lss_supported
         });
-        if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }
+        if known && only_lmt { Protocol::Lmt } else { Protocol::Lss }
     }
 
     #[cold]

@@ -2,6 +2,7 @@
 
 use super::event::{Event, Exchange};
 use crate::NodeId;
+use crate::wire::layer_setting::{ConfigureCommand, Dialect, Request, Response};
 use crate::wire::{lmt, lss};
 use canvass_traces::{Duration, Timestamp};
 
@@ -37,77 +38,47 @@ impl<T> Setting<T> {
 impl LayerSetting {
     /// A message of the LSS master.
     pub fn lss_request(&mut self, now: Timestamp, request: lss::Request, events: &mut Vec<Event>) {
-        use lss::Request as R;
-        let due = match request {
-            R::ConfigureNodeId { .. } | R::ConfigureBitTiming { .. } | R::StoreConfiguration => true,
-            R::Inquire { .. } | R::InquireNodeId => true,
-            R::SwitchSelective { part, .. } => part == lss::Part::SerialNumber,
-            _ => false,
-        };
-        self.ask(now, due, events);
-        match request {
-            R::SwitchGlobal { .. } => self.leave(),
-            R::SwitchSelective { part, value } => {
-                if part == lss::Part::VendorId {
-                    self.leave();
-                }
-                self.address[part as usize] = Some(value);
+        self.request(now, request, events);
+        if let lss::Request::SwitchSelective { part, value } = request {
+            if part == lss::Part::VendorId {
+                self.leave();
             }
-            R::ConfigureNodeId { node_id } => self.node_id.asked = Some(node_id),
-            R::ConfigureBitTiming { table, index } => {
-                let known = lss::BIT_RATES.get(usize::from(index)).filter(|_| table == 0);
-                self.bit_rate.asked = Some(known.copied().flatten());
-            }
-            R::ActivateBitTiming { delay } => self.activate(delay, events),
-            _ => {}
-        }
-    }
-
-    /// A message of an LSS slave.
-    pub fn lss_response(&mut self, now: Timestamp, response: lss::Response, events: &mut Vec<Event>) {
-        self.answer(now, events);
-        match response {
-            lss::Response::Configured { command: lss::ConfigureCommand::NodeId, error, .. } => {
-                self.node_id.answered(error == 0);
-            }
-            lss::Response::Configured { command: lss::ConfigureCommand::BitTiming, error, .. } => {
-                self.bit_rate.answered(error == 0);
-            }
-            lss::Response::NodeId(raw) => self.told = NodeId::new(raw),
-            _ => {}
+            self.address[part as usize] = Some(value);
         }
     }
 
     /// A message of the LMT master.
     pub fn lmt_request(&mut self, now: Timestamp, request: lmt::Request, events: &mut Vec<Event>) {
-        use lmt::Request as R;
-        let due = matches!(
-            request,
-            R::ConfigureNmtAddress { .. } | R::ConfigureBitTiming { .. } | R::StoreConfiguration | R::Inquire { .. }
-        );
-        self.ask(now, due, events);
+        self.request(now, request, events);
+        if let lmt::Request::SwitchSelective { .. } = request {
+            self.leave();
+        }
+    }
+
+    /// What both dialects ask alike.
+    fn request<D: Dialect>(&mut self, now: Timestamp, request: Request<D>, events: &mut Vec<Event>) {
+        let unanswered = matches!(self.asked.replace((now, request.wants_answer())), Some((_, true)));
+        events.push(Event::LayerSetting(Exchange::Request { unanswered }));
         match request {
-            R::SwitchGlobal { .. } | R::SwitchSelective { .. } => self.leave(),
-            R::ConfigureNmtAddress { node_id } => self.node_id.asked = Some(node_id),
-            R::ConfigureBitTiming { table, index } => {
-                let known = lmt::BIT_RATES.get(usize::from(index)).filter(|_| table == 0);
-                self.bit_rate.asked = Some(known.copied());
+            Request::SwitchGlobal { .. } => self.leave(),
+            Request::ConfigureNodeId { node_id } => self.node_id.asked = Some(node_id),
+            Request::ConfigureBitTiming { table, index } => {
+                self.bit_rate.asked = Some(D::bit_rate(index).filter(|_| table == 0));
             }
-            R::ActivateBitTiming { delay } => self.activate(delay, events),
+            Request::ActivateBitTiming { delay } => self.activate(delay, events),
             _ => {}
         }
     }
 
-    /// A message of an LMT slave.
-    pub fn lmt_response(&mut self, now: Timestamp, response: lmt::Response, events: &mut Vec<Event>) {
+    /// A message of a slave.
+    pub fn response<D: Dialect>(&mut self, now: Timestamp, response: Response<D>, events: &mut Vec<Event>) {
         self.answer(now, events);
         match response {
-            lmt::Response::Configured { command: lmt::ConfigureCommand::NmtAddress, error, .. } => {
-                self.node_id.answered(error == 0);
-            }
-            lmt::Response::Configured { command: lmt::ConfigureCommand::BitTiming, error, .. } => {
+            Response::Configured { command: ConfigureCommand::NodeId, error, .. } => self.node_id.answered(error == 0),
+            Response::Configured { command: ConfigureCommand::BitTiming, error, .. } => {
                 self.bit_rate.answered(error == 0);
             }
+            Response::NodeId(raw) => self.told = NodeId::new(raw),
             _ => {}
         }
     }
@@ -119,11 +90,6 @@ impl LayerSetting {
         }
         self.node_id.confirmed = None;
         Some(Before { told: self.told.take(), address: std::mem::take(&mut self.address) })
-    }
-
-    fn ask(&mut self, now: Timestamp, due: bool, events: &mut Vec<Event>) {
-        let unanswered = matches!(self.asked.replace((now, due)), Some((_, true)));
-        events.push(Event::LayerSetting(Exchange::Request { unanswered }));
     }
 
     fn answer(&mut self, now: Timestamp, events: &mut Vec<Event>) {

@@ -13,6 +13,7 @@ pub mod emcy;
 pub mod error_control;
 pub mod error_frame;
 pub mod flying_master;
+pub mod layer_setting;
 pub mod lmt;
 pub mod lss;
 pub mod mpdo;

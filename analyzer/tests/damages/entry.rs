@@ -12,6 +12,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/entry/access", Lines(access)),
     ("eds/entry/access-form", Lines(access_form)),
     ("eds/entry/limits", Lines(limits)),
+    ("eds/entry/limit-range", Lines(limit_range)),
     ("eds/entry/beyond-limits", Lines(beyond_limits)),
     ("eds/entry/flags", Lines(flags)),
     ("eds/entry/visible-string", Lines(visible_string)),
@@ -82,6 +83,17 @@ fn limits(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     eds.set(low, &top);
     eds.set(high, &bottom);
     Some(Place::Line(low)).filter(|_| bottom != top)
+}
+
+fn limit_range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let Entry { header, data_type, .. } = dice.pick(&limited(eds))?;
+    let too_large = match data_type {
+        2 | 5 => "0x100",
+        3 | 6 => "65536",
+        4 | 7 => "0x100000000",
+        _ => "18446744073709551616",
+    };
+    Some(Place::Line(eds.put(header, "HighLimit", too_large)))
 }
 
 fn beyond_limits(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {

@@ -11,6 +11,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/field/name-missing", Lines(name_missing)),
     ("eds/field/name-quoted", Lines(name_quoted)),
     ("eds/field/name-too-long", Lines(name_long)),
+    ("eds/field/name-twice", Lines(name_twice)),
     ("eds/field/object-type-missing", Lines(object_type_missing)),
     ("eds/field/data-type-missing", Lines(data_type_missing)),
     ("eds/field/access-missing", Lines(access_missing)),
@@ -156,4 +157,24 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let value = dice.between(most + 1, most + 1000);
     eds.set(line, value);
     Some(Place::Line(line))
+}
+
+/// Gives an object the name of one with a lower index, or an entry that of one before it.
+fn name_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let mut headers: Vec<(u16, usize)> = eds.objects();
+    if dice.heads() {
+        let subs = |(index, _): (u16, usize)| Some((index, eds.sub(index, 1)?, eds.sub(index, 2)?));
+        let with_subs: Vec<_> = headers.into_iter().filter_map(subs).collect();
+        let (_, first, second) = dice.pick(&with_subs)?;
+        return same_name(eds, first, second);
+    }
+    headers.sort_unstable();
+    let later = dice.between(1, headers.len() as u64 - 1) as usize;
+    let earlier = dice.below(later);
+    same_name(eds, headers[earlier].1, headers[later].1)
+}
+
+fn same_name(eds: &mut Eds, from: usize, to: usize) -> Option<Place> {
+    let name = eds.text_of(from, "ParameterName")?.to_owned();
+    Some(Place::Line(eds.put(to, "ParameterName", name)))
 }

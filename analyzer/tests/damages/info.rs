@@ -1,6 +1,6 @@
 //! FileInfo, DeviceInfo, DummyUsage, Comments and the commissioning of a DCF.
 
-use super::{Damage, Lines, Place};
+use super::{ANOTHER_EDS, Damage, Lines, Place};
 use crate::dice::Dice;
 use crate::eds::Eds;
 
@@ -21,6 +21,9 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/dcf/node-id", Lines(node_id)),
     ("eds/dcf/bit-rate", Lines(bit_rate)),
     ("eds/dcf/section-name", Lines(commissioning)),
+    ("eds/dcf/open", Lines(open)),
+    ("eds/dcf/download-file", Lines(download)),
+    ("eds/dcf/other-eds", Lines(other_eds)),
 ];
 
 fn set(eds: &mut Eds, section: &str, field: &str, value: &str) -> Option<Place> {
@@ -168,15 +171,38 @@ fn dummy(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 }
 
 fn node_id(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    let (byte, more) = (dice.between(128, 255), dice.between(256, 100_000));
+    let (byte, more) = (dice.between(128, 254), dice.between(256, 100_000));
     let number = dice.of(&[0, 128, byte, more]);
     set(eds, "DeviceComissioning", "NodeID", &number.to_string())
 }
 
 fn bit_rate(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let more = dice.between(1001, 1_000_000);
-    let rate = dice.of(&[0, 30, 83, 300, 1001, 125_000, more]);
+    let rate = dice.of(&[30, 83, 300, 1001, 125_000, more]);
     set(eds, "DeviceComissioning", "Baudrate", &rate.to_string())
+}
+
+/// What is not beside the file.
+fn download(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    if !is_configuration(eds) {
+        return None;
+    }
+    let domains: Vec<_> = eds.entries().into_iter().filter(|entry| entry.data_type == 0xF).collect();
+    let header = dice.pick(&domains)?.header;
+    let name = format!("{}.{}", dice.word(), dice.of(&["bin", "hex", "dat"]));
+    Some(Place::Line(eds.put(header, "DownloadFile", name)))
+}
+
+fn other_eds(eds: &mut Eds, _: &mut Dice) -> Option<Place> {
+    if !is_configuration(eds) {
+        return None;
+    }
+    Some(Place::Line(eds.put(eds.header("FileInfo")?, "LastEDS", ANOTHER_EDS)))
+}
+
+fn open(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let (field, value) = dice.of(&[("NodeID", "255"), ("Baudrate", "0"), ("NodeID", "0xFF")]);
+    set(eds, "DeviceComissioning", field, value)
 }
 
 fn commissioning(eds: &mut Eds, _: &mut Dice) -> Option<Place> {

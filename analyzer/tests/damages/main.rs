@@ -21,7 +21,7 @@ mod standard;
 mod text;
 mod xml;
 
-use canvass_analyzer::dictionary::check::{Finding, check};
+use canvass_analyzer::dictionary::check::{Finding, Folder, check_in};
 use canvass_analyzer::dictionary::{DeviceDescription, rules, xdd};
 use dice::Dice;
 use eds::Eds;
@@ -79,8 +79,25 @@ fn damages() -> Vec<(&'static str, Damage)> {
     families.concat()
 }
 
+/// The folder of the files: an EDS of another device, and a file to download.
+struct Beside;
+
+/// The EDS of another device, which lies beside.
+pub const ANOTHER_EDS: &str = "another.eds";
+
+impl Folder for Beside {
+    fn has(&self, name: &str) -> bool {
+        name == "program.bin"
+    }
+
+    fn read(&self, name: &str) -> Option<Vec<u8>> {
+        let text = "[OptionalObjects]\nSupportedObjects=1\n1=0x1FFE\n[1FFE]\nParameterName=Another\nDataType=0x0005\nAccessType=ro\n";
+        (name == ANOTHER_EDS).then(|| text.as_bytes().to_vec())
+    }
+}
+
 fn findings(bytes: &[u8]) -> Vec<Finding> {
-    check(bytes, Some(NAME)).unwrap().findings
+    check_in(bytes, Some(NAME), Some(&Beside)).unwrap().findings
 }
 
 fn is_found(findings: &[Finding], rule: &str, place: Place) -> bool {

@@ -108,7 +108,8 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         _ if bits <= 32 => format!("$NODEID+0x{:X}", all - 1 - i128::from(dice.between(0, 126))),
         _ => all.to_string(),
     };
-    let field = dice.of(&["DefaultValue", "LowLimit", "HighLimit"]);
+    // Of limits another rule tells.
+    let field = dice.of(&["DefaultValue", "ParameterValue"]);
     Some(Place::Line(eds.put(entry.header, field, value)))
 }
 

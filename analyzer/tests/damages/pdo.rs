@@ -12,6 +12,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/pdo/target", Lines(target)),
     ("eds/pdo/not-mappable", Lines(not_mappable)),
     ("eds/pdo/direction", Lines(direction)),
+    ("eds/pdo/either-direction", Lines(either)),
     ("eds/pdo/length", Lines(length)),
     ("eds/pdo/boolean", Lines(boolean)),
     ("eds/pdo/dummy", Lines(dummy)),
@@ -19,7 +20,9 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/pdo/too-long", Lines(too_long)),
     ("eds/cob-id/restricted", Lines(restricted)),
     ("eds/cob-id/twice", Lines(cob_id_twice)),
+    ("eds/cob-id/shared", Lines(cob_id_shared)),
     ("eds/cob-id/predefined", Lines(predefined)),
+    ("eds/cob-id/first-sdo-server", Lines(first_server)),
 ];
 
 /// The communication parameters of both directions.
@@ -163,18 +166,42 @@ fn restricted(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let ranges = [(0x000, 0x07F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0x6E0, 0x6FF), (0x701, 0x7FF)];
     let (first, last) = dice.of(&ranges);
     let cob_id = dice.between(first, last);
+    // A DCF has a node-ID of its own.
+    let is_of_a_type = dice.heads() && eds.header("DeviceComissioning").is_none();
     let value =
-        if cob_id > 0 && dice.heads() { format!("$NODEID+0x{:X}", cob_id - 1) } else { format!("0x{cob_id:X}") };
+        if cob_id > 0 && is_of_a_type { format!("$NODEID+0x{:X}", cob_id - 1) } else { format!("0x{cob_id:X}") };
     set(eds, line, value)
 }
 
-fn cob_id_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    let all = cob_ids(eds);
-    let later = 1 + dice.below(all.len() - 1);
-    let value = eds.value(all[dice.below(later)]).to_owned();
+/// The COB-IDs of a range of communication parameters.
+fn cob_ids_of(eds: &Eds, range: std::ops::RangeInclusive<u16>) -> Vec<usize> {
+    let indexes = communication(eds).into_iter().filter(|index| range.contains(index));
+    indexes.filter_map(|index| default(eds, index, 1)).collect()
+}
+
+/// Gives one of the second the COB-ID that one of the first has, if that is in use.
+fn same_cob_id(eds: &mut Eds, dice: &mut Dice, first: &[usize], second: &[usize]) -> Option<Place> {
+    let (from, to) = (dice.pick(first)?, dice.pick(second)?);
+    let value = eds.value(from).to_owned();
     // Bit 31 means that there is no such communication object.
     let is_used = number(&value.replace("$NODEID+", "")).is_some_and(|value| value >> 31 == 0);
-    if is_used { set(eds, all[later], value) } else { None }
+    if is_used && from != to { set(eds, to, value) } else { None }
+}
+
+/// Of EMCY and a TPDO, or of two TPDOs.
+fn cob_id_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let tpdos = cob_ids_of(eds, 0x1800..=0x19FF);
+    let emcy = eds.header("1014").and_then(|header| eds.field(header, "DefaultValue"));
+    let first: Vec<usize> = emcy.into_iter().chain(tpdos.first().copied()).collect();
+    same_cob_id(eds, dice, &first, tpdos.get(1..)?)
+}
+
+/// Of two RPDOs, or of an RPDO and a TPDO.
+fn cob_id_shared(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let rpdos = cob_ids_of(eds, 0x1400..=0x15FF);
+    let tpdos = cob_ids_of(eds, 0x1800..=0x19FF);
+    let second = if dice.heads() { rpdos.get(1..)?.to_vec() } else { tpdos };
+    same_cob_id(eds, dice, rpdos.get(..1)?, &second)
 }
 
 fn predefined(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
@@ -183,4 +210,19 @@ fn predefined(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let line = dice.pick(&all[2..])?;
     let other = dice.of(&["$NODEID+0x190", "$NODEID+0x680", "0x6F0", "$NODEID+0x90"]);
     set(eds, line, other)
+}
+
+/// What may be mapped, with an access type that leaves open into which PDO.
+fn either(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let mut mappable = eds.entries();
+    mappable.retain(|entry| eds.number_of(entry.header, "PDOMapping") == Some(1));
+    let header = dice.pick(&mappable)?.header;
+    Some(Place::Line(eds.put(header, "AccessType", "rw")))
+}
+
+fn first_server(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let line = default(eds, 0x1200, dice.between(1, 2) as u8)?;
+    let (other, id) = (dice.between(1, 0x57F), dice.between(0x680, 0x7FF));
+    let forms = [format!("$NODEID+0x{other:X}"), format!("0x{id:X}"), "0x80000600".to_owned(), "0x20000600".to_owned()];
+    set(eds, line, dice.of(&forms))
 }

@@ -161,6 +161,10 @@ impl Writer<'_> {
         }
         self.entry("1018sub4", 7, "ro", false, &[("DefaultValue", String::new())]);
         self.variable(0x1019, 5, "rw", "0");
+        self.container(0x1200, 9, 2, "ro", 2);
+        for (sub, base) in [(1, 0x600), (2, 0x580)] {
+            self.entry(&format!("1200sub{sub}"), 7, "ro", false, &[("DefaultValue", format!("$NODEID+0x{base:X}"))]);
+        }
     }
 
     fn encoder(&mut self) {
@@ -170,6 +174,8 @@ impl Writer<'_> {
         self.variable(0x6000, 6, "rw", "4");
         self.variable(0x6001, 7, "rw", &format!("{steps}"));
         self.variable(0x6002, 7, "rw", &format!("0x{:X}", steps * turns));
+        let preset = self.dice.between(0, steps * turns - 1);
+        self.variable(0x6003, 7, "rw", &format!("{preset}"));
         self.variable(0x6501, 7, "ro", &format!("0x{steps:X}"));
         self.variable(0x6502, 6, "ro", &format!("{turns}"));
     }
@@ -196,10 +202,10 @@ impl Writer<'_> {
         let mut index = 0x2000;
         let more = |dice: &mut Dice, index: &mut u16| *index += dice.between(1, 0x40) as u16;
         more(self.dice, &mut index);
-        self.mappable_of(index, INTEGERS[4], "rw");
+        self.mappable_of(index, INTEGERS[4], "rwr");
         more(self.dice, &mut index);
-        self.mappable_of(index, INTEGERS[5], "rw");
-        for access in ["ro", "rw", "rwr", "const", "rw", "rww", "wo", "rw", "rw", "ro"] {
+        self.mappable_of(index, INTEGERS[5], "rwr");
+        for access in ["ro", "rww", "rwr", "const", "rww", "rww", "wo", "rww", "rwr", "ro"] {
             more(self.dice, &mut index);
             self.mappable(index, access);
         }
@@ -231,7 +237,7 @@ impl Writer<'_> {
         if !matches!(access, "wo" | "rww") {
             self.tpdo.push((index, 0, bits));
         }
-        if matches!(access, "wo" | "rw" | "rww") {
+        if matches!(access, "wo" | "rww") {
             self.rpdo.push((index, 0, bits));
         }
     }
@@ -242,9 +248,11 @@ impl Writer<'_> {
         let kind = self.dice.of(&INTEGERS);
         for sub in 1..=subs {
             let name = format!("{index:04X}sub{sub:X}");
-            if code == 8 {
-                self.integer_of(&name, kind, "rw", true);
+            if code == 8 && self.dice.heads() {
+                self.integer_of(&name, kind, "rwr", true);
                 self.tpdo.push((index, sub, kind.1));
+            } else if code == 8 {
+                self.integer_of(&name, kind, "rww", true);
                 self.rpdo.push((index, sub, kind.1));
             } else {
                 self.integer(&name, "rw", false);

@@ -6,6 +6,7 @@ use crate::eds::{Eds, Entry};
 
 pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/standard/object-code", Lines(object_code)),
+    ("eds/standard/name", Lines(name)),
     ("eds/standard/data-type", Lines(data_type)),
     ("eds/standard/access", Lines(access)),
     ("eds/standard/read-only", Lines(access_less)),
@@ -17,6 +18,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/encoder/revolutions", Lines(revolutions)),
     ("eds/encoder/measuring-range", Lines(measuring_range)),
     ("eds/encoder/units-per-revolution", Lines(units)),
+    ("eds/encoder/preset", Lines(preset)),
 ];
 
 /// The entries of CiA 301 that a right file has with one access type.
@@ -47,6 +49,25 @@ fn object_code(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let header = eds.header(dice.of(&[&["1005", "1006", "1014", "1015", "1017"], of_encoders].concat()))?;
     eds.put(header, "CompactSubObj", dice.between(1, 9));
     Some(Place::Line(eds.put(header, "ObjectType", "0x8")))
+}
+
+/// Gives an object or entry the name that another has.
+fn name(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    const OBJECTS: [(&str, &str); 6] = [
+        ("1000", "Device type"),
+        ("1001", "Error register"),
+        ("1005", "COB-ID SYNC message"),
+        ("100C", "Guard time"),
+        ("1014", "COB-ID EMCY"),
+        ("1017", "producer heartbeat-time"),
+    ];
+    const ENTRIES: [(&str, &str); 3] =
+        [("1018sub1", "Vendor-ID"), ("1018sub2", "Product Code"), ("1018sub3", "Revision number")];
+    let names = if dice.heads() { &OBJECTS[..] } else { &ENTRIES[..] };
+    let (own, of) = (dice.below(names.len()), dice.below(names.len()));
+    let of = if own == of { (of + 1) % names.len() } else { of };
+    let header = eds.header(names[own].0)?;
+    Some(Place::Line(eds.put(header, "ParameterName", names[of].1)))
 }
 
 fn data_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
@@ -80,6 +101,7 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         (0x1201, Some(3), 128, 255),
         (0x1800, Some(6), 241, 255),
         (0x1016, Some(1), 0x0100_0000, 0xFFFF_FFFF),
+        (0x1A00, Some(0), 65, 253),
     ]);
     let name = sub.map_or(format!("{index:04X}"), |sub| format!("{index:04X}sub{sub}"));
     let data_type = if high > 255 { 7 } else { 5 };
@@ -135,17 +157,32 @@ fn revolutions(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, "6502", wrong)
 }
 
+/// Sets the default or the high limit of a value that has room for more.
+fn beyond(eds: &mut Eds, dice: &mut Dice, name: &str, most: u64) -> Option<Place> {
+    let field = dice.of(&["DefaultValue", "HighLimit"]);
+    // The highest values of the types are no limits.
+    let value = dice.between(most + 1, 0x7FFF_FFFE);
+    let header = eds.header(name)?;
+    Some(Place::Line(eds.put(header, field, value)))
+}
+
 fn measuring_range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     is_rotary(eds)?;
     let positions = number(eds, "6501")? * number(eds, "6502")?;
-    if positions >= u64::from(u32::MAX) {
+    if positions >= 0x7FFF_0000 {
         return None;
     }
-    set(eds, "6002", dice.between(positions + 1, u64::from(u32::MAX)))
+    beyond(eds, dice, "6002", positions)
 }
 
 fn units(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     is_rotary(eds)?;
     let steps = number(eds, "6501")?;
-    set(eds, "6001", dice.between(steps + 1, u64::from(u32::MAX)))
+    beyond(eds, dice, "6001", steps)
+}
+
+fn preset(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    is_rotary(eds)?;
+    let range = number(eds, "6002").filter(|range| (1..0x7FFF_0000).contains(range))?;
+    beyond(eds, dice, "6003", range - 1)
 }

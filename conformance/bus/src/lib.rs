@@ -1,6 +1,6 @@
 //! The bus that a test runs on: live or simulated, a case can't tell which; and the tester's side of the protocols.
 //!
-//! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`] and [`slcan`] are buses;
+//! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
 //! - [`Machine`]: what takes part in a bus without I/O and clock of its own; [`participate`] lets it do so;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
 //! - [`observation`]: what a device did, as data;
@@ -16,6 +16,7 @@ mod inbox;
 mod machine;
 pub mod observation;
 mod participant;
+pub mod pcan;
 mod processor_wait;
 mod simulated;
 pub mod slcan;
@@ -142,6 +143,9 @@ pub enum BusError {
     /// The SLCAN adapter does not work.
     #[error(transparent)]
     SlCan(#[from] slcan::SlCanError),
+    /// The adapter of PEAK does not work.
+    #[error(transparent)]
+    Pcan(#[from] pcan::PcanError),
     /// A recording does not go on as the tester does.
     #[error("the recording goes another way {0}")]
     Replay(#[from] transcript::Divergence),

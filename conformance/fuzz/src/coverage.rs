@@ -1,6 +1,8 @@
 //! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
 
 use super::{Knowledge, Services};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::layer_setting::{Dialect, Request};
 use canvass_analyzer::wire::sdo::Response;
 use canvass_suite::touch::Touch;
 use canvass_traces::Frame;
@@ -194,36 +196,23 @@ impl Answer {
 }
 
 impl LssCommand {
-    /// The class of a frame to the LSS slave.
-    pub fn of(frame: &Frame) -> Self {
-        if frame.len() != 8 {
-            return Self::Short;
-        }
-        match frame.bytes()[0] {
-            0x04 => Self::SwitchGlobal,
-            0x11 => Self::ConfigureNodeId,
-            0x13 => Self::ConfigureBitTiming,
-            0x15 => Self::ActivateBitTiming,
-            0x17 => Self::Store,
-            0x40..=0x43 => Self::SwitchSelective,
-            0x46..=0x4B => Self::IdentifyRemote,
-            0x4C => Self::IdentifyNonConfigured,
-            0x51 => Self::Fastscan,
-            0x5A..=0x5D => Self::Inquire,
-            0x5E => Self::InquireNodeId,
-            _ => Self::Unknown,
-        }
-    }
-
-    /// The class of a frame to an LMT slave, by the names of LSS.
-    pub fn of_lmt(frame: &Frame) -> Self {
-        match frame.bytes()[0] {
-            _ if frame.len() != 8 => Self::Short,
-            0x01..=0x03 => Self::SwitchSelective,
-            0x04 | 0x11 | 0x13 | 0x15 | 0x17 => Self::of(frame),
-            0x05..=0x08 => Self::IdentifyRemote,
-            0x24..=0x26 => Self::Inquire,
-            _ => Self::Unknown,
+    /// The class of a frame to the slave of LSS or LMT, by the names of LSS.
+    pub fn of<D: Dialect>(frame: &Frame) -> Self {
+        let request = Request::<D>::read(frame.data()).ok().filter(|_| frame.len() == 8);
+        match request {
+            None => Self::Short,
+            Some(Request::SwitchGlobal { .. }) => Self::SwitchGlobal,
+            Some(Request::ConfigureNodeId { .. }) => Self::ConfigureNodeId,
+            Some(Request::ConfigureBitTiming { .. }) => Self::ConfigureBitTiming,
+            Some(Request::ActivateBitTiming { .. }) => Self::ActivateBitTiming,
+            Some(Request::StoreConfiguration) => Self::Store,
+            Some(Request::SwitchSelective { .. }) => Self::SwitchSelective,
+            Some(Request::IdentifyRemote { .. }) => Self::IdentifyRemote,
+            Some(Request::IdentifyNonConfigured) => Self::IdentifyNonConfigured,
+            Some(Request::Fastscan { .. }) => Self::Fastscan,
+            Some(Request::Inquire { .. }) => Self::Inquire,
+            Some(Request::InquireNodeId) => Self::InquireNodeId,
+            Some(Request::Unknown { .. }) => Self::Unknown,
         }
     }
 }

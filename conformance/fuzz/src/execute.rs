@@ -295,7 +295,7 @@ impl Executor {
         Ok(())
     }
 
-    /// Resets the device behind the last sequence, and says whether that has brought it back.
+    /// Resets the device after the last sequence, and says whether that has brought it back.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -385,7 +385,7 @@ impl Executor {
     }
 
     /// Whether answers to two frames that follow each other at once can be told apart on a bus where they take their
-    /// time: those to SDO requests name what they answer. An answer to the first that comes behind the second would be
+    /// time: those to SDO requests name what they answer. An answer to the first that comes after the second would be
     /// taken for an answer to that elsewhere.
     fn are_told_apart(&self, first: &Stimulus, second: &Stimulus) -> bool {
         let is_request =

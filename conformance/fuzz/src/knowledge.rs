@@ -2,7 +2,8 @@
 
 use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
 use canvass_analyzer::object;
-use canvass_analyzer::wire::lmt::{BIT_RATES, Seven};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lmt::{Lmt, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_device::models::Sheet;
 use canvass_traces::Duration;
@@ -252,12 +253,12 @@ impl Services {
             lss_inquiry: None,
             lss_restarts: network.map(|network| network.lss_restarts),
             lmt: network.is_some_and(|network| network.lmt),
-            lmt_bit_rates: (0..)
-                .zip(BIT_RATES)
-                .filter(|(_, rate)| {
-                    sheet.is_some_and(|sheet| sheet.bit_rates.iter().any(|own| own.kbit * 1_000 == *rate))
+            lmt_bit_rates: (0..=u8::MAX)
+                .filter(|&row| {
+                    let has =
+                        |rate| sheet.is_some_and(|sheet| sheet.bit_rates.iter().any(|own| own.kbit * 1_000 == rate));
+                    Lmt::bit_rate(row).is_some_and(has)
                 })
-                .map(|(row, _)| row)
                 .collect(),
             padded_tpdos: network
                 .map(|network| network.padded_tpdos.iter().map(|&number| u16::from(number)).collect())

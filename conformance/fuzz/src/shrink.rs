@@ -37,7 +37,7 @@ enum ShrinkStep {
         length: usize,
         from: usize,
     },
-    /// Wait instead of sending that many frames behind that one.
+    /// Wait instead of sending that many frames after that one.
     Wait {
         length: usize,
         from: usize,

@@ -77,11 +77,36 @@ pub fn with_options<T>(
     options: &Options,
     test: impl FnOnce(&mut Bench<'_>) -> T,
 ) -> T {
+    with_target(script, &Target::unknown(NodeId::new(NODE).unwrap()), options, test)
+}
+
+/// The same with a device of which more is known.
+pub fn with_target<T>(
+    script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
+    target: &Target,
+    options: &Options,
+    test: impl FnOnce(&mut Bench<'_>) -> T,
+) -> T {
     let mut bus = ScriptedBus::new(script);
-    let target = Target::unknown(NodeId::new(NODE).unwrap());
     let cancel = AtomicBool::new(false);
     let mut annotate = |record: &Record| record.frame.to_string();
-    test(&mut Bench::new(&mut bus, &target, options, &mut annotate, &cancel))
+    test(&mut Bench::new(&mut bus, target, options, &mut annotate, &cancel))
+}
+
+/// A device with a description: sections of an EDS, each with the lines that say more than that it can be read and written.
+pub fn described(sections: &[(&str, &str)]) -> Target {
+    let mut eds = String::new();
+    for (name, lines) in sections {
+        let object = name.split("sub").next().unwrap_or_default();
+        if object != *name && !eds.contains(&format!("[{object}]")) {
+            let subs = sections.iter().filter(|(name, _)| name.starts_with(&format!("{object}sub"))).count();
+            eds.push_str(&format!("[{object}]\nParameterName={object}\nObjectType=0x9\nSubNumber={subs}\n\n"));
+        }
+        let access = if lines.contains("AccessType") { "" } else { "AccessType=rw\n" };
+        eds.push_str(&format!("[{name}]\nParameterName={name}\n{access}{lines}\n\n"));
+    }
+    let description = canvass_analyzer::dictionary::eds::read(eds.as_bytes()).unwrap();
+    Target { description: Some(description), ..Target::unknown(NodeId::new(NODE).unwrap()) }
 }
 
 /// A frame in the notation of `cansend`.

@@ -1,4 +1,5 @@
-// The time that the timeline and all plots show: one for all of them, in microseconds since the first frame.
+// The time that the timeline and all plots show: one for all of them, in microseconds since the first frame; and the
+// cursor, which a click sets in all of them.
 canvass.view = (() => {
   'use strict';
   const { data, element, time } = canvass;
@@ -7,6 +8,23 @@ canvass.view = (() => {
   const all = { min: -room, max: data.span + room };
   const view = { min: all.min, max: all.max };
   const watchers = [];
+  const pointed = [];
+  const cursors = [];
+  let cursor = null;
+
+  // Shows the cursor everywhere.
+  const mark = () => {
+    const at = cursor === null ? -1 : (cursor - view.min) / (view.max - view.min);
+    cursors.forEach((line) => {
+      line.hidden = at < 0 || at > 1;
+      line.style.left = `${at * 100}%`;
+    });
+  };
+  const point = (micros) => { cursor = micros; mark(); };
+  const pointTo = (micros) => {
+    point(Math.min(Math.max(micros, 0), data.span));
+    pointed.forEach((watcher) => watcher(cursor));
+  };
 
   const set = (min, max) => {
     const span = Math.min(Math.max(max - min, SHORTEST), all.max - all.min);
@@ -14,6 +32,7 @@ canvass.view = (() => {
     view.min = Math.min(Math.max(middle - span / 2, all.min), all.max - span);
     view.max = view.min + span;
     watchers.forEach((watcher) => watcher(view));
+    mark();
     show();
   };
   const zoom = (factor, at = (view.min + view.max) / 2) => set(at - (at - view.min) * factor, at + (view.max - at) * factor);
@@ -36,6 +55,8 @@ canvass.view = (() => {
   const keys = { ArrowLeft: acts.back, ArrowRight: acts.on, '+': acts.in, '=': acts.in, '-': acts.out, 0: whole, Home: whole };
   const control = (surface, focusable = surface) => {
     const selection = surface.appendChild(element('div', { className: 'selection', hidden: true }));
+    cursors.push(surface.appendChild(element('div', { className: 'cursor', hidden: true })));
+    mark();
     const fingers = new Map();
     let drag = null;
     const at = (x) => {
@@ -89,7 +110,7 @@ canvass.view = (() => {
       if (drag && !drag.pans && !selection.hidden && event.type === 'pointerup') {
         const [first, last] = [drag.at, at(event.clientX)].sort((a, b) => a - b);
         set(first, last);
-      }
+      } else if (drag && event.type === 'pointerup' && Math.abs(event.clientX - drag.from) < 4) pointTo(at(event.clientX));
       selection.hidden = true;
       drag = null;
     };
@@ -98,5 +119,8 @@ canvass.view = (() => {
   };
 
   show();
-  return { now: view, all, set, zoom, move, whole, isWhole, control, watch: (watcher) => watchers.push(watcher) };
+  return {
+    now: view, all, set, zoom, move, whole, isWhole, control, point, pointTo,
+    watch: (watcher) => watchers.push(watcher), watchPoint: (watcher) => pointed.push(watcher),
+  };
 })();

@@ -62,7 +62,7 @@ fn sentence(reason: &Reason) -> String {
     if actual.contains(expected.as_str()) { actual.clone() } else { format!("{expected}: {actual}") }
 }
 
-/// The ids, as many in a line as fit behind its indentation.
+/// The ids, as many in a line as fit after its indentation.
 fn lines(ids: &[&str], width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for (at, id) in ids.iter().enumerate() {

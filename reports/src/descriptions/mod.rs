@@ -32,7 +32,7 @@ pub struct Located {
     pub finding: Finding,
     /// Where it ends: the line.
     pub end_line: u32,
-    /// Where it ends: the column behind the last character.
+    /// Where it ends: the column after the last character.
     pub end_column: u32,
     /// The changes that mend it.
     pub edits: Vec<LocatedEdit>,

@@ -14,7 +14,7 @@ use canvass_analyzer::{Meaning, NodeId, network::Decoded};
 use canvass_traces::{Record, Timestamp};
 use std::fmt;
 
-/// The frame behind an event, and its bus.
+/// The frame after an event, and its bus.
 pub struct Scene<'a> {
     /// When the frame was seen.
     pub time: Timestamp,

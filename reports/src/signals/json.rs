@@ -11,7 +11,7 @@ use std::io;
 pub struct JsonSheet {
     begun: bool,
     latest: Vec<Option<Number>>,
-    /// The names of the columns as JSON, with a comma before and a colon behind.
+    /// The names of the columns as JSON, with a comma before and a colon after.
     keys: Vec<Vec<u8>>,
 }
 

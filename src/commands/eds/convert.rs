@@ -21,9 +21,9 @@ const SHOWN: usize = 20;
 
 /// Convert a device description to another format: EDS and XDD, DCF and XDC, and its PDOs to a DBC
 ///
-/// The format written is told by the ending of OUT, or by --to. What the format has no place for, and what of IN is not
-/// kept, is said on standard error, each thing with its place. A DCF becomes an EDS without what it configures. A DBC has the
-/// PDOs that the device has at one node-ID, for tools that know no CANopen.
+/// The output format is given by the extension of OUT, or by --to. Whatever the output format can't hold is reported on
+/// standard error, each item with its place. A DCF becomes an EDS without the configured values. A DBC has the PDOs of
+/// the device at one node-ID, for tools that know no CANopen.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -47,7 +47,7 @@ pub struct Args {
     /// Overwrite OUT if it exists
     #[arg(long)]
     force: bool,
-    /// Say everything that is lost, not only the first 20 things
+    /// Report everything that is lost, not only the first 20 items
     #[arg(long)]
     all_losses: bool,
 }

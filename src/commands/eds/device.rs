@@ -16,7 +16,7 @@ use std::time::Instant;
 /// A device on a bus.
 #[derive(clap::Args)]
 pub struct DeviceArgs {
-    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     pub bus: String,
     /// The device's node-ID; without it the one of the simulated device
     #[arg(long, value_parser = parse_node)]

@@ -11,11 +11,12 @@ use canvass_reports::escape::Printable;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Compare two device descriptions: what a release changed, and what of it breaks who relies on the old one
+/// Compare two device descriptions: what a release changed, and which changes are breaking
 ///
-/// EDS, DCF, XDD and XDC files, also of different formats. Breaking is what a configuration tool, a DCF or another device
-/// goes wrong with: an object that is gone, another type, narrower limits, another PDO layout. Notable is what the device
-/// does or a tool shows otherwise, harmless the rest.
+/// EDS, DCF, XDD and XDC files, also of different formats. A change is breaking if a configuration tool, a DCF or
+/// another device that relies on the old description fails: an object that is gone, another type, narrower limits,
+/// another PDO layout. It is notable if the device behaves or a tool shows something differently. Other changes are
+/// harmless.
 #[derive(clap::Args)]
 pub struct Args {
     /// The description of the release before; - is standard input
@@ -25,7 +26,7 @@ pub struct Args {
     /// How to print what differs
     #[arg(long, value_enum, default_value_t)]
     format: DiffFormat,
-    /// From which class on differences make the exit status 1
+    /// The least serious class of changes that makes the exit status 1
     #[arg(long, value_enum, value_name = "CLASS", default_value_t)]
     fail_on_change: FailOn,
 }
@@ -43,12 +44,12 @@ enum DiffFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
-    /// What breaks who relies on the old description
+    /// Breaking changes
     #[default]
     Breaking,
-    /// What the device does or a tool shows otherwise, too
+    /// Notable changes too
     Notable,
-    /// Every difference
+    /// Every change
     Harmless,
     /// Nothing: the status tells only whether the files could be read
     Never,

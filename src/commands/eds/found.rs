@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::dictionary::check::Folder;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::fs;
 use std::io::Read;
@@ -79,9 +80,29 @@ impl Description {
         Ok(Self { name: path.display().to_string(), path: path.to_owned(), file_name, bytes })
     }
 
+    /// The folder that it stands in; standard input stands in none.
+    pub fn folder(&self) -> Option<Beside> {
+        let parent = self.path.parent().filter(|_| !self.is_input())?;
+        let here = parent.as_os_str().is_empty();
+        Some(Beside(if here { PathBuf::from(".") } else { parent.to_owned() }))
+    }
+
     /// Whether it came from standard input.
     pub fn is_input(&self) -> bool {
         self.file_name.is_none()
+    }
+}
+
+/// The files of a folder.
+pub struct Beside(pub PathBuf);
+
+impl Folder for Beside {
+    fn has(&self, name: &str) -> bool {
+        self.0.join(name).is_file()
+    }
+
+    fn read(&self, name: &str) -> Option<Vec<u8>> {
+        small_file::read(&self.0.join(name), OF_HAND).ok()
     }
 }
 

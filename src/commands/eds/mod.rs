@@ -4,7 +4,7 @@ mod check;
 mod convert;
 mod device;
 mod diff;
-mod found;
+pub mod found;
 mod from_device;
 mod show;
 mod verify;

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 /// Show a device description: its objects as a table, one object in detail, its PDOs bit by bit
 ///
-/// An EDS, DCF, XDD or XDC as a table, as the appendix of a manual (markdown), as a page of its own to search and to print
-/// (html), or for programs (json).
+/// An EDS, DCF, XDD or XDC as a table, as the appendix of a manual (markdown), as a self-contained page to search and
+/// print (html), or for programs (json).
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -28,7 +28,7 @@ pub struct Args {
     file: PathBuf,
     /// One object: its index in hexadecimal, or a name
     object: Option<String>,
-    /// Show values and COB-IDs that follow the node-ID for this one [default: that of a DCF]
+    /// The node-ID for values and COB-IDs that depend on it [default: that of a DCF]
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// How to show it
@@ -45,7 +45,7 @@ enum ShowFormat {
     Json,
     /// The appendix of a manual
     Markdown,
-    /// A page of its own, to search and to print
+    /// A self-contained page to search and print
     Html,
 }
 

@@ -11,12 +11,12 @@ use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// Hold a device against its description: read everything, write nothing
+/// Compare a device with its description: read everything, write nothing
 ///
-/// Every described entry is read by SDO: whether it exists, its length, its value against limits and default, COB-IDs and
-/// the mapping of PDOs; and what the device has that is not described, in the communication profile area or, with --all,
-/// everywhere. A value that can be written may have been configured: unless --as-delivered says that nobody has, it is shown
-/// and does not make the exit status 1. What can't be told without writing is not looked at.
+/// Every described entry is read by SDO and checked: whether it exists, its length, its value against limits and
+/// default, COB-IDs and the mapping of PDOs. Objects that are not described are looked for in the communication profile
+/// area or, with --all, everywhere. A value that can be written may have been configured: a difference from its default
+/// is shown, but makes the exit status 1 only with --as-delivered. What can't be checked without writing is left out.
 #[derive(clap::Args)]
 pub struct Args {
     /// An EDS, DCF, XDD or XDC file; - is standard input
@@ -26,7 +26,7 @@ pub struct Args {
     /// Look for undescribed objects at every index from 1000h to FFFFh: a minute or more on a live bus
     #[arg(long)]
     all: bool,
-    /// Nobody has configured the device: values other than the defaults are differences
+    /// The device was never configured: values other than the defaults count as differences
     #[arg(long)]
     as_delivered: bool,
     /// How to print what differs

@@ -1,12 +1,13 @@
 //! What is answered of one file.
 
 use super::document::{Document, Units};
+use crate::commands::eds::found::Beside;
 use canvass_analyzer::dictionary::Severity;
-use canvass_analyzer::dictionary::check::{Checked, Finding, check, mend};
+use canvass_analyzer::dictionary::check::{Finding, Folder, check_in, mend};
 use canvass_analyzer::dictionary::editor::{self, Symbol};
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, References,
-    Request as _,
+    CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition,
+    HoverRequest, References, Request as _,
 };
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionParams, CompletionItem, CompletionItemKind, CompletionParams,
@@ -17,12 +18,15 @@ use lsp_types::{
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 /// A file, and how places in it are counted.
 pub struct Answers<'a> {
     pub uri: &'a Uri,
     pub document: &'a Document,
     pub units: Units,
+    /// Whether the editor asks for the edits of an action when somebody chooses it.
+    pub resolves: bool,
 }
 
 type Answer = Result<Value, serde_json::Error>;
@@ -49,6 +53,7 @@ impl Answers<'_> {
                 Ok(json!(editor::outline(self.text()).iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>()))
             }
             CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
+            CodeActionResolveRequest::METHOD => answer(params, |offered: CodeAction| self.resolved(offered)),
             Formatting::METHOD => Ok(json!(self.mended())),
             _ => return None,
         })
@@ -68,13 +73,30 @@ impl Answers<'_> {
 
     /// All that a check finds and the file does not itself leave so.
     pub fn findings(&self) -> Vec<Diagnostic> {
-        let Some(checked) = self.checked() else { return Vec::new() };
-        checked.open().map(|finding| self.diagnostic(finding)).collect()
+        self.open().map(|finding| self.diagnostic(finding)).collect()
     }
 
-    fn checked(&self) -> Option<Checked<'_>> {
-        let name = self.uri.path().as_str().rsplit('/').next();
-        check(self.text().as_bytes(), name).ok()
+    /// What the file does not itself leave so.
+    fn open(&self) -> impl Iterator<Item = &Finding> {
+        let found = self.document.findings(|text| self.check(text));
+        found.iter().filter(|finding| finding.waived.is_none())
+    }
+
+    fn check(&self, text: &str) -> Vec<Finding> {
+        let path = self.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let folder = path.parent().filter(|folder| folder.is_dir()).map(|folder| Beside(folder.to_owned()));
+        let beside = folder.as_ref().map(|folder| folder as &dyn Folder);
+        let checked = check_in(text.as_bytes(), name.as_deref(), beside);
+        checked.map_or_else(|_| Vec::new(), |checked| checked.findings)
+    }
+
+    /// Where the file is, as far as its address is one of files.
+    fn path(&self) -> PathBuf {
+        let path = self.uri.path().as_estr().decode().into_string_lossy().into_owned();
+        // On Windows a drive follows the first slash.
+        let drive = path.strip_prefix('/').filter(|rest| rest.as_bytes().get(1) == Some(&b':'));
+        PathBuf::from(drive.unwrap_or(&path))
     }
 
     fn diagnostic(&self, finding: &Finding) -> Diagnostic {
@@ -143,7 +165,6 @@ impl Answers<'_> {
 
     /// What mends the findings of a place, and all that can be mended.
     fn actions(&self, asked: &CodeActionParams) -> Value {
-        let Some(checked) = self.checked() else { return json!([]) };
         let wanted = |kind: &CodeActionKind| {
             let asked = asked.context.only.as_ref();
             asked.is_none_or(|only| only.iter().any(|only| kind.as_str().starts_with(only.as_str())))
@@ -151,7 +172,7 @@ impl Answers<'_> {
         let (from, to) = (self.at(asked.range.start), self.at(asked.range.end));
         let mut actions = Vec::new();
         let here = |finding: &&Finding| finding.span.start <= to && from <= finding.span.end && finding.line > 0;
-        for finding in checked.open().filter(here).filter(|_| wanted(&CodeActionKind::QUICKFIX)) {
+        for finding in self.open().filter(here).filter(|_| wanted(&CodeActionKind::QUICKFIX)) {
             let Some(fix) = finding.fix.as_ref().filter(|fix| !fix.edits.is_empty()) else { continue };
             let edit = |edit: &canvass_analyzer::dictionary::check::Edit| TextEdit {
                 range: self.document.range(&edit.range, self.units),
@@ -161,12 +182,29 @@ impl Answers<'_> {
             let edits = fix.edits.iter().map(edit).collect();
             actions.push(self.action(fix.title.clone(), CodeActionKind::QUICKFIX, edits, diagnostics));
         }
-        let all = self.mended();
-        if !all.is_empty() && wanted(&CodeActionKind::SOURCE_FIX_ALL) {
-            let title = "mend all that needs no guessing".to_owned();
-            actions.push(self.action(title, CodeActionKind::SOURCE_FIX_ALL, all, None));
+        if wanted(&CodeActionKind::SOURCE_FIX_ALL) {
+            actions.extend(self.all_at_once());
         }
         json!(actions)
+    }
+
+    /// The action that mends all. To find what it changes takes several checks, and editors ask for actions wherever the
+    /// cursor goes: those that can are told when somebody chooses it.
+    fn all_at_once(&self) -> Option<CodeAction> {
+        self.open().find(|finding| finding.fix.as_ref().is_some_and(|fix| !fix.edits.is_empty()))?;
+        let (title, kind) = ("mend all that needs no guessing".to_owned(), CodeActionKind::SOURCE_FIX_ALL);
+        if self.resolves {
+            let data = Some(json!({ "uri": self.uri }));
+            return Some(CodeAction { title, kind: Some(kind), data, ..CodeAction::default() });
+        }
+        let edits = self.mended();
+        (!edits.is_empty()).then(|| self.action(title, kind, edits, None))
+    }
+
+    /// The edits of an action that was offered without them: of all that can be mended.
+    fn resolved(&self, offered: CodeAction) -> Value {
+        let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.mended(), None);
+        json!(CodeAction { edit: all.edit, ..offered })
     }
 
     #[expect(clippy::mutable_key_type, reason = "the protocol's own type; the name of a file does not change")]

@@ -1,7 +1,9 @@
 //! An open file, and places in it as the protocol counts them.
 
+use canvass_analyzer::dictionary::check::Finding;
 use canvass_analyzer::dictionary::eds::LARGEST_FILE;
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
+use std::cell::OnceCell;
 
 /// The text of an open file.
 pub struct Document {
@@ -9,6 +11,8 @@ pub struct Document {
     pub version: i32,
     /// Where each line begins.
     starts: Vec<usize>,
+    /// What a check finds in the text, since it has changed.
+    findings: OnceCell<Vec<Finding>>,
 }
 
 /// In what the characters of a position are counted.
@@ -43,7 +47,7 @@ impl Units {
 
 impl Document {
     pub fn new(text: String, version: i32) -> Self {
-        let mut document = Self { text, version, starts: Vec::new() };
+        let mut document = Self { text, version, starts: Vec::new(), findings: OnceCell::new() };
         document.find_lines();
         document
     }
@@ -75,6 +79,12 @@ impl Document {
             self.find_lines();
         }
         self.version = version;
+        self.findings.take();
+    }
+
+    /// What a check finds, which is made once of a text.
+    pub fn findings(&self, check: impl FnOnce(&str) -> Vec<Finding>) -> &[Finding] {
+        self.findings.get_or_init(|| check(&self.text))
     }
 
     /// The byte of a position; the end of its line or of the text where it is beyond.

@@ -9,9 +9,9 @@ use anyhow::{Context, anyhow};
 use lsp_server::Connection;
 use session::Session;
 
-/// Serve editors of EDS and DCF files: findings as one types, what stands under the cursor, completion, outline and edits
+/// Language server for EDS and DCF files: findings while typing, hover texts, completion, outline and edits
 ///
-/// Editors start this and talk to it by the Language Server Protocol over standard input and output.
+/// Editors start it and communicate with it by the Language Server Protocol over standard input and output.
 #[derive(clap::Args)]
 pub struct Args {
     /// Standard input and output, as always: some editors say so

@@ -9,9 +9,10 @@ use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _, PublishDiagnostics,
 };
 use lsp_types::{
-    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, DidChangeTextDocumentParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, HoverProviderCapability, InitializeParams, OneOf,
-    PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, Uri,
+    ClientCapabilities, CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, HoverProviderCapability,
+    InitializeParams, OneOf, PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability,
+    TextDocumentSyncKind, Uri,
 };
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -21,14 +22,17 @@ use std::collections::HashMap;
 pub struct Session {
     documents: HashMap<Uri, Document>,
     units: Units,
+    /// Whether the editor asks for the edits of an action when somebody chooses it.
+    resolves: bool,
     /// Files that have changed since their findings were published.
     changed: Vec<Uri>,
 }
 
 impl Session {
     pub fn new(asked: InitializeParams) -> Self {
+        let resolves = resolves(&asked.capabilities);
         let offered = asked.capabilities.general.and_then(|general| general.position_encodings);
-        Self { documents: HashMap::new(), units: Units::agreed(offered.as_deref()), changed: Vec::new() }
+        Self { documents: HashMap::new(), units: Units::agreed(offered.as_deref()), resolves, changed: Vec::new() }
     }
 
     /// What the editor may ask for.
@@ -47,6 +51,7 @@ impl Session {
             document_formatting_provider: Some(OneOf::Left(true)),
             code_action_provider: Some(CodeActionProviderCapability::Options(CodeActionOptions {
                 code_action_kinds: Some(vec![CodeActionKind::QUICKFIX, CodeActionKind::SOURCE_FIX_ALL]),
+                resolve_provider: Some(true),
                 ..CodeActionOptions::default()
             })),
             ..ServerCapabilities::default()
@@ -56,34 +61,44 @@ impl Session {
 
     /// Serves until the editor says that it is over, or is gone.
     pub fn serve(&mut self, connection: &Connection) -> Result<()> {
-        for message in &connection.receiver {
-            match message {
-                Message::Request(request) => {
-                    if connection.handle_shutdown(&request)? {
-                        return Ok(());
-                    }
-                    connection.sender.send(self.answer(request).into())?;
-                }
-                Message::Notification(notification) => {
-                    for uri in self.follow(notification) {
-                        // What is closed has no findings any more.
-                        connection.sender.send(published(uri, Vec::new(), None)?)?;
-                    }
-                }
-                Message::Response(_) => {}
-            }
+        while let Ok(message) = connection.receiver.recv() {
+            let mut next = Some(message);
             // While the editor has more to say, what it says next would make the findings old.
-            if connection.receiver.is_empty() {
-                self.publish(connection)?;
+            while let Some(message) = next {
+                if self.take(connection, message)? {
+                    return Ok(());
+                }
+                next = connection.receiver.try_recv().ok();
             }
+            self.publish(connection)?;
         }
         Ok(())
+    }
+
+    /// Takes a message; whether the session is over with it.
+    fn take(&mut self, connection: &Connection, message: Message) -> Result<bool> {
+        match message {
+            Message::Request(request) => {
+                if connection.handle_shutdown(&request)? {
+                    return Ok(true);
+                }
+                connection.sender.send(self.answer(request).into())?;
+            }
+            Message::Notification(notification) => {
+                for uri in self.follow(notification) {
+                    // What is closed has no findings any more.
+                    connection.sender.send(published(uri, Vec::new(), None)?)?;
+                }
+            }
+            Message::Response(_) => {}
+        }
+        Ok(false)
     }
 
     fn publish(&mut self, connection: &Connection) -> Result<()> {
         for uri in std::mem::take(&mut self.changed) {
             let Some(document) = self.documents.get(&uri) else { continue };
-            let findings = Answers { uri: &uri, document, units: self.units }.findings();
+            let findings = self.answers(&uri, document).findings();
             connection.sender.send(published(uri.clone(), findings, Some(document.version))?)?;
         }
         Ok(())
@@ -120,19 +135,34 @@ impl Session {
         Vec::new()
     }
 
+    fn answers<'a>(&self, uri: &'a Uri, document: &'a Document) -> Answers<'a> {
+        Answers { uri, document, units: self.units, resolves: self.resolves }
+    }
+
     fn answer(&self, asked: Request) -> Response {
         let Request { id, method, params } = asked;
-        let uri = params.pointer("/textDocument/uri").cloned().and_then(read::<Uri>);
+        // An action that is asked for again has the name of its file with it.
+        let named = params.pointer("/textDocument/uri").or_else(|| params.pointer("/data/uri"));
+        let uri = named.cloned().and_then(read::<Uri>);
         let Some((uri, document)) = uri.and_then(|uri| Some((uri.clone(), self.documents.get(&uri)?))) else {
             let error = "no open file of that name is known".to_owned();
             return Response::new_err(id, ErrorCode::InvalidParams as i32, error);
         };
-        match (Answers { uri: &uri, document, units: self.units }.to(&method, params)) {
-            Some(Ok(answer)) => Response::new_ok(id, answer),
+        match self.answers(&uri, document).to(&method, params) {
+            Some(Ok(answer)) => Response { id, response_result: Ok(answer) },
             Some(Err(error)) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
             None => Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("{method} is not served")),
         }
     }
+}
+
+/// Whether the editor asks for the edits of an action by itself, and keeps what is said with the action for that.
+fn resolves(capabilities: &ClientCapabilities) -> bool {
+    let actions = capabilities.text_document.as_ref().and_then(|of| of.code_action.as_ref());
+    actions.is_some_and(|actions| {
+        let resolved = actions.resolve_support.as_ref().map_or(&[][..], |support| &support.properties);
+        actions.data_support == Some(true) && resolved.iter().any(|property| property == "edit")
+    })
 }
 
 fn published(uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) -> Result<Message> {
@@ -143,4 +173,38 @@ fn published(uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<
 /// What an editor says that is not as the protocol has it is passed over.
 fn read<T: DeserializeOwned>(value: Value) -> Option<T> {
     serde_json::from_value(value).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lsp_server::RequestId;
+
+    fn notification(method: &str, params: Value) -> Message {
+        Notification { method: method.to_owned(), params }.into()
+    }
+
+    #[test]
+    fn changes_that_wait_are_checked_once() {
+        let (ours, theirs) = Connection::memory();
+        let document = json!({ "uri": "file:///a.eds", "languageId": "eds", "version": 1, "text": "" });
+        theirs.sender.send(notification("textDocument/didOpen", json!({ "textDocument": document }))).unwrap();
+        for version in 2..=20 {
+            let document = json!({ "uri": "file:///a.eds", "version": version });
+            let changes = json!([{ "text": format!("[FileInfo]\nFileVersion={version}\n") }]);
+            let change = json!({ "textDocument": document, "contentChanges": changes });
+            theirs.sender.send(notification("textDocument/didChange", change)).unwrap();
+        }
+        let serving = std::thread::spawn(move || {
+            let mut session = Session::new(InitializeParams::default());
+            session.serve(&ours).map_err(|error| error.to_string())
+        });
+        let Message::Notification(said) = theirs.receiver.recv().unwrap() else { panic!("no findings") };
+        assert_eq!(said.params["version"], 20);
+        theirs.sender.send(Request::new(RequestId::from(1), "shutdown".to_owned(), Value::Null).into()).unwrap();
+        assert!(matches!(theirs.receiver.recv().unwrap(), Message::Response(_)));
+        theirs.sender.send(notification("exit", Value::Null)).unwrap();
+        serving.join().unwrap().unwrap();
+        assert!(theirs.receiver.try_recv().is_err(), "findings of older versions");
+    }
 }

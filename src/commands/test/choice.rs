@@ -16,13 +16,13 @@ pub struct CaseChoice {
     /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<Selector>,
-    /// Which cases not, as for --select
+    /// Leave these cases out; written as for --select
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     exclude: Vec<Selector>,
     /// Only the cases that failed or could not be judged in this result of `canvass test --format json`
     #[arg(long, value_name = "FILE")]
     failed_from: Option<PathBuf>,
-    /// Only this part of the cases, such as 2/5: the parts of several runs are all cases, each once
+    /// Only this part of the cases, such as 2/5, to divide them among several runs
     #[arg(long, value_name = "N/M")]
     shard: Option<Shard>,
 }

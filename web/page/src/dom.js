@@ -14,6 +14,25 @@ export function element(name, attributes = {}, ...children) {
 
 export const byId = (id) => document.getElementById(id);
 
+/** A button; `more` are its other attributes. */
+export const button = (name, act, more = {}) => element("button", { type: "button", onclick: act, ...more }, name);
+
+/** A view that has nothing to show says what it needs. */
+export const welcome = (...lines) => element("div", { class: "welcome" }, lines.map((line) => element("p", {}, line)));
+
+/** A table with the names of its columns; rows are lists of texts, or elements made already. */
+export function table(columns, rows, more = {}) {
+  const head = element("tr", {}, columns.map((name) => element("th", { scope: "col" }, name)));
+  const body = rows.map((row) => (row instanceof Element ? row : element("tr", {}, row.map((cell) => element("td", {}, String(cell ?? ""))))));
+  return element("div", { class: "scroll" }, element("table", more, element("thead", {}, head), element("tbody", {}, body)));
+}
+
+/** Names and values, without those that have none. */
+export function facts(rows) {
+  const shown = rows.filter(([, value]) => value !== null && value !== undefined && value !== "");
+  return element("dl", {}, shown.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, String(value))]));
+}
+
 /** Offers a file to be saved. */
 export function save(name, content, type = "application/octet-stream") {
   const blob = content instanceof Blob ? content : new Blob([content], { type });
@@ -22,13 +41,30 @@ export function save(name, content, type = "application/octet-stream") {
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
-/** A page of a report, in a frame that reaches nothing around it. */
+/** A page of a report, in a frame that reaches nothing around it, in the colours of this page. */
 export function frame(title, html) {
   const url = URL.createObjectURL(new Blob([html], { type: "text/html" }));
   const shown = element("iframe", { title, sandbox: "allow-scripts", src: url });
   shown.addEventListener("load", () => URL.revokeObjectURL(url), { once: true });
+  shown.addEventListener("load", () => paint(shown));
   return shown;
 }
 
+/** The colours that were chosen; none: those of the system. */
+let colours = "";
+
+/** Sets the colours of the page and of the reports in it. */
+export function setColours(chosen) {
+  colours = chosen;
+  document.documentElement.style.colorScheme = chosen || "light dark";
+  document.querySelectorAll("iframe").forEach(paint);
+}
+
+/** What is in a frame has no origin that could be named; there is no secret in it. */
+const paint = (shown) => shown.contentWindow?.postMessage({ theme: colours }, "*");
+
 /** Numbers with thin spaces between thousands. */
 export const count = (number) => number.toLocaleString("en").replaceAll(",", "\u2009");
+
+/** `1 frame`, `2 frames`. */
+export const counted = (number, one, many = `${one}s`) => `${count(number)} ${number === 1 ? one : many}`;

@@ -4,6 +4,8 @@
 import { element } from "./dom.js";
 
 const ROW = 24;
+/** What the names of the columns take. */
+const HEAD = 28;
 /** The most pixels that every browser can scroll. */
 const TALLEST = 8_000_000;
 /** Rows that are fetched at once, and how many such pieces are kept. */
@@ -18,13 +20,14 @@ export class List {
   #rows = [];
   #drawn = false;
 
-  /** `fetch(from, count)` gives rows, `draw(element, row)` shows one, `choose(at, row)` is told which is chosen. */
-  constructor(root, { fetch, draw, choose, label }) {
+  /** `fetch(from, count)` gives rows, `draw(element, row)` shows one, `choose(row)` is told which is chosen. */
+  constructor(root, { head, fetch, draw, choose, label }) {
     Object.assign(this, { root, fetch, draw, choose });
     this.at = 0;
-    this.height = element("div", { class: "list-height" });
+    this.height = element("div", { class: "list-height", role: "presentation" });
     this.body = element("div", { class: "list-body", role: "rowgroup" });
-    root.append(this.height, this.body);
+    head.setAttribute("aria-rowindex", 1);
+    root.append(element("div", { class: "list-head", role: "rowgroup" }, head), this.height, this.body);
     root.tabIndex = 0;
     root.setAttribute("role", "grid");
     root.setAttribute("aria-label", label);
@@ -35,7 +38,7 @@ export class List {
   }
 
   get #sight() {
-    return Math.max(1, Math.ceil(this.root.clientHeight / ROW));
+    return Math.max(1, Math.ceil((this.root.clientHeight - HEAD) / ROW));
   }
 
   get #scaled() {
@@ -58,20 +61,21 @@ export class List {
   /** More rows have come. */
   grow(length) {
     this.#length = length;
-    this.root.setAttribute("aria-rowcount", length);
+    this.root.setAttribute("aria-rowcount", length + 1);
     this.height.style.height = `${Math.min(length * ROW, TALLEST)}px`;
     const rest = length % PIECE;
     for (const [piece, rows] of this.#pieces) if (rows.length < PIECE && rest !== rows.length) this.#pieces.delete(piece);
     this.#schedule();
   }
 
-  /** Brings a row into sight and chooses it. */
-  go(at, choose = true) {
+  /** Brings a row into sight and chooses it; `why` is handed on to who is told. */
+  go(at, why) {
+    if (this.#length === 0) return;
     this.at = Math.max(0, Math.min(at, this.#length - 1));
     const sight = this.#sight - 1;
     if (this.at < this.#top || this.at >= this.#top + sight) this.#show(this.at - Math.floor(sight / 2));
     this.#schedule();
-    if (choose) this.#row(this.at).then((row) => row && this.choose(this.at, row));
+    this.#row(this.at).then((row) => row && this.choose(row, why));
   }
 
   /** Puts a row at the top. */
@@ -153,7 +157,7 @@ export class List {
       row.hidden = row.at >= this.#length;
       const known = this.#pieces.get(Math.floor(row.at / PIECE))?.[row.at % PIECE];
       if (!known && !row.hidden) wanted.add(Math.floor(row.at / PIECE));
-      row.setAttribute("aria-rowindex", row.at + 1);
+      row.setAttribute("aria-rowindex", row.at + 2);
       row.setAttribute("aria-selected", row.at === this.at);
       row.id = `row-${n}`;
       this.draw(row, known);

@@ -1,5 +1,5 @@
 import { start } from "./engine.js";
-import { byId, count, element } from "./dom.js";
+import { byId, count, counted, element, setColours } from "./dom.js";
 import * as state from "./state.js";
 import { diagnosisView } from "./views/diagnosis.js";
 import { traceView } from "./views/trace.js";
@@ -19,12 +19,18 @@ const app = {
   described: [],
   /** Results of test, fuzz and compare: names and texts. */
   results: [],
-  options: { same_bus: false },
+  /** How captures are read: a format's id, if it is not to be recognised, and whether equal names are one bus. */
+  options: { format: null, same_bus: false },
+  /** The time that all views point at, in seconds since the first frame. */
+  cursor: null,
   state,
   say,
   run,
   reopen,
+  describe,
   show,
+  point,
+  addResults,
 };
 
 const VIEWS = [
@@ -84,52 +90,81 @@ async function take(files) {
   }
   if (captures.length > 0) app.captures = captures;
   if (results.length > 0) {
-    app.results = [...app.results.filter(([name]) => !results.some(([other]) => other === name)), ...results];
-    refresh();
+    addResults(results);
     if (captures.length === 0) return show("results");
   }
   if (app.captures.length > 0) await reopen();
   else show(app.described.length > 0 ? "eds" : undefined);
 }
 
-/** Adds a description of those nodes, or the same with other nodes. */
+/** Adds results, in place of those of the same names. */
+function addResults(results) {
+  app.results = [...app.results.filter(([name]) => !results.some(([other]) => other === name)), ...results];
+  views.get("results").refresh();
+}
+
+/** Adds a description of those nodes, or the same with other nodes; whether it could be used. */
 async function describe(name, nodes, bytes) {
   try {
     const known = await app.engine.call("describe", { name, nodes, bytes });
     app.described = [...app.described.filter((other) => other.name !== name), { ...known, bytes }];
-    say(`${name}: ${known.objects} objects, of node ${known.nodes}`);
+    say(`${name}: ${counted(known.objects, "object")}, of node ${known.nodes}`);
+    views.get("eds").refresh();
+    return true;
   } catch (error) {
     say(error.message, true);
+    return false;
   }
-  refresh();
 }
-app.describe = describe;
 
 /** Reads the captures, from their begin. */
 async function reopen() {
-  if (app.captures.length === 0) return refresh();
-  app.summary = null;
-  byId("names").textContent = app.captures.map((file) => file.name).join(", ");
-  byId("again").hidden = false;
+  if (app.captures.length === 0) return;
+  app.summary = app.cursor = null;
+  opened();
   refresh();
-  const began = performance.now();
-  const summary = await run("open", "open", { captures: app.captures, options: app.options }, "Reading");
-  if (!summary) return;
+  performance.mark("canvass-open");
+  const captures = app.captures;
+  const summary = await run("open", "open", { captures, options: app.options }, "Reading");
+  // Others were opened meanwhile.
+  if (captures !== app.captures) return;
+  if (!summary) return close(false);
   app.summary = summary;
-  app.took = performance.now() - began;
   const { errors, warnings, damages } = summary;
-  const unread = damages > 0 ? `, ${count(damages)} places that can't be read` : "";
-  say(`${summary.formats.join(", ")}: ${count(summary.frames)} frames, ${errors} errors, ${warnings} warnings${unread}`);
+  const unread = damages > 0 ? `, ${counted(damages, "place")} that can't be read` : "";
+  say(`${summary.formats.join(", ")}: ${counted(summary.frames, "frame")}, ${counted(errors, "error")}, ${counted(warnings, "warning")}${unread}`);
   refresh();
 }
 
-function close() {
+/** Forgets the captures. */
+function close(quietly = true) {
   app.captures = [];
-  app.summary = null;
-  byId("names").textContent = "";
-  byId("again").hidden = true;
-  say("");
+  app.summary = app.cursor = null;
+  app.engine.call("close");
+  opened();
+  if (quietly) say("");
   refresh();
+}
+
+/** Which captures are open, and how they are read. */
+function opened() {
+  const { length } = app.captures;
+  byId("names").textContent = app.captures.map((file) => file.name).join(", ");
+  byId("again").hidden = byId("reading").hidden = length === 0;
+  byId("same-bus").closest("label").hidden = length < 2;
+}
+
+function reading() {
+  const format = byId("format");
+  format.append(...app.engine.formats.map(({ id, name }) => element("option", { value: id }, name)));
+  format.addEventListener("change", () => {
+    app.options = { ...app.options, format: format.value || null };
+    reopen();
+  });
+  byId("same-bus").addEventListener("change", ({ target }) => {
+    app.options = { ...app.options, same_bus: target.checked };
+    reopen();
+  });
 }
 
 /** The views are of other captures now. */
@@ -148,7 +183,14 @@ function show(wanted) {
     tab.tabIndex = other === id ? 0 : -1;
     byId(`view-${other}`).hidden = other !== id;
   }
+  byId(`tab-${id}`).scrollIntoView({ block: "nearest", inline: "nearest" });
   views.get(id).shown?.();
+}
+
+/** A view points at a time, and the others follow. */
+function point(seconds, from) {
+  app.cursor = seconds;
+  views.forEach((view) => view !== from && view.point?.(seconds));
 }
 
 function tabs() {
@@ -161,10 +203,12 @@ function tabs() {
     views.set(id, make(app, root));
   }
   bar.addEventListener("keydown", (event) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    if (!step) return;
     const all = [...bar.children];
-    const next = all.at((all.indexOf(document.activeElement) + step) % all.length);
+    const at = all.indexOf(document.activeElement);
+    const to = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    const next = all.at(to % all.length);
     next.focus();
     next.click();
   });
@@ -186,18 +230,18 @@ function drops() {
     take([...target.files]);
     target.value = "";
   });
-  byId("again").addEventListener("click", close);
+  byId("again").addEventListener("click", () => close());
 }
 
 function theme() {
   const choice = byId("theme");
-  const apply = () => (document.documentElement.style.colorScheme = choice.value || "light dark");
   choice.value = state.get("theme") ?? "";
   choice.addEventListener("change", () => {
     state.set({ theme: choice.value });
-    apply();
+    setColours(choice.value);
+    views.forEach((view) => view.painted?.());
   });
-  apply();
+  setColours(choice.value);
 }
 
 async function begin() {
@@ -206,10 +250,12 @@ async function begin() {
   try {
     app.engine = await start((why) => say(`The decoder has stopped, please reload the page: ${why}`, true));
   } catch (error) {
-    return say(`This browser can't run the decoder: ${error.message}`, true);
+    return say(`This browser can't run the decoder, it needs one of 2023 or later: ${error.message}`, true);
   }
+  reading();
   drops();
   window.addEventListener("hashchange", () => show(state.get("view")));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.painted?.()));
   refresh();
   if (window.canvassRegister) window.canvassRegister();
   document.documentElement.dataset.ready = "yes";

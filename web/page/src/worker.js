@@ -23,6 +23,7 @@ globalThis.canvassHost = {
     shown = performance.now();
     postMessage({ id: current, progress: { done, all, what } });
   },
+  now: () => performance.now(),
   stopped(why) {
     postMessage({ stopped: why });
   },
@@ -35,13 +36,13 @@ let shown = 0;
 /** Only the latest of each kind of job goes on. */
 const latest = new Map();
 
-/** Lets messages in. */
+/** Lets messages in. Several jobs can wait for their turn. */
 const channel = new MessageChannel();
-let wake;
-channel.port1.onmessage = () => wake();
+const breathing = [];
+channel.port1.onmessage = () => breathing.shift()();
 function breathe() {
   return new Promise((resolve) => {
-    wake = resolve;
+    breathing.push(resolve);
     channel.port2.postMessage(0);
   });
 }
@@ -73,7 +74,7 @@ const calls = {
     return { formats: JSON.parse(Page.formats()) };
   },
   async open({ captures, options }, tell) {
-    page.close();
+    calls.close();
     files.clear();
     captures.forEach((file, number) => {
       files.set(number, { file });
@@ -85,6 +86,11 @@ const calls = {
     files.forEach((known) => delete known.piece);
     return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
   },
+  /** Whatever is under way is of captures that are gone. */
+  close() {
+    latest.clear();
+    page.close();
+  },
   cancel({ kind }) {
     latest.delete(kind);
   },
@@ -95,6 +101,8 @@ const calls = {
   descriptionFindings: ({ name }) => JSON.parse(page.descriptionFindings(name)),
   rows: ({ from, count }) => JSON.parse(page.rows(from, count)),
   details: ({ row }) => JSON.parse(page.details(row)),
+  overview: () => JSON.parse(page.overview()),
+  completions: ({ text }) => JSON.parse(page.completions(text)),
   checkFilter: ({ text }) => JSON.parse(Page.checkFilter(text)),
   async choose({ filter, text }, tell) {
     page.choose(filter, text);

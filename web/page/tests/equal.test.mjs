@@ -3,12 +3,13 @@ import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
+import { dirname, join, resolve } from "node:path";
 import { test } from "node:test";
+import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { load } from "../reports.mjs";
 
-const root = resolve(import.meta.dirname, "../../..");
+const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 const program = resolve(root, process.env.CANVASS ?? "target/debug/canvass");
 const samples = join(root, "traces/samples");
 const described = join(root, "conformance/device/models/kuebler-sendix-58x8.eds");

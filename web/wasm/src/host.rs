@@ -16,6 +16,10 @@ mod page {
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn progress(done: f64, all: f64, what: &str);
 
+        /// The milliseconds that have gone by since some time.
+        #[wasm_bindgen(js_namespace = canvassHost)]
+        pub(super) fn now() -> f64;
+
         /// Tells the page what made the program stop.
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn stopped(why: &str);
@@ -49,6 +53,14 @@ pub fn progress(done: usize, all: usize, what: &str) {
     page::progress(done as f64, all as f64, what);
     #[cfg(not(target_family = "wasm"))]
     let _ = (done, all, what);
+}
+
+/// The milliseconds that have gone by since some time; where there is no page, none ever do.
+pub fn now() -> f64 {
+    #[cfg(target_family = "wasm")]
+    return page::now();
+    #[cfg(not(target_family = "wasm"))]
+    0.0
 }
 
 /// From now on the page is told why the program stopped, should it ever.

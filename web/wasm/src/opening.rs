@@ -4,6 +4,7 @@ use crate::descriptions::Described;
 use crate::file::ChosenFile;
 use crate::input::{Input, InputOptions, Next};
 use crate::provenance;
+use crate::trace::overview::Overview;
 use crate::trace::store::Store;
 use canvass_analyzer::findings::{Diagnosis, Results, SourceQuality, Thresholds};
 use canvass_analyzer::network::Network;
@@ -20,6 +21,7 @@ pub struct Opening {
     reading: Reading,
     network: Network,
     store: Store,
+    overview: Overview,
     damages: u64,
 }
 
@@ -29,6 +31,8 @@ pub struct Opened {
     pub input: Input,
     /// All frames.
     pub store: Store,
+    /// How many there were over time.
+    pub overview: Overview,
     results: Results,
     collector: Option<Collector>,
     provenance: Provenance,
@@ -47,8 +51,8 @@ impl Opening {
             device.nodes.iter().for_each(|node| diagnosis.describe(*node, device.known.clone()));
         }
         let reading = Reading::new(diagnosis, Some(Collector::default()));
-        let store = Store::default();
-        Ok(Self { input, reading, network: network(described), store, damages: 0 })
+        let (store, overview) = Default::default();
+        Ok(Self { input, reading, network: network(described), store, overview, damages: 0 })
     }
 
     /// Reads on: so many records; `false` at the end.
@@ -71,7 +75,8 @@ impl Opening {
     #[inline]
     fn take(&mut self, mut record: Record, proves: bool) -> io::Result<()> {
         self.store.push(&record, &self.network, self.input.merge().channels().len());
-        self.network.handle(&record);
+        let decoded = self.network.handle(&record);
+        self.overview.take(record.timestamp, &decoded);
         let captures = self.input.merge();
         if self.damages != self.input.damages() {
             self.damages = self.input.damages();
@@ -99,7 +104,7 @@ impl Opening {
     /// # Errors
     /// As [`Opening::step`].
     pub fn finish(self, mut provenance: Provenance) -> io::Result<Opened> {
-        let Self { input, reading, store, .. } = self;
+        let Self { input, reading, store, overview, .. } = self;
         let captures = input.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
@@ -107,7 +112,7 @@ impl Opening {
         provenance.files.extend(input.files().iter().map(|(file, seen)| file.used("capture", seen)));
         provenance.devices = provenance::devices(&results, input.merge().channels());
         drop(captures);
-        Ok(Opened { input, store, results, collector, provenance })
+        Ok(Opened { input, store, overview, results, collector, provenance })
     }
 }
 

@@ -108,7 +108,7 @@ impl Plots {
     }
 
     /// Times and values of a column between two times, one after the other; of each of `parts` equal spans no more than
-    /// the least and the greatest. The value before and the one behind are there too, so that lines go on.
+    /// the least and the greatest. The value before and the one after are there too, so that lines go on.
     pub fn points(&self, column: usize, from: f64, to: f64, parts: usize) -> Vec<f64> {
         let Some(Series(points)) = self.series.all.get(column) else { return Vec::new() };
         // Where a clock stepped back, lines do too.

@@ -37,7 +37,9 @@ pub struct Wish {
     pub allow: bool,
     /// Of the fuzzer: services, with commas between them; nothing: all.
     pub target: String,
-    /// Of the fuzzer: how many sequences.
+    /// Of the fuzzer: for how long, in seconds.
+    pub seconds: f64,
+    /// Of the fuzzer, where it has no time: how many sequences.
     pub sequences: u64,
     /// What chance begins with.
     pub seed: u64,
@@ -167,10 +169,15 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
         regressions: Vec::new(),
         only_regressions: false,
     };
+    let began = host::now();
     let outcome = campaign::run(&mut stand, knowledge.clone(), &plan, &mut |state| {
         let told = format!("{} exchanges, {} violations", state.executions, state.violations);
-        host::progress(state.sequences as usize, wish.sequences as usize, &told);
-        state.sequences < wish.sequences
+        let (done, all) = match wish.seconds > 0.0 {
+            true => ((host::now() - began) as u64, (wish.seconds * 1e3) as u64),
+            false => (state.sequences, wish.sequences),
+        };
+        host::progress(done as usize, all as usize, &told);
+        done < all
     });
     let outcome = outcome.map_err(words)?;
     let model = device.model().map_err(words)?;

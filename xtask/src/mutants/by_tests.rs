@@ -2,7 +2,7 @@
 
 use super::area::Area;
 use super::reviewed::{self, Reviewed};
-use super::tested::{Fate, Outcome, Tests};
+use super::tested::{Fate, Outcome, Programs};
 use super::{Wishes, drawn, ensure_current, scratch};
 use anyhow::Result;
 use std::time::Instant;
@@ -13,7 +13,8 @@ pub fn by_tests(area: &Area, wishes: &Wishes) -> Result<()> {
     let mut sources = scratch::read(area)?;
     ensure_current(&reviewed, &drawn::all(&sources))?;
     scratch::prepare(area, &mut sources)?;
-    let tests = Tests::build(area)?;
+    let programs = Programs::build(area)?;
+    let tests = programs.tests()?;
     let all = drawn::all(&sources);
     eprintln!("{} mutants; the tests take {} s without one", all.len(), tests.time().as_secs());
     let mut tried = Vec::new();
@@ -44,7 +45,7 @@ fn row<'a>(name: &str, fates: impl Iterator<Item = &'a Fate>, reviewed: &Reviewe
         run += 1;
         let counted = match fate.outcome {
             Outcome::Caught(_) => &mut caught,
-            Outcome::Hung => &mut hung,
+            Outcome::Hung(_) => &mut hung,
             _ if reviewed.reason(&fate.mutant).is_some() => &mut equivalent,
             Outcome::Missed => &mut missed,
             Outcome::Unreached => &mut unreached,

@@ -2,13 +2,11 @@
 
 use super::area::Area;
 use super::drawn::Mutant;
-use super::scratch;
+use super::{parallel, scratch};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Seconds of a processor for the suite, or the fuzzer, on a mutant: many times what they need on a right device.
 const CPU: u64 = 6;
@@ -114,44 +112,22 @@ impl Hunt {
         Ok(Right { suite: texts.pop().unwrap_or_default(), fuzzer, reached })
     }
 
-    /// Both on all mutants, on as many threads as there are cores.
+    /// Both on all mutants.
     pub fn all(&self, mutants: &[Mutant], right: &Right) -> Result<Vec<Fate>> {
-        let (next, fates) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        std::thread::scope(|scope| {
-            let workers: Vec<_> =
-                (0..threads).map(|_| scope.spawn(|| self.work(mutants, right, &next, &fates))).collect();
-            workers
-                .into_iter()
-                .try_for_each(|worker| worker.join().unwrap_or_else(|_| anyhow::bail!("a thread failed")))
-        })?;
-        let mut fates = fates.into_inner().unwrap_or_default();
-        fates.sort_by_key(|fate: &Fate| fate.mutant.number);
-        Ok(fates)
-    }
-
-    fn work(&self, mutants: &[Mutant], right: &Right, next: &AtomicUsize, fates: &Mutex<Vec<Fate>>) -> Result<()> {
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            let Some(mutant) = mutants.get(at) else { return Ok(()) };
+        parallel::each(mutants, 100, |mutant| {
             let suite = self.one(Hunter::Suite, mutant, &right.suite)?;
             let fuzzer = match suite {
                 // It would not come to an end here either.
                 Outcome::Hung => Outcome::Hung,
                 _ => self.one(Hunter::Fuzzer, mutant, &right.fuzzer)?,
             };
-            if (at + 1).is_multiple_of(100) {
-                eprintln!("{} of {}", at + 1, mutants.len());
-            }
             let fate = Fate { mutant: mutant.clone(), suite, fuzzer };
             // A long run shows at once what it has not found.
             if !fate.is_found() && !fate.is_unseen() {
                 eprintln!("{}", super::table::describe(&fate));
             }
-            if let Ok(mut fates) = fates.lock() {
-                fates.push(fate);
-            }
-        }
+            Ok(fate)
+        })
     }
 
     fn one(&self, hunter: Hunter, mutant: &Mutant, right: &str) -> Result<Outcome> {

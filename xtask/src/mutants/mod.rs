@@ -13,6 +13,7 @@ mod drawn;
 mod find;
 mod honest;
 mod hunt;
+mod parallel;
 mod point;
 mod reviewed;
 mod rewrite;

@@ -95,7 +95,7 @@ fn lay_out(area: &Area) -> Result<()> {
         }
     }
     write_if_new(&scratch.join(area.folder).join("src/mutant.rs"), include_bytes!("switch.rs"))?;
-    write_if_new(&scratch.join("Cargo.toml"), manifest()?.as_bytes())?;
+    write_if_new(&scratch.join("Cargo.toml"), manifest(area)?.as_bytes())?;
     if !scratch.join("Cargo.lock").exists() {
         std::fs::copy("Cargo.lock", scratch.join("Cargo.lock"))?;
     }
@@ -103,13 +103,20 @@ fn lay_out(area: &Area) -> Result<()> {
 }
 
 /// The manifest of the workspace without the program.
-fn manifest() -> Result<String> {
+fn manifest(area: &Area) -> Result<String> {
     let manifest = std::fs::read_to_string("Cargo.toml")?;
     let (_, dependencies) = manifest.split_once("[workspace.package]").context("[workspace.package] in Cargo.toml")?;
     let (dependencies, _) = dependencies.split_once("\n[package]").context("[package] in Cargo.toml")?;
     let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
     let members = members.join(", ");
-    Ok(format!("[workspace]\nmembers = [{members}]\nresolver = \"3\"\n\n[workspace.package]{dependencies}\n{PROFILE}"))
+    // A crate whose own tests are run is built anew after each change of a test: that takes longer than the tests.
+    let package = match area.name {
+        "device" => String::new(),
+        _ => format!("\n[profile.mutants.package.{}]\nopt-level = 0\n", area.package),
+    };
+    Ok(format!(
+        "[workspace]\nmembers = [{members}]\nresolver = \"3\"\n\n[workspace.package]{dependencies}\n{PROFILE}{package}"
+    ))
 }
 
 /// Numbers the mutants of all files and writes them.

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The path of a module from the crate's root, such as `["findings", "nodes"]`; a use has the item's name behind it.
+/// The path of a module from the crate's root, such as `["findings", "nodes"]`; a use has the item's name after it.
 pub type ModulePath = Vec<String>;
 
 /// The modules of a crate and what they use.

@@ -1,12 +1,15 @@
 //! The page: the libraries as WebAssembly with what shows them, as a folder and as one file, in `target/page`.
 
+pub mod bench;
 mod bind;
+pub mod browser;
 
+use crate::browser as chromium;
 use crate::consent;
 use crate::run::{is_there, run};
+use crate::target;
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
-use std::process::Command;
 
 /// Where the page is made.
 pub const FOLDER: &str = "target/page";
@@ -43,14 +46,20 @@ pub fn bind(words: &[String]) -> Result<()> {
     bind::bind(wasm, folder)
 }
 
+/// The page as one file.
+pub fn file() -> Result<std::path::PathBuf> {
+    Ok(std::fs::canonicalize(format!("{FOLDER}/canvass.html"))?)
+}
+
 /// Makes the page and tries it: the same bytes as the program's for every sample, and no request in Chromium.
 ///
 /// # Errors
 /// If it can't be made, or a test fails.
 pub fn test() -> Result<()> {
+    chromium::install_all()?;
     build()?;
     run("cargo", &["build", "--locked", "--bin", "canvass"])?;
-    run("node", &["--test", "web/page/tests/"])?;
+    run("node", &["--test", "web/page/tests/equal.test.mjs"])?;
     run("cargo", &["test", "--locked", "--features", "page", "--test", "page"])
 }
 
@@ -58,9 +67,17 @@ pub fn test() -> Result<()> {
 ///
 /// # Errors
 /// As [`test`].
-#[allow(dead_code)]
 pub fn step() -> Result<()> {
-    let missing = missing();
+    let mut missing = missing();
+    if let Err(error) = chromium::install_all() {
+        missing.push(format!("{error:#}"));
+    }
+    // Without a network npm brings nothing, and that is no fault of the page.
+    if missing.is_empty()
+        && let Err(error) = install()
+    {
+        missing.push(format!("{error:#}"));
+    }
     if missing.is_empty() {
         return test();
     }
@@ -71,7 +88,7 @@ pub fn step() -> Result<()> {
 /// What is neither there nor to be had.
 fn missing() -> Vec<String> {
     let mut missing = Vec::new();
-    if let Err(error) = add_target() {
+    if let Err(error) = target::add(TARGET) {
         missing.push(format!("{error:#}"));
     }
     for program in ["node", "npm"] {
@@ -82,21 +99,17 @@ fn missing() -> Vec<String> {
     missing
 }
 
-fn add_target() -> Result<()> {
-    let installed = Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]).output()?;
-    if Path::new(String::from_utf8_lossy(&installed.stdout).trim()).is_dir() {
-        return Ok(());
-    }
-    consent::ask(&format!("Rust's library for {TARGET}"), &format!("rustup target add {TARGET}"))?;
-    run("rustup", &["target", "add", TARGET])
-}
+/// What of npm lies in its folder, with what it was made from.
+const INSTALLED: &str = "node_modules/.package-lock.json";
+const LOCKED: &str = "package-lock.json";
 
 /// The packages that the lock file names, where they are not there yet.
 fn install() -> Result<()> {
-    if Path::new(SOURCE).join("node_modules/.package-lock.json").exists() {
+    let changed = |file: &str| Path::new(SOURCE).join(file).metadata().and_then(|known| known.modified()).ok();
+    if changed(INSTALLED) > changed(LOCKED) {
         return Ok(());
     }
-    consent::ask("esbuild", &format!("npm ci --prefix {SOURCE}"))?;
+    consent::ask("what the page is built by", &format!("npm ci --prefix {SOURCE}"))?;
     if run("npm", &["ci", "--no-audit", "--no-fund", "--prefix", SOURCE]).is_err() {
         bail!("npm could not install what {SOURCE}/package-lock.json names");
     }

@@ -3,12 +3,14 @@
 //! For whoever shows the file: the command line draws the places, an editor underlines them and offers the edits.
 
 mod apply;
+mod beside;
 mod fix;
 mod locate;
 mod source;
 mod waiver;
 
 pub use apply::{Mended, mend};
+pub use beside::Folder;
 pub use fix::{Edit, Fix};
 pub use source::{FieldSpans, Source};
 
@@ -67,22 +69,35 @@ impl Checked<'_> {
 /// # Errors
 /// Only for what is too large to be looked at; a file that is no description is a finding of it.
 pub fn check<'a>(bytes: &'a [u8], name: Option<&str>) -> Result<Checked<'a>, DescriptionError> {
+    check_in(bytes, name, None)
+}
+
+/// The same, and what a DCF names beside itself, in the folder that it stands in, where there is one.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_in<'a>(
+    bytes: &'a [u8],
+    name: Option<&str>,
+    folder: Option<&dyn Folder>,
+) -> Result<Checked<'a>, DescriptionError> {
     if bytes.len() > LARGEST_FILE {
         return Err(DescriptionError::TooLarge { found: bytes.len() });
     }
     let text = decode_text(bytes, &mut Problems::default());
     let description = DeviceDescription::read(bytes);
+    let source = Source::new(&text);
     let mut problems = match &description {
         Ok(read) => {
             let mut problems = read.problems.clone();
             problems.extend(consistency::check(read));
             problems.extend(name.and_then(|name| other_name(read, name)));
+            problems.extend(folder.into_iter().flat_map(|folder| beside::check(read, &source, folder)));
             problems
         }
         Err(_) => Vec::new(),
     };
     problems.sort_by_key(|problem| problem.line);
-    let source = Source::new(&text);
     let waivers = waiver::read(&source);
     let mut findings: Vec<Finding> = problems.into_iter().map(|problem| locate::locate(problem, &source)).collect();
     findings.sort_by_key(|finding| (finding.line, finding.column));

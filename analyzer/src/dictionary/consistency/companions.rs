@@ -21,14 +21,29 @@ const COMPANIONS: [(u16, &[u16]); 7] = [
     (0x1006, &[0x1005]),
 ];
 
-/// The values that CiA 301 allows: first index, last index, sub-index.
-const RANGES: [(u16, u16, u8, RangeInclusive<u64>); 6] = [
-    (0x1019, 0x1019, 0, 0..=240),
-    (0x1029, 0x1029, 1, 0..=2),
-    (0x1200, 0x127F, 3, 0..=127),
-    (0x1280, 0x12FF, 3, 0..=127),
-    (0x1800, 0x19FF, 6, 0..=240),
-    (0x1016, 0x1016, 1, 0..=0x00FF_FFFF),
+/// The values that CiA 301 allows by default.
+struct Allowed {
+    /// First and last index.
+    indexes: (u16, u16),
+    subs: RangeInclusive<u8>,
+    /// In which of these the default is.
+    values: &'static [RangeInclusive<u64>],
+}
+
+const fn allowed(first: u16, last: u16, subs: RangeInclusive<u8>, values: &'static [RangeInclusive<u64>]) -> Allowed {
+    Allowed { indexes: (first, last), subs, values }
+}
+
+const RANGES: [Allowed; 8] = [
+    allowed(0x1016, 0x1016, 1..=127, &[0..=0x00FF_FFFF]),
+    allowed(0x1019, 0x1019, 0..=0, &[0..=240]),
+    allowed(0x1029, 0x1029, 1..=1, &[0..=2]),
+    allowed(0x1200, 0x127F, 3..=3, &[0..=127]),
+    allowed(0x1280, 0x12FF, 3..=3, &[0..=127]),
+    // 254 and 255 are multiplex PDOs.
+    allowed(0x1600, 0x17FF, 0..=0, &[0..=64, 254..=255]),
+    allowed(0x1800, 0x19FF, 6..=6, &[0..=240]),
+    allowed(0x1A00, 0x1BFF, 0..=0, &[0..=64, 254..=255]),
 ];
 
 pub(super) fn check(check: &mut Check<'_>) {
@@ -46,13 +61,19 @@ pub(super) fn check(check: &mut Check<'_>) {
             check.report(Multiplexer::new(index, 0), "", &rules::COMPANION, "the object that it belongs to", &found);
         }
     }
-    for (first, last, sub, range) in RANGES {
+    ranges(check);
+}
+
+fn ranges(check: &mut Check<'_>) {
+    for Allowed { indexes: (first, last), subs, values } in RANGES {
         for object in check.objects(first, last) {
-            let at = Multiplexer::new(object.index.0, sub);
-            let default = check.default(at.index.0, at.sub.0);
-            if let Some(default) = default.filter(|default| !range.contains(default)) {
-                let found = default.to_string();
-                check.report(at, "DefaultValue", &rules::RANGE, "a value that CiA 301 allows", &found);
+            for entry in object.entries().iter().filter(|entry| subs.contains(&entry.sub.0)) {
+                let at = Multiplexer { index: object.index, sub: entry.sub };
+                let default = check.default(at.index.0, at.sub.0);
+                if let Some(default) = default.filter(|default| !values.iter().any(|range| range.contains(default))) {
+                    let found = default.to_string();
+                    check.report(at, "DefaultValue", &rules::RANGE, "a value that CiA 301 allows", &found);
+                }
             }
         }
     }

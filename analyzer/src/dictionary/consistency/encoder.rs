@@ -2,7 +2,8 @@
 
 use super::Check;
 use crate::dictionary::names::ENCODER_PROFILE;
-use crate::dictionary::rules::standard as rules;
+use crate::dictionary::object::Setting;
+use crate::dictionary::rules::{Rule, standard as rules};
 use crate::identity::Multiplexer;
 
 /// The encoder types of CiA 406 in the high word of 1000h.
@@ -26,19 +27,37 @@ pub(super) fn check(check: &mut Check<'_>) {
         };
         check.report(Multiplexer::new(0x6502, 0), "DefaultValue", &rules::REVOLUTIONS, expected, &number.to_string());
     }
-    let Some(steps) = steps else { return };
-    if let Some(units) = check.default(0x6001, 0).filter(|&units| units > steps) {
+    if let Some(steps) = steps {
         let expected = "measuring units up to the steps of a revolution (6501h)";
-        check.report(Multiplexer::new(0x6001, 0), "DefaultValue", &rules::UNITS, expected, &units.to_string());
+        at_most(check, 0x6001, steps, &rules::UNITS, expected);
     }
-    let Some(positions) = revolutions.and_then(|revolutions| steps.checked_mul(revolutions)) else { return };
-    measuring_range(check, positions);
+    let positions = steps.zip(revolutions).and_then(|(steps, revolutions)| steps.checked_mul(revolutions));
+    if let Some(positions) = positions {
+        let expected = "a measuring range up to the steps of all revolutions (6501h times 6502h)";
+        at_most(check, 0x6002, positions, &rules::MEASURING_RANGE, expected);
+    }
+    // What is scaled goes up to the measuring range, which is the device's own resolution if it has no other.
+    if let Some(last) = check.default(0x6002, 0).or(positions).and_then(|range| range.checked_sub(1)) {
+        at_most(check, 0x6003, last, &rules::PRESET, "a preset value below the total measuring range (6002h)");
+    }
 }
 
-fn measuring_range(check: &mut Check<'_>, positions: u64) {
-    let at = Multiplexer::new(0x6002, 0);
-    if let Some(range) = check.default(at.index.0, at.sub.0).filter(|&range| range > positions) {
-        let expected = "a measuring range up to the steps of all revolutions (6501h times 6502h)";
-        check.report(at, "DefaultValue", &rules::MEASURING_RANGE, expected, &format!("{range} of {positions}"));
+/// The default and the highest value that the description allows are at most that.
+fn at_most(check: &mut Check<'_>, index: u16, most: u64, rule: &'static Rule, expected: &'static str) {
+    let at = Multiplexer::new(index, 0);
+    for (field, value) in [("DefaultValue", check.default(index, 0)), ("HighLimit", high_limit(check, at))] {
+        if let Some(value) = value.filter(|&value| value > most) {
+            check.report(at, field, rule, expected, &format!("{value}, where {most} is the most"));
+        }
     }
+}
+
+/// The high limit, where it says more than the data type.
+fn high_limit(check: &Check<'_>, at: Multiplexer) -> Option<u64> {
+    let entry = check.description.dictionary.entry(at).ok()?;
+    let limit = u64::try_from(entry.high_limit.as_ref().and_then(Setting::fixed)?.as_number()?).ok()?;
+    let bits = entry.data_type.bits()?;
+    let is_of_type = |unused: u32| limit == u64::MAX >> (64 - bits.min(64) + unused);
+    // As a signed number, too: some write the highest value of the other.
+    (!is_of_type(0) && !is_of_type(1)).then_some(limit)
 }

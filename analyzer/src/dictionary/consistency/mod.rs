@@ -3,9 +3,11 @@
 //! Works on what was read, whatever the format of the file. The problems of the reading itself are in
 //! [`DeviceDescription::problems`].
 
+mod cob_id;
 mod companions;
 mod encoder;
 mod identity;
+mod naming;
 mod pdo;
 mod standard;
 
@@ -20,7 +22,9 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
     let mut check = Check { description, problems: Problems::default() };
     identity::check(&mut check);
     pdo::check(&mut check);
+    cob_id::check(&mut check);
     standard::check(&mut check);
+    naming::check(&mut check);
     companions::check(&mut check);
     encoder::check(&mut check);
     check.problems.into_sorted()
@@ -60,6 +64,19 @@ impl<'a> Check<'a> {
     fn default(&self, index: u16, sub: u8) -> Option<u64> {
         let entry = self.description.dictionary.entry(Multiplexer::new(index, sub)).ok()?;
         u64::try_from(entry.default.as_ref().and_then(Setting::fixed)?.as_number()?).ok()
+    }
+
+    /// What the device has there after its start: what a DCF configures, else the default; with the field that says so.
+    fn effective(&self, at: Multiplexer) -> Option<(&'a Setting, &'static str)> {
+        let entry = self.description.dictionary.entry(at).ok()?;
+        let configured = entry.configured.as_ref().map(|setting| (setting, "ParameterValue"));
+        configured.or(entry.default.as_ref().map(|setting| (setting, "DefaultValue")))
+    }
+
+    /// The same as a number, where it needs no node-ID.
+    fn effective_number(&self, at: Multiplexer) -> Option<(u64, &'static str)> {
+        let (setting, field) = self.effective(at)?;
+        Some((u64::try_from(setting.fixed()?.as_number()?).ok()?, field))
     }
 
     /// The objects of a range of indexes.

@@ -1,12 +1,10 @@
-//! PDOs: communication parameters, mapping, COB-IDs.
-
-use std::collections::HashMap;
+//! PDOs: communication parameters and mapping.
 
 use super::Check;
 use crate::dictionary::data_type::DataType;
-use crate::dictionary::object::{Entry, Object, ObjectCode, Setting};
+use crate::dictionary::object::{Access, Entry, Object};
 use crate::dictionary::rules::{Rule, pdo as rules};
-use crate::identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
+use crate::identity::{Index, Multiplexer, SubIndex};
 
 /// The two directions: first communication parameter, first mapping parameter.
 const RPDO: (u16, u16) = (0x1400, 0x1600);
@@ -27,8 +25,18 @@ pub(super) fn check(check: &mut Check<'_>) {
             Mapping { object, is_tpdo: mapping == TPDO.1 }.check(check);
         }
     }
-    cob_ids(check);
-    predefined(check);
+    directions(check);
+}
+
+/// What may be mapped and can be read and written says into which PDO; one entry is enough of each object.
+fn directions(check: &mut Check<'_>) {
+    for object in check.description.dictionary.objects() {
+        let either = object.entries().iter().find(|entry| entry.pdo_mappable && entry.access == Access::Rw);
+        if let Some(entry) = either {
+            let at = Multiplexer { index: object.index, sub: entry.sub };
+            check.report(at, "AccessType", &rules::EITHER, "rwr, or rww, of what only one kind of PDO can carry", "rw");
+        }
+    }
 }
 
 /// Sub-index 4 of a TPDO is reserved.
@@ -36,31 +44,6 @@ fn reserved_sub_index(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
     let at = Multiplexer { index: object.index, sub: SubIndex(4) };
     if is_tpdo && object.entry(at.sub).is_some_and(|entry| entry.line != 0) {
         check.report(at, "", &rules::RESERVED_SUB, "no sub-index 4 of a TPDO", "a description of it");
-    }
-}
-
-/// EMCY and the first four PDOs of each direction have the COB-IDs of the predefined connection set.
-fn predefined(check: &mut Check<'_>) {
-    let emcy = std::iter::once((Multiplexer::new(0x1014, 0), 0x80));
-    let pdos = (0..4u16).flat_map(|number| {
-        let at = |first: u16| Multiplexer::new(first + number, 1);
-        [(at(RPDO.0), 0x200 + 0x100 * u32::from(number)), (at(TPDO.0), 0x180 + 0x100 * u32::from(number))]
-    });
-    for (at, base) in emcy.chain(pdos) {
-        let Ok(entry) = check.description.dictionary.entry(at) else { continue };
-        let differs = match &entry.default {
-            // What is switched off has no CAN-ID of meaning.
-            Some(Setting::NodeIdPlus(offset)) => CobId(*offset).is_valid() && CobId(*offset).can_id() != base,
-            Some(Setting::Fixed(value)) => value.to_raw().is_some_and(|raw| {
-                let cob_id = CobId(raw as u32);
-                raw != 0 && cob_id.is_valid() && !(base + 1..=base + 127).contains(&cob_id.can_id())
-            }),
-            None => false,
-        };
-        if differs {
-            let found = entry.default.as_ref().map(ToString::to_string).unwrap_or_default();
-            check.report(at, "DefaultValue", &rules::PREDEFINED, "the predefined connection set", &found);
-        }
     }
 }
 
@@ -75,12 +58,12 @@ fn pair(check: &mut Check<'_>, object: &Object, other: u16) {
 
 /// 241 to 251 are reserved; 252 and 253 are for TPDOs only.
 fn transmission_type(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
-    let Some(default) = check.default(object.index.0, 2) else { return };
+    let at = Multiplexer::new(object.index.0, 2);
+    let Some((kind, field)) = check.effective_number(at) else { return };
     let last_reserved = if is_tpdo { 251 } else { 253 };
-    if (241..=last_reserved).contains(&default) {
-        let at = Multiplexer::new(object.index.0, 2);
+    if (241..=last_reserved).contains(&kind) {
         let expected = "a transmission type that is not reserved";
-        check.report(at, "DefaultValue", &rules::TRANSMISSION_TYPE, expected, &default.to_string());
+        check.report(at, field, &rules::TRANSMISSION_TYPE, expected, &kind.to_string());
     }
 }
 
@@ -96,24 +79,23 @@ struct Mapping<'a> {
 impl Mapping<'_> {
     fn check(&self, check: &mut Check<'_>) {
         let index = self.object.index.0;
+        let whole = Multiplexer::new(index, 0);
         // 254 and 255 are multiplex PDOs, with another structure.
-        let Some(count @ ..=64) = check.default(index, 0) else { return };
+        let Some((count @ ..=64, counted)) = check.effective_number(whole) else { return };
         let mut bits = 0;
         for sub in 1..=count as u8 {
             let at = Multiplexer::new(index, sub);
-            match check.default(index, sub) {
-                None | Some(0) if self.is_compact() => {}
-                Some(mapped) => bits += self.entry(check, at, mapped as u32),
+            match check.effective_number(at) {
+                None | Some((0, _)) if self.is_compact() => {}
+                Some((mapped, field)) => bits += self.entry(check, at, field, mapped as u32),
                 None => {
-                    let expected = "a mapped object as DefaultValue, since sub-index 0 counts it";
+                    let expected = "a mapped object as the value, since sub-index 0 counts it";
                     check.report(at, "DefaultValue", &rules::ENTRY_MISSING, expected, "none");
                 }
             }
         }
         if bits > 64 {
-            let at = Multiplexer::new(index, 0);
-            let expected = "at most 64 bits in a PDO";
-            check.report(at, "DefaultValue", &rules::TOO_LONG, expected, &format!("{bits} bits"));
+            check.report(whole, counted, &rules::TOO_LONG, "at most 64 bits in a PDO", &format!("{bits} bits"));
         }
     }
 
@@ -124,7 +106,7 @@ impl Mapping<'_> {
     }
 
     /// Checks one mapped object and returns its length in bits.
-    fn entry(&self, check: &mut Check<'_>, at: Multiplexer, mapped: u32) -> u32 {
+    fn entry(&self, check: &mut Check<'_>, at: Multiplexer, field: &str, mapped: u32) -> u32 {
         let [bits, sub, low, high] = mapped.to_le_bytes();
         let target = Multiplexer::new(u16::from_le_bytes([low, high]), sub);
         let wrong = match check.description.dictionary.entry(target) {
@@ -133,13 +115,13 @@ impl Mapping<'_> {
         };
         if let Some((rule, expected)) = wrong {
             let found = format!("{target} with {bits} bits");
-            check.report(at, "DefaultValue", rule, expected, &found);
+            check.report(at, field, rule, expected, &found);
         }
         let granularity = check.description.device.granularity;
         if granularity > 0 && !bits.is_multiple_of(granularity) {
             let expected = "lengths that are multiples of Granularity";
             let found = format!("{bits} bits with granularity {granularity}");
-            check.report(at, "DefaultValue", &rules::GRANULARITY, expected, &found);
+            check.report(at, field, &rules::GRANULARITY, expected, &found);
         }
         bits.into()
     }
@@ -172,34 +154,5 @@ impl Mapping<'_> {
         }
         let length = DataType(target.index.0).bits();
         (length != Some(bits.into())).then_some((&rules::DUMMY, "the length of the dummy entry's data type"))
-    }
-}
-
-/// Default COB-IDs are not restricted, and no two are the same at any node-ID.
-fn cob_ids(check: &mut Check<'_>) {
-    let single = [0x1005, 0x1012, 0x1014].map(|index| Multiplexer::new(index, 0));
-    let pdos = [RPDO.0, TPDO.0].into_iter().flat_map(|first| check.objects(first, first + 0x1FF));
-    let pdos = pdos.filter(|object| object.code == ObjectCode::RECORD);
-    let all: Vec<Multiplexer> =
-        single.into_iter().chain(pdos.map(|object| Multiplexer::new(object.index.0, 1))).collect();
-    let mut used: HashMap<u32, Multiplexer> = HashMap::new();
-    for at in all {
-        let Ok(entry) = check.description.dictionary.entry(at) else { continue };
-        let value = entry.default.as_ref().map(|default| default.resolve(entry.data_type, NodeId::MIN));
-        let Some(value) = value.and_then(|value| value.to_raw()) else { continue };
-        // Bit 31 of 1005h and 1012h says that the device consumes, not that the COB-ID is invalid.
-        let cob_id = CobId(value as u32);
-        if !cob_id.is_valid() && !matches!(at.index.0, 0x1005 | 0x1012) {
-            continue;
-        }
-        let found = format!("{:X}h", cob_id.can_id());
-        if cob_id.is_restricted() {
-            let expected = "a CAN-ID that is not restricted";
-            check.report(at, "DefaultValue", &rules::RESTRICTED, expected, &found);
-        }
-        if let Some(other) = used.insert(cob_id.can_id(), at) {
-            let found = format!("{found} as in {other}");
-            check.report(at, "DefaultValue", &rules::COB_ID_TWICE, "a CAN-ID of its own", &found);
-        }
     }
 }

@@ -49,8 +49,9 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
         let found = format!("{} instead of {data_type}", entry.data_type);
         check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
-    // The first SDO server has the COB-IDs of the predefined connection set, which need not be writable.
-    let Some(access) = standard.access.filter(|_| at.index.0 != 0x1200) else { return };
+    // The COB-IDs of the first SDO server are those of the predefined connection set, and fixed; those of others are not.
+    let standard_access = if at.index.0 == 0x1200 { Some(Access::Ro) } else { standard.access };
+    let Some(access) = standard_access else { return };
     let rule = match (access, entry.access) {
         (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,
         (Access::Wo, Access::Wo | Access::Rw) => return,

@@ -62,12 +62,7 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
             _ => text,
         };
     };
-    let standard = match at.index.0 {
-        0x1000..=0x1EFF => "CiA 301",
-        0x1F00..=0x1FFF => "CiA 302",
-        _ => "CiA 406",
-    };
-    text += &format!("\n\n{standard}: {known}");
+    text += &format!("\n\n{}: {known}", known.object.clause().brief());
     if let Some(entry) = known.entry {
         if let Some(name) = entry.data_type.and_then(DataType::name) {
             text += &format!(", {name}");

@@ -55,7 +55,11 @@ fn entries_stand_below_their_objects() {
 #[test]
 fn what_stands_under_the_cursor() {
     let shown = |what: &str, more| hover(TEXT, at(what, more)).map(|hover| hover.text).unwrap_or_default();
-    assert!(shown("[1018sub1]", 3).contains("CiA 301: Identity object, Vendor-ID"), "{}", shown("[1018sub1]", 3));
+    assert!(
+        shown("[1018sub1]", 3).contains("CiA 301 7.5.2.21: Identity object, Vendor-ID"),
+        "{}",
+        shown("[1018sub1]", 3)
+    );
     assert!(shown("0x0007", 2).contains("UNSIGNED32"));
     let mapped = shown("0x60040020", 4);
     assert!(mapped.contains("6004h:00") && mapped.contains("Position") && mapped.contains("32 bits"), "{mapped}");

@@ -6,7 +6,7 @@ use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::object::Setting;
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules::{self, Rule, number as number_rules};
-use crate::dictionary::value::Value;
+use crate::dictionary::value::{DaysAndMilliseconds, Value};
 
 /// The fields of one section, with where problems go.
 pub(super) struct Fields<'s, 'p> {
@@ -100,16 +100,25 @@ pub(in crate::dictionary) fn setting(
         DataClass::UnicodeString => Some(Value::UnicodeString(text.encode_utf16().collect())),
         DataClass::OctetString => octets(text).map(Value::OctetString),
         DataClass::Domain => Some(Value::Domain(octets(text).unwrap_or_else(|| characters(text)))),
-        DataClass::TimeOfDay | DataClass::TimeDifference => {
+        DataClass::TimeOfDay | DataClass::TimeDifference => days(text, data_type).or_else(|| {
             let raw = number::parse(text).filter(|number| !number.plus_node_id);
             raw.and_then(|number| u64::try_from(number.value).ok()).and_then(|raw| Value::from_raw(data_type, raw))
-        }
+        }),
         DataClass::Record => return None,
     };
     if value.is_none() {
         problems.report(place, &number_rules::UNREADABLE, "a value of the data type", text);
     }
     value.map(Setting::Fixed)
+}
+
+/// `365 43200000`: days and milliseconds apart, as lely-core writes a time.
+fn days(text: &str, data_type: DataType) -> Option<Value> {
+    let mut words = text.split_ascii_whitespace();
+    let (days, milliseconds) = (words.next()?.parse::<u16>().ok()?, words.next()?.parse::<u32>().ok()?);
+    let is_whole = words.next().is_none() && milliseconds < 1 << 28;
+    let raw = DaysAndMilliseconds { days, milliseconds }.to_raw();
+    if is_whole { Value::from_raw(data_type, raw) } else { None }
 }
 
 fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Setting> {
@@ -135,7 +144,10 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
         in_range(number.value, text, data_type, place, problems).map(Setting::Fixed)
     };
     if setting.is_none() {
-        problems.report(place, &number_rules::RANGE, "a number that fits the data type", text);
+        // A limit beyond the data type forbids nothing, or everything on one side that there is not.
+        let is_limit = ["lowlimit", "highlimit"].iter().any(|limit| place.field.eq_ignore_ascii_case(limit));
+        let rule = if is_limit { &rules::entry::LIMIT_RANGE } else { &number_rules::RANGE };
+        problems.report(place, rule, "a number that fits the data type", text);
     }
     setting
 }

@@ -44,6 +44,9 @@ const EACH_DEVICE_INFO: [&str; 9] = [
 /// The bit rates of CiA 301 in kbit/s.
 pub(super) const BIT_RATES: [u16; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1000];
 
+/// The node-ID of a device that has none (CiA 305).
+const UNCONFIGURED: u32 = 255;
+
 const DEVICE_INFO: [&str; 18] = [
     "vendorname",
     "vendornumber",
@@ -196,13 +199,15 @@ pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> C
     let node_id = number.and_then(|number| NodeId::new(u8::try_from(number).ok()?));
     if let (Some(number), None) = (number, node_id) {
         let found = number.to_string();
-        fields.report("NodeID", &rules::file::NODE_ID, "a node-ID from 1 to 127", &found);
+        let rule = if number == UNCONFIGURED { &rules::file::OPEN } else { &rules::file::NODE_ID };
+        fields.report("NodeID", rule, "a node-ID from 1 to 127", &found);
     }
     let bit_rate = fields.number("Baudrate", u32::MAX);
     let known = bit_rate.and_then(|rate| u16::try_from(rate).ok()).filter(|rate| BIT_RATES.contains(rate));
     if let (Some(rate), None) = (bit_rate, known) {
         let expected = "a bit rate of CiA 301 in kbit/s";
-        fields.report("Baudrate", &rules::file::BIT_RATE, expected, &rate.to_string());
+        let rule = if rate == 0 { &rules::file::OPEN } else { &rules::file::BIT_RATE };
+        fields.report("Baudrate", rule, expected, &rate.to_string());
     }
     Commissioning {
         node_id,

@@ -7,6 +7,7 @@ use super::fields::Fields;
 use super::lexer::{Document, Section, canonical};
 use super::section_name::SectionName;
 use crate::dictionary::data_type::DataType;
+use crate::dictionary::limits;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
@@ -31,6 +32,9 @@ pub(super) const KEPT_ENTRY_FIELDS: [&str; 11] = [
 ];
 /// Those that are known beside them.
 const UNKEPT_ENTRY_FIELDS: [&str; 3] = ["uploadfile", "downloadfile", "paramrefd"];
+
+const NAMES: limits::Names =
+    limits::Names { low: "LowLimit", high: "HighLimit", default: "DefaultValue", configured: "ParameterValue" };
 
 const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
 
@@ -212,7 +216,8 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     if entry.flags.0 > 3 {
         fields.report("ObjFlags", &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
     }
-    check_limits(fields, &entry);
+    let is_all_ones = limits::is_all_ones(fields.optional_text(NAMES.high));
+    limits::check(&entry, &NAMES, is_all_ones, |field| fields.section.place(field), fields.problems);
     entry
 }
 
@@ -262,25 +267,6 @@ pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
         "constant" | "c" => Access::Const,
         _ => return None,
     })
-}
-
-fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {
-    let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();
-    let (low, high) = (number(&entry.low_limit), number(&entry.high_limit));
-    if let (Some(low), Some(high)) = (low, high)
-        && low > high
-    {
-        let found = format!("{low} and {high}");
-        fields.report("LowLimit", &rules::entry::LIMITS, "a low limit up to the high limit", &found);
-        return;
-    }
-    for (field, setting) in [("DefaultValue", &entry.default), ("ParameterValue", &entry.configured)] {
-        let Some(value) = number(setting) else { continue };
-        if low.is_some_and(|low| value < low) || high.is_some_and(|high| value > high) {
-            let expected = "a value between LowLimit and HighLimit";
-            fields.report(field, &rules::entry::BEYOND_LIMITS, expected, &value.to_string());
-        }
-    }
 }
 
 /// `SubNumber` and the default of sub-index 0.

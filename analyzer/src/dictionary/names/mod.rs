@@ -7,6 +7,7 @@ mod bits;
 mod cia301;
 mod cia302;
 mod cia406;
+mod clauses;
 mod units;
 
 pub use bits::bit_name;
@@ -110,14 +111,19 @@ pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectN
 
 /// What the standards say about the object of that index.
 pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
-    let table = match (index.0, profile) {
+    let table = in_area(index, profile);
+    let position = table.partition_point(|object| object.last < index.0);
+    table.get(position).filter(|object| object.first <= index.0)
+}
+
+/// All objects of the standard that defines what lies around that index; none where no standard does.
+pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
+    match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
         (0x1F00..=0x1FFF, _) => cia302::OBJECTS,
         (0x6000..=0x67FF, Some(ENCODER_PROFILE)) => cia406::OBJECTS,
-        _ => return None,
-    };
-    let position = table.partition_point(|object| object.last < index.0);
-    table.get(position).filter(|object| object.first <= index.0)
+        _ => &[],
+    }
 }
 
 /// Whether CiA 301 puts a COB-ID there: of SYNC, TIME, EMCY, an SDO channel or a PDO.

@@ -71,6 +71,17 @@ rules! {
         fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=9\nHighLimit=3\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=3\nHighLimit=9\nPDOMapping=0";
 
+    /// a limit does not fit the data type
+    ///
+    /// It allows what the data type can't hold. Tools take it for no limit, or cut it to some other number.
+    ///
+    /// # What to do
+    ///
+    /// Write the highest number of the data type, or none.
+    LIMIT_RANGE: Warning Range, "eds/entry/limit-range", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nHighLimit=65536\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nHighLimit=65535\nPDOMapping=0";
+
     /// a value lies outside its limits
     ///
     /// A tool that checks values refuses to write the default back.

@@ -55,6 +55,18 @@ rules! {
         fails "[2FF0]\nParameterName=\"Setting\"\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
 
+    /// two objects, or two entries of an object, have the same name
+    ///
+    /// Programs that find objects by their names, such as python-canopen, find only one of them; a user of a configuration
+    /// tool can't tell them apart. The first that repeats a name is told.
+    ///
+    /// # What to do
+    ///
+    /// Give each a name of its own, for example with a number.
+    NAME_TWICE: Hint Value, "eds/field/name-twice", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Same setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF1]\nParameterName=Same setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=First setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF1]\nParameterName=Second setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
     /// a name has more than 241 characters
     ///
     /// CiA 306 allows 241.

@@ -160,6 +160,42 @@ rules! {
     BIT_RATE: Error Value, "eds/dcf/bit-rate", "CiA 306" Unknown,
         fails "[DeviceComissioning]\nNodeID=12\nBaudrate=300", passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250";
 
+    /// a DCF leaves its node-ID or bit rate open
+    ///
+    /// A node-ID of 255 is that of a device without one, which gets it by LSS, and a bit rate of 0 is none: whoever configures
+    /// the device by the file alone does not know where to find it.
+    ///
+    /// # What to do
+    ///
+    /// Write the node-ID and the bit rate of the network, or remove the field.
+    OPEN: Warning Value, "eds/dcf/open", "CiA 306" Unknown,
+        fails "[DeviceComissioning]\nNodeID=12\nBaudrate=0", passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250";
+
+    /// a DCF names a file to download that is not there
+    ///
+    /// DownloadFile of a DOMAIN is what a configuration tool writes to the device. Without it the tool stops, or leaves the
+    /// object as it is. A plain file name is looked for beside the DCF.
+    ///
+    /// # What to do
+    ///
+    /// Put the file beside the DCF, or correct the name.
+    DOWNLOAD: Warning MissingField, "eds/dcf/download-file", "CiA 306" Unknown,
+        fails "[DeviceComissioning]\nNodeID=12\nBaudrate=250\n[2FF0]\nParameterName=Program\nObjectType=0x2\nDataType=0x000F\nAccessType=rw\nDownloadFile=missing.bin",
+        passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250\n[2FF0]\nParameterName=Program\nObjectType=0x2\nDataType=0x000F\nAccessType=rw\nDownloadFile=program.bin";
+
+    /// a DCF describes the device otherwise than the EDS that it was made of
+    ///
+    /// A DCF is its EDS with the values that one device is configured to. If objects, types, access or limits are others, it
+    /// belongs to another release of the device, or somebody has edited it. LastEDS names the EDS, which is looked for
+    /// beside the DCF.
+    ///
+    /// # What to do
+    ///
+    /// Make the DCF anew of the right EDS; `canvass eds diff` shows all that differs.
+    OTHER_EDS: Warning List, "eds/dcf/other-eds", "CiA 306" Unknown,
+        fails "[FileInfo]\nLastEDS=another.eds\n...\n[DeviceComissioning]\nNodeID=12\nBaudrate=250",
+        passes "[FileInfo]\nLastEDS=\n...\n[DeviceComissioning]\nNodeID=12\nBaudrate=250";
+
     /// the section DeviceComissioning is written with double m
     ///
     /// CiA 306 spells it with one m; tools that look for that don't find node-ID and bit rate.

@@ -75,7 +75,7 @@ rules! {
     /// a number fits its data type only by its bits
     ///
     /// A negative number for an unsigned type, or a decimal one above the highest of a signed type: it is taken as the bits
-    /// that it stands for, which not every tool does.
+    /// that it stands for, which not every tool does. So is HighLimit=0xFF of a signed type, which is -1.
     ///
     /// # What to do
     ///

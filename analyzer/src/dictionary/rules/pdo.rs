@@ -79,7 +79,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the access type, or map another object.
-    DIRECTION: Error Mapping, "eds/pdo/direction", "CiA 301" "7.5.2.38" Cited,
+    DIRECTION: Warning Mapping, "eds/pdo/direction", "CiA 301" "7.5.2.38" Cited,
         fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=rww\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
 
@@ -94,6 +94,19 @@ rules! {
     LENGTH: Error Mapping, "eds/pdo/length", "CiA 301" "7.5.2.38" Cited,
         fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00010\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// an entry that can be read and written may be mapped, and it is not told into which PDO
+    ///
+    /// With AccessType=rw and PDOMapping=1 a tool offers the entry for RPDOs and for TPDOs. A device that takes it in one of
+    /// them only refuses the other with abort 0604 0041h. One such entry is told of each object.
+    ///
+    /// # What to do
+    ///
+    /// Write rwr for what goes into TPDOs only and rww for what goes into RPDOs only; in XML PDOmapping="TPDO" or "RPDO".
+    /// Leave it so if both can carry the entry.
+    EITHER: Hint Mapping, "eds/pdo/either-direction", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=1",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rww\nPDOMapping=1";
 
     /// a BOOLEAN is mapped as a whole byte
     ///
@@ -152,9 +165,10 @@ rules! {
         fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x580\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
         passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x380\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
 
-    /// two services have the same COB-ID
+    /// two messages that the device sends have the same COB-ID
     ///
-    /// Two messages with one CAN-ID disturb each other on the bus, and a consumer can't tell them apart.
+    /// Who receives them can't tell them apart. In a DCF its node-ID counts; in an EDS a COB-ID with $NODEID and one without
+    /// are not compared, as they are the same for one node-ID only.
     ///
     /// # What to do
     ///
@@ -163,10 +177,21 @@ rules! {
         fails "[19FE]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FEsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FEsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FEsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFE]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFEsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
         passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
 
+    /// the device receives by a COB-ID by which it sends or receives something else, too
+    ///
+    /// An RPDO takes what is meant for another one, or what the device itself sends.
+    ///
+    /// # What to do
+    ///
+    /// Give each a COB-ID of its own, or switch one off with bit 31. Leave it so if two RPDOs are to take the same message.
+    COB_ID_SHARED: Warning CobId, "eds/cob-id/shared", "CiA 301" "7.3.5" Known,
+        fails "[15FE]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FEsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FEsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[15FEsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[17FE]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[17FEsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
     /// a default COB-ID is not that of the predefined connection set
     ///
     /// By default the first four TPDOs have 180h, 280h, 380h and 480h plus the node-ID, the RPDOs 200h, 300h, 400h and
-    /// 500h, and EMCY 80h. A network that rests on these finds nothing there.
+    /// 500h, and EMCY 80h; SYNC has 80h and TIME 100h. A network that rests on these finds nothing there.
     ///
     /// # What to do
     ///
@@ -174,4 +199,16 @@ rules! {
     PREDEFINED: Hint CobId, "eds/cob-id/predefined", "CiA 301" "7.3.3" Cited,
         fails "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0xA0\nPDOMapping=0",
         passes "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80\nPDOMapping=0";
+
+    /// the first SDO server has not the COB-IDs of the predefined connection set
+    ///
+    /// 1200h:01 is 600h and 1200h:02 is 580h plus the node-ID, and can't be others: each client reaches the device by these. A
+    /// tool that believes the file sends its requests to somebody else.
+    ///
+    /// # What to do
+    ///
+    /// Write $NODEID+0x600 and $NODEID+0x580.
+    FIRST_SERVER: Warning CobId, "eds/cob-id/first-sdo-server", "CiA 301" "7.5.2.33" Cited,
+        fails "[1200]\nParameterName=SDO server parameter\nObjectType=0x9\nSubNumber=3\n[1200sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[1200sub1]\nParameterName=Client to server\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x640\nPDOMapping=0\n[1200sub2]\nParameterName=Server to client\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x580\nPDOMapping=0",
+        passes "[1200]\nParameterName=SDO server parameter\nObjectType=0x9\nSubNumber=3\n[1200sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[1200sub1]\nParameterName=Client to server\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x600\nPDOMapping=0\n[1200sub2]\nParameterName=Server to client\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x580\nPDOMapping=0";
 }

@@ -14,6 +14,18 @@ rules! {
         fails "[1015]\nParameterName=Object\nObjectType=0x8\nCompactSubObj=1\nDataType=0x0006\nAccessType=rw\nPDOMapping=0",
         passes "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
 
+    /// an object of a standard has the name of another one
+    ///
+    /// Its index says what it is, and the name says something else, mostly because the section was copied. A user of a
+    /// configuration tool goes by the name and sets the wrong parameter.
+    ///
+    /// # What to do
+    ///
+    /// Correct the name, or the index of the section.
+    NAME: Warning Standard, "eds/standard/name", "CiA 301" "7.5.2" Cited,
+        fails "[1017]\nParameterName=Guard time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[1017]\nParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
     /// an object of a standard has another data type
     ///
     /// Masters that know the standard read and write the object in the standard's length, and a device with another one
@@ -130,8 +142,8 @@ rules! {
 
     /// the measuring units per revolution are more than the encoder's resolution
     ///
-    /// The default of 6001h is beyond the steps of a revolution (6501h): the position would count in steps that the encoder
-    /// does not see.
+    /// The default of 6001h, or its HighLimit, is beyond the steps of a revolution (6501h): the position would count in steps
+    /// that the encoder does not see.
     ///
     /// # What to do
     ///
@@ -139,4 +151,16 @@ rules! {
     UNITS: Warning Range, "eds/encoder/units-per-revolution", "CiA 406" Known,
         fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
         passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
+
+    /// the preset value lies outside the measuring range
+    ///
+    /// The position counts from 0 up to the total measuring range (6002h), which is not reached. The default of 6003h, or its
+    /// HighLimit, lies beyond: a device refuses such a value with abort 0609 0030h.
+    ///
+    /// # What to do
+    ///
+    /// Correct 6003h or 6002h.
+    PRESET: Warning Range, "eds/encoder/preset", "CiA 406" Known,
+        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0\n[6003]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0",
+        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0\n[6003]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x0FFF\nPDOMapping=0";
 }

@@ -6,6 +6,7 @@ use super::elements::{Element, Elements};
 use super::parameters::Parameter;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::eds::setting;
+use crate::dictionary::limits;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 use crate::dictionary::problem::Problems;
 use crate::dictionary::rules::xdd as rules;
@@ -61,6 +62,9 @@ fn object<'a>(
     object
 }
 
+const NAMES: limits::Names =
+    limits::Names { low: "lowLimit", high: "highLimit", default: "defaultValue", configured: "actualValue" };
+
 fn report_second(element: &Element, attribute: &str, problems: &mut Problems) {
     let found = element.attribute(attribute).unwrap_or_default();
     let expected = "an address once; the first counts";
@@ -109,6 +113,8 @@ fn entry(sub: u8, element: &Element, parameters: &Parameters<'_>, problems: &mut
     if element.attribute("objFlags").is_some() {
         entry.flags = ObjectFlags(hexadecimal(element, "objFlags", u32::MAX, problems).unwrap_or(0));
     }
+    let is_all_ones = limits::is_all_ones(element.attribute(NAMES.high).or(parameter.high));
+    limits::check(&entry, &NAMES, is_all_ones, |attribute| element.place(attribute), problems);
     entry
 }
 
@@ -122,6 +128,11 @@ fn access(element: &Element, parameter: &Parameter<'_>, problems: &mut Problems)
     let found = element.attribute("accessType");
     let access = match found {
         Some(name) => Access::from_name(name),
+        // What SDO does not reach at all goes by PDO.
+        None if parameter.is_out_of_reach => match element.attribute("PDOmapping") {
+            Some("RPDO") => Some(Access::Wo),
+            _ => Some(Access::Ro),
+        },
         None => parameter.access,
     };
     match (access, element.attribute("PDOmapping")) {

@@ -12,6 +12,8 @@ pub(super) struct Parameter<'a> {
     pub label: Option<&'a str>,
     pub data_type: Option<DataType>,
     pub access: Option<Access>,
+    /// Whether the file says that there is no access.
+    pub is_out_of_reach: bool,
     pub default: Option<&'a str>,
     pub actual: Option<&'a str>,
     pub low: Option<&'a str>,
@@ -39,6 +41,7 @@ fn parameter<'a>(element: &'a Element, inside: &'a [Element]) -> Parameter<'a> {
         data_type: inside.iter().find_map(|element| simple_type(&element.name)),
         // Without the attribute it is read, the default of the schema.
         access: element.attribute("access").map_or(Some(Access::Ro), access),
+        is_out_of_reach: element.attribute("access") == Some("noAccess"),
         default: value("defaultValue"),
         actual: value("actualValue"),
         low: value("minValue"),

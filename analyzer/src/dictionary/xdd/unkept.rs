@@ -8,7 +8,7 @@ use crate::dictionary::eds::decode_text;
 use crate::dictionary::loss::{Loss, Losses};
 use crate::dictionary::problem::Problems;
 
-/// The elements that are read, each with the attributes that are.
+/// The elements that are read, each with the attributes that are; objects also have [`OF_OBJECTS`].
 const READ: &[(&str, &[&str])] = &[
     (
         "ProfileBody",
@@ -41,43 +41,8 @@ const READ: &[(&str, &[&str])] = &[
     ("minValue", &["value"]),
     ("maxValue", &["value"]),
     ("CANopenObjectList", &["mandatoryObjects", "optionalObjects", "manufacturerObjects"]),
-    (
-        "CANopenObject",
-        &[
-            "index",
-            "name",
-            "objectType",
-            "dataType",
-            "lowLimit",
-            "highLimit",
-            "accessType",
-            "defaultValue",
-            "PDOmapping",
-            "objFlags",
-            "actualValue",
-            "denotation",
-            "uniqueIDRef",
-            "subNumber",
-        ],
-    ),
-    (
-        "CANopenSubObject",
-        &[
-            "subIndex",
-            "name",
-            "objectType",
-            "dataType",
-            "lowLimit",
-            "highLimit",
-            "accessType",
-            "defaultValue",
-            "PDOmapping",
-            "objFlags",
-            "actualValue",
-            "denotation",
-            "uniqueIDRef",
-        ],
-    ),
+    ("CANopenObject", &["index", "subNumber"]),
+    ("CANopenSubObject", &["subIndex"]),
     ("dummy", &["entry"]),
     ("supportedBaudRate", &["value"]),
     (
@@ -97,6 +62,22 @@ const READ: &[(&str, &[&str])] = &[
         "deviceCommissioning",
         &["nodeID", "NodeID", "nodeName", "actualBaudRate", "networkNumber", "networkName", "CANopenManager"],
     ),
+];
+
+/// The attributes that objects and sub-objects have alike.
+const OF_OBJECTS: &[&str] = &[
+    "name",
+    "objectType",
+    "dataType",
+    "lowLimit",
+    "highLimit",
+    "accessType",
+    "defaultValue",
+    "PDOmapping",
+    "objFlags",
+    "actualValue",
+    "denotation",
+    "uniqueIDRef",
 ];
 
 /// Elements that only hold others, and the data types of parameters.
@@ -151,8 +132,10 @@ pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8
     while let Some((element, after)) = rest.split_first() {
         rest = after;
         if let Some((_, read)) = READ.iter().find(|(name, _)| *name == element.name) {
+            let is_object = matches!(element.name.as_str(), "CANopenObject" | "CANopenSubObject");
             for (attribute, value) in element.attributes() {
-                if !read.contains(&attribute) && !value.trim().is_empty() {
+                let is_read = read.contains(&attribute) || is_object && OF_OBJECTS.contains(&attribute);
+                if !is_read && !value.trim().is_empty() {
                     note(format!("{} {attribute}", element.name), element.line, value);
                 }
             }

@@ -2,6 +2,7 @@
 
 use crate::findings::{Context, Seen};
 use crate::message::Message;
+use crate::wire::layer_setting::ConfigureCommand;
 use crate::wire::{lmt, lss};
 
 /// A message of the master or of a slave.
@@ -23,24 +24,10 @@ pub const fn sender(message: &Message) -> Option<Sender> {
 }
 
 /// Whether one slave, and only one, must answer a request.
-pub const fn wants_answer(message: &Message) -> bool {
+pub fn wants_answer(message: &Message) -> bool {
     match message {
-        Message::LssRequest(request) => matches!(
-            request,
-            lss::Request::ConfigureNodeId { .. }
-                | lss::Request::ConfigureBitTiming { .. }
-                | lss::Request::StoreConfiguration
-                | lss::Request::Inquire { .. }
-                | lss::Request::InquireNodeId
-                | lss::Request::SwitchSelective { part: lss::Part::SerialNumber, .. }
-        ),
-        Message::LmtRequest(request) => matches!(
-            request,
-            lmt::Request::ConfigureNmtAddress { .. }
-                | lmt::Request::ConfigureBitTiming { .. }
-                | lmt::Request::StoreConfiguration
-                | lmt::Request::Inquire { .. }
-        ),
+        Message::LssRequest(request) => request.wants_answer(),
+        Message::LmtRequest(request) => request.wants_answer(),
         _ => false,
     }
 }
@@ -62,36 +49,11 @@ pub const fn is_leave(message: &Message) -> bool {
     )
 }
 
-/// What a slave was told to configure.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Setting {
-    /// The node-ID.
-    NodeId,
-    /// The bit rate.
-    BitRate,
-    /// Both, to its memory.
-    Store,
-}
-
-/// The setting and the error code of an answer to a configuration.
-pub const fn configured(message: &Message) -> Option<(Setting, u8)> {
+/// The command and the error code of an answer to a configuration.
+pub const fn configured(message: &Message) -> Option<(ConfigureCommand, u8)> {
     match message {
-        Message::LssResponse(lss::Response::Configured { command, error, .. }) => Some((
-            match command {
-                lss::ConfigureCommand::NodeId => Setting::NodeId,
-                lss::ConfigureCommand::BitTiming => Setting::BitRate,
-                lss::ConfigureCommand::Store => Setting::Store,
-            },
-            *error,
-        )),
-        Message::LmtResponse(lmt::Response::Configured { command, error, .. }) => Some((
-            match command {
-                lmt::ConfigureCommand::NmtAddress => Setting::NodeId,
-                lmt::ConfigureCommand::BitTiming => Setting::BitRate,
-                lmt::ConfigureCommand::Store => Setting::Store,
-            },
-            *error,
-        )),
+        Message::LssResponse(lss::Response::Configured { command, error, .. })
+        | Message::LmtResponse(lmt::Response::Configured { command, error, .. }) => Some((*command, *error)),
         _ => None,
     }
 }

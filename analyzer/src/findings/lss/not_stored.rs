@@ -1,8 +1,9 @@
-use super::exchange::{Sender, Setting, configured, is_leave, sender, words};
+use super::exchange::{Sender, configured, is_leave, sender, words};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
+use crate::wire::layer_setting::ConfigureCommand;
 use crate::wire::lss::Request;
 use canvass_analyzer_macros::rule;
 
@@ -57,9 +58,9 @@ impl Rule for NotStored {
                 }
             }
             Some(Sender::Slave) => match configured(message) {
-                Some((Setting::Store, 0)) => self.changed = [None, None],
-                Some((setting @ (Setting::NodeId | Setting::BitRate), 0)) => {
-                    let at = usize::from(setting == Setting::BitRate);
+                Some((ConfigureCommand::Store, 0)) => self.changed = [None, None],
+                Some((setting @ (ConfigureCommand::NodeId | ConfigureCommand::BitTiming), 0)) => {
+                    let at = usize::from(setting == ConfigureCommand::BitTiming);
                     self.changed[at] = Some(context.seen());
                     self.asked[at] = self.request.clone().unwrap_or_else(|| words(message));
                 }

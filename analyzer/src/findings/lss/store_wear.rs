@@ -1,8 +1,9 @@
-use super::exchange::{Setting, configured};
+use super::exchange::configured;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
+use crate::wire::layer_setting::ConfigureCommand;
 use canvass_analyzer_macros::rule;
 
 /// node-IDs and bit rates are stored more often than the memory bears
@@ -31,7 +32,7 @@ struct StoreWear {
 
 impl Rule for StoreWear {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        if matches!(configured(context.message()), Some((Setting::Store, 0))) {
+        if matches!(configured(context.message()), Some((ConfigureCommand::Store, 0))) {
             self.stores.count(context);
         }
     }

@@ -5,7 +5,6 @@
 
 use super::channel::{Channel, Step};
 use super::transfer::{Direction, Violation};
-use crate::message::Message;
 use crate::wire::Wire;
 use crate::wire::sdo::{BlockSegment, Request, Response};
 use canvass_traces::{Duration, Timestamp};
@@ -16,81 +15,57 @@ const SILENCE: Duration = Duration(10_000_000_000);
 /// The state of a block transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Block {
-    /// The client writes.
-    Download(DownloadBlock),
-    /// The client reads.
-    Upload(UploadBlock),
-}
-
-/// The state of a block download.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum DownloadBlock {
-    /// The server's answer is due.
-    Initiated {
+    /// The client wants to write; the server's answer is due.
+    DownloadInitiated {
         /// The client can send a CRC.
         crc: bool,
     },
-    /// The client's segments are due.
-    Segments {
-        /// Both sides use a CRC.
-        crc: bool,
-        /// How the sub-block stands.
-        run: Run,
-    },
-    /// The server's confirmation of the sub-block is due.
-    Confirmation {
-        /// Both sides use a CRC.
-        crc: bool,
-        /// How the sub-block stands.
-        run: Run,
-    },
-    /// The client's end message is due.
-    End {
-        /// Both sides use a CRC.
-        crc: bool,
-    },
-    /// The server's confirmation of the end is due.
-    Ended,
-}
-
-/// The state of a block upload.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum UploadBlock {
-    /// The server's answer is due.
-    Initiated {
+    /// The client wants to read; the server's answer is due.
+    UploadInitiated {
         /// The client can check a CRC.
         crc: bool,
         /// The size of the first sub-block.
         block_size: u8,
     },
-    /// The client's start message is due.
-    Answered {
+    /// The server has answered; the client's start message is due.
+    UploadAnswered {
         /// Both sides use a CRC.
         crc: bool,
         /// The size of the first sub-block.
         block_size: u8,
     },
-    /// The server's segments are due.
-    Segments {
+    /// Both sides have agreed.
+    Data {
+        /// Who sends.
+        direction: Direction,
         /// Both sides use a CRC.
         crc: bool,
-        /// How the sub-block stands.
-        run: Run,
+        /// What comes next.
+        due: Due,
     },
-    /// The client's confirmation of the sub-block is due.
-    Confirmation {
-        /// Both sides use a CRC.
-        crc: bool,
-        /// How the sub-block stands.
-        run: Run,
-    },
-    /// The server's end message is due.
-    End {
-        /// Both sides use a CRC.
-        crc: bool,
-    },
-    /// The client's confirmation of the end is due.
-    Ended,
+}
+
+/// What is due once the data are under way.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Due {
+    /// The sender's segments.
+    Segments(Run),
+    /// The receiver's confirmation of the sub-block.
+    Confirmation(Run),
+    /// The sender's end message.
+    End,
+    /// The receiver's confirmation of the end.
+    EndConfirmation,
+}
+
+impl Block {
+    const fn direction(self) -> Direction {
+        match self {
+            Self::DownloadInitiated { .. } => Direction::Download,
+            Self::UploadInitiated { .. } | Self::UploadAnswered { .. } => Direction::Upload,
+            Self::Data { direction, .. } => direction,
+        }
+    }
 }
 
 /// How far a sub-block has come.
@@ -156,12 +131,12 @@ impl Channel {
         direction: Direction,
         payload: &[u8],
     ) -> Option<BlockSegment> {
-        let (run, over) = match (direction, self.block()?) {
-            (Direction::Download, Block::Download(DownloadBlock::Segments { run, .. })) => (run, false),
-            (Direction::Download, Block::Download(DownloadBlock::Confirmation { run, .. })) => (run, true),
-            (Direction::Upload, Block::Upload(UploadBlock::Segments { run, .. })) => (run, false),
-            (Direction::Upload, Block::Upload(UploadBlock::Confirmation { run, .. })) => (run, true),
-            _ => return None,
+        let Block::Data { direction: of, due, .. } = self.block()? else { return None };
+        let (run, over) = match due {
+            _ if of != direction => return None,
+            Due::Segments(run) => (run, false),
+            Due::Confirmation(run) => (run, true),
+            Due::End | Due::EndConfirmation => return None,
         };
         // 80h is an abort: there is no segment 0.
         let segment = BlockSegment::read(payload).ok().filter(|_| payload.first() != Some(&0x80))?;
@@ -170,36 +145,20 @@ impl Channel {
         belongs.then_some(segment)
     }
 
-    /// A segment of a block download, from the client.
-    pub(super) fn block_download_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
-        let step = Step::segment(Message::SdoBlockDownload(segment));
-        let Some(Block::Download(DownloadBlock::Segments { crc, run } | DownloadBlock::Confirmation { crc, run })) =
-            self.block()
-        else {
+    /// A segment, from the client of a download or the server of an upload.
+    pub(super) fn block_segment(&mut self, now: Timestamp, direction: Direction, segment: BlockSegment) -> Step {
+        let step = Step::segment(direction, segment);
+        let Some(Block::Data { crc, due: Due::Segments(run) | Due::Confirmation(run), .. }) = self.block() else {
             return step.out_of_place();
         };
-        let (run, over, step) = self.block_segment(now, run, segment, step);
-        let next = if over { DownloadBlock::Confirmation { crc, run } } else { DownloadBlock::Segments { crc, run } };
-        self.set_block(Block::Download(next));
-        step
-    }
-
-    /// A segment of a block upload, from the server.
-    pub(super) fn block_upload_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
-        let step = Step::segment(Message::SdoBlockUpload(segment));
-        let Some(Block::Upload(UploadBlock::Segments { crc, run } | UploadBlock::Confirmation { crc, run })) =
-            self.block()
-        else {
-            return step.out_of_place();
-        };
-        let (run, over, step) = self.block_segment(now, run, segment, step);
-        let next = if over { UploadBlock::Confirmation { crc, run } } else { UploadBlock::Segments { crc, run } };
-        self.set_block(Block::Upload(next));
+        let (run, over, step) = self.in_sub_block(now, run, segment, step);
+        let due = if over { Due::Confirmation(run) } else { Due::Segments(run) };
+        self.set_block(Block::Data { direction, crc, due });
         step
     }
 
     /// Takes a segment if it is the next in order; returns the state of its sub-block and whether that is over.
-    fn block_segment(&mut self, now: Timestamp, mut run: Run, segment: BlockSegment, step: Step) -> (Run, bool, Step) {
+    fn in_sub_block(&mut self, now: Timestamp, mut run: Run, segment: BlockSegment, step: Step) -> (Run, bool, Step) {
         self.seen(now);
         run.latest = Some(segment);
         let over = segment.last || segment.sequence >= run.block_size;
@@ -215,8 +174,8 @@ impl Channel {
         (run, over, step)
     }
 
-    /// The receiver's confirmation of a sub-block: what it confirms counts, the rest comes again.
-    fn confirm(&mut self, run: Run, sequence: u8) -> bool {
+    /// The receiver's confirmation of a sub-block: what it confirms counts, the rest comes again. What is due then.
+    fn confirm(&mut self, run: Run, sequence: u8, next_size: u8) -> Due {
         let done = run.ends_with(sequence);
         let held_back = &mut self.held_back;
         if let Some(transfer) = &mut self.transfer {
@@ -227,20 +186,22 @@ impl Channel {
             }
             held_back.release(sequence, done, |bytes| transfer.extend(bytes));
         }
-        if !done {
-            self.held_back.0.clear();
+        if done {
+            return Due::End;
         }
-        done
+        self.held_back.0.clear();
+        Due::Segments(Run::new(next_size))
     }
 
-    /// The end message: says how many bytes of the last segment don't count, and the CRC.
-    fn end_data(&mut self, now: Timestamp, unused: u8, crc: Option<u16>, step: Step) -> Step {
+    /// The sender's end message: says how many bytes of the last segment don't count, and the CRC.
+    fn end_data(&mut self, now: Timestamp, unused: u8, sent: u16, step: Step) -> Step {
+        let Some(Block::Data { direction, crc, due: Due::End }) = self.block() else { return step.out_of_place() };
         self.seen(now);
         let last = std::mem::take(&mut self.held_back.0);
         let mut violation = step.violation;
         self.with(|transfer| {
             transfer.extend(&last[..last.len().saturating_sub(usize::from(unused))]);
-            if let Some(sent) = crc.filter(|&sent| sent != transfer.crc()) {
+            if crc && sent != transfer.crc() {
                 let wrong = Violation::Crc { sent, calculated: transfer.crc() };
                 transfer.blame(wrong);
                 violation = Some(wrong);
@@ -248,63 +209,54 @@ impl Channel {
         });
         self.held_back.0 = last;
         self.held_back.0.clear();
+        self.set_block(Block::Data { direction, crc, due: Due::EndConfirmation });
         Step { violation, ..step }
     }
 
     /// The client's messages of a block upload behind the initiate request.
     pub(super) fn block_upload_request(&mut self, now: Timestamp, request: Request, step: Step) -> Step {
-        use UploadBlock::{Answered, Confirmation, Ended, Segments};
-        let Some(Block::Upload(state)) = self.block() else { return step.out_of_place() };
+        let block = self.block().filter(|block| block.direction() == Direction::Upload);
+        let Some(block) = block else { return step.out_of_place() };
         self.seen(now);
-        let next = match (state, request) {
-            (Answered { crc, block_size }, Request::StartBlockUpload) => {
+        let (crc, due) = match (block, request) {
+            (Block::UploadAnswered { crc, block_size }, Request::StartBlockUpload) => {
                 self.held_back.0.clear();
-                Segments { crc, run: Run::new(block_size) }
+                (crc, Due::Segments(Run::new(block_size)))
             }
             // A receiver that misses the end of a sub-block confirms what it has.
             (
-                Confirmation { crc, run } | Segments { crc, run },
+                Block::Data { crc, due: Due::Confirmation(run) | Due::Segments(run), .. },
                 Request::ConfirmBlockUpload { sequence, block_size },
-            ) => {
-                if self.confirm(run, sequence) {
-                    UploadBlock::End { crc }
-                } else {
-                    Segments { crc, run: Run::new(block_size) }
-                }
-            }
-            (Ended, Request::EndBlockUpload) => return self.complete(step),
+            ) => (crc, self.confirm(run, sequence, block_size)),
+            (Block::Data { due: Due::EndConfirmation, .. }, Request::EndBlockUpload) => return self.complete(step),
             (_, Request::EndBlockUpload) => return self.complete_early(step),
             _ => return step.out_of_place(),
         };
-        self.set_block(Block::Upload(next));
+        self.set_block(Block::Data { direction: Direction::Upload, crc, due });
         step
     }
 
     /// The client's end of a block download.
     pub(super) fn end_block_download(&mut self, now: Timestamp, unused: u8, sent: u16, step: Step) -> Step {
-        let Some(Block::Download(DownloadBlock::End { crc })) = self.block() else { return step.out_of_place() };
-        let step = self.end_data(now, unused, crc.then_some(sent), step);
-        self.set_block(Block::Download(DownloadBlock::Ended));
-        step
+        let is_download = self.block().is_some_and(|block| block.direction() == Direction::Download);
+        if is_download { self.end_data(now, unused, sent, step) } else { step.out_of_place() }
     }
 
     /// The server's messages of block transfers.
     pub(super) fn block_response(&mut self, now: Timestamp, response: Response, step: Step) -> Step {
         match (self.block(), response) {
-            (Some(Block::Download(state)), _) => self.block_download_response(now, state, response, step),
+            (Some(block), _) if block.direction() == Direction::Download => {
+                self.block_download_response(now, block, response, step)
+            }
             (
-                Some(Block::Upload(UploadBlock::Initiated { crc: asked, block_size })),
+                Some(Block::UploadInitiated { crc: asked, block_size }),
                 Response::InitiateBlockUpload { multiplexer, crc, size },
             ) => {
-                self.set_block(Block::Upload(UploadBlock::Answered { crc: crc && asked, block_size }));
+                self.set_block(Block::UploadAnswered { crc: crc && asked, block_size });
                 self.with(|transfer| transfer.announced = size);
                 self.answered(now, multiplexer, step)
             }
-            (Some(Block::Upload(UploadBlock::End { crc })), Response::EndBlockUpload { unused, crc: sent }) => {
-                let step = self.end_data(now, unused, crc.then_some(sent), step);
-                self.set_block(Block::Upload(UploadBlock::Ended));
-                step
-            }
+            (_, Response::EndBlockUpload { unused, crc }) => self.end_data(now, unused, crc, step),
             _ => step.out_of_place(),
         }
     }
@@ -315,31 +267,23 @@ impl Channel {
         self.complete(step.out_of_place())
     }
 
-    fn block_download_response(
-        &mut self,
-        now: Timestamp,
-        state: DownloadBlock,
-        response: Response,
-        step: Step,
-    ) -> Step {
-        use DownloadBlock::{Confirmation, End, Ended, Initiated, Segments};
-        let next = match (state, response) {
-            (Initiated { crc: asked }, Response::InitiateBlockDownload { multiplexer, crc, block_size }) => {
+    fn block_download_response(&mut self, now: Timestamp, block: Block, response: Response, step: Step) -> Step {
+        let direction = Direction::Download;
+        let (crc, due) = match (block, response) {
+            (
+                Block::DownloadInitiated { crc: asked },
+                Response::InitiateBlockDownload { multiplexer, crc, block_size },
+            ) => {
                 self.held_back.0.clear();
-                self.set_block(Block::Download(Segments { crc: crc && asked, run: Run::new(block_size) }));
+                let due = Due::Segments(Run::new(block_size));
+                self.set_block(Block::Data { direction, crc: crc && asked, due });
                 return self.answered(now, multiplexer, step);
             }
             (
-                Confirmation { crc, run } | Segments { crc, run },
+                Block::Data { crc, due: Due::Confirmation(run) | Due::Segments(run), .. },
                 Response::ConfirmBlockDownload { sequence, block_size },
-            ) => {
-                if self.confirm(run, sequence) {
-                    End { crc }
-                } else {
-                    Segments { crc, run: Run::new(block_size) }
-                }
-            }
-            (Ended, Response::EndBlockDownload) => {
+            ) => (crc, self.confirm(run, sequence, block_size)),
+            (Block::Data { due: Due::EndConfirmation, .. }, Response::EndBlockDownload) => {
                 self.seen(now);
                 return self.complete(step);
             }
@@ -350,7 +294,7 @@ impl Channel {
             _ => return step.out_of_place(),
         };
         self.seen(now);
-        self.set_block(Block::Download(next));
+        self.set_block(Block::Data { direction, crc, due });
         step
     }
 }

@@ -1,6 +1,6 @@
 //! One SDO channel: joins requests and responses to transfers.
 
-use super::block::{Block, DownloadBlock, HeldBack, UploadBlock};
+use super::block::{Block, HeldBack};
 use super::transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};
 use super::under_way::UnderWay;
 use crate::message::{Message, Service};
@@ -147,11 +147,8 @@ impl Channel {
 
     /// A frame from the client.
     pub fn request(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Some(segment) = self.as_block_segment(now, Direction::Download, payload) {
-            return self.block_download_segment(now, segment);
-        }
-        if let Some(segment) = self.segment_under_way(now, Direction::Download, payload) {
-            return Step::of(Message::SdoBlockDownload(segment));
+        if let Some(step) = self.any_block_segment(now, Direction::Download, payload) {
+            return step;
         }
         match Request::read(payload) {
             Ok(request) => {
@@ -164,11 +161,8 @@ impl Channel {
 
     /// A frame from the server.
     pub fn response(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Some(segment) = self.as_block_segment(now, Direction::Upload, payload) {
-            return self.block_upload_segment(now, segment);
-        }
-        if let Some(segment) = self.segment_under_way(now, Direction::Upload, payload) {
-            return Step::of(Message::SdoBlockUpload(segment));
+        if let Some(step) = self.any_block_segment(now, Direction::Upload, payload) {
+            return step;
         }
         match Response::read(payload) {
             Ok(response) => {
@@ -177,6 +171,16 @@ impl Channel {
             }
             Err(error) => malformed(error),
         }
+    }
+
+    /// The frame as a segment of a block transfer, be it one that was under way when the capture began.
+    #[inline]
+    fn any_block_segment(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<Step> {
+        if let Some(segment) = self.as_block_segment(now, direction, payload) {
+            return Some(self.block_segment(now, direction, segment));
+        }
+        let segment = self.segment_under_way(now, direction, payload)?;
+        Some(Step::segment(direction, segment))
     }
 
     /// What belongs to a block transfer that was under way when the capture began breaks no rule.
@@ -218,13 +222,13 @@ impl Channel {
             }
             Request::InitiateBlockDownload { multiplexer, crc, size } => {
                 let superseded = self.begin(now, multiplexer, Direction::Download, Mode::Block);
-                self.phase = Phase::Block(Block::Download(DownloadBlock::Initiated { crc }));
+                self.phase = Phase::Block(Block::DownloadInitiated { crc });
                 self.with(|transfer| transfer.announced = size);
                 Step { superseded, ..step }
             }
             Request::InitiateBlockUpload { multiplexer, crc, block_size, .. } => {
                 let superseded = self.begin(now, multiplexer, Direction::Upload, Mode::Block);
-                self.phase = Phase::Block(Block::Upload(UploadBlock::Initiated { crc, block_size }));
+                self.phase = Phase::Block(Block::UploadInitiated { crc, block_size });
                 Step { superseded, ..step }
             }
             Request::DownloadSegment(segment) => self.download_segment(now, segment, step),
@@ -274,11 +278,8 @@ impl Channel {
     /// The server answers another request in the middle of a block download: the client has given that up, and its
     /// request was taken for a segment.
     fn leave_block_download(&mut self, step: Step) -> Step {
-        let Phase::Block(Block::Download(state)) = self.phase else { return step };
         // Before the first segment there is no request that was taken for one.
-        if matches!(state, DownloadBlock::Initiated { .. }) {
-            return step;
-        }
+        let Phase::Block(Block::Data { direction: Direction::Download, .. }) = self.phase else { return step };
         self.phase = Phase::Idle;
         self.with(|transfer| transfer.end(Outcome::Superseded));
         self.left = self.transfer.take();
@@ -301,7 +302,7 @@ impl Channel {
     }
 
     fn upload_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, payload: Payload, step: Step) -> Step {
-        let block = matches!(self.phase, Phase::Block(Block::Upload(UploadBlock::Initiated { .. })));
+        let block = matches!(self.phase, Phase::Block(Block::UploadInitiated { .. }));
         if !(block || self.phase == Phase::Initiated && self.direction() == Some(Direction::Upload)) {
             return self.leave_block_download(step).unexpected();
         }
@@ -474,8 +475,11 @@ fn malformed(error: Malformed) -> Step {
 
 impl Step {
     /// A step of a block segment.
-    pub(super) fn segment(message: Message) -> Self {
-        Self::of(message)
+    pub(super) fn segment(direction: Direction, segment: BlockSegment) -> Self {
+        Self::of(match direction {
+            Direction::Download => Message::SdoBlockDownload(segment),
+            Direction::Upload => Message::SdoBlockUpload(segment),
+        })
     }
 
     /// The same step, out of place.

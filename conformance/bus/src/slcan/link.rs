@@ -86,7 +86,42 @@ fn tcp(stream: TcpStream) -> io::Result<Link> {
 fn serial(path: &str) -> io::Result<Link> {
     let port = serialport::new(path, BAUD).timeout(LOOK).open()?;
     let writer = port.try_clone()?;
+    #[cfg(windows)]
+    let port = Asked(port);
     Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
+}
+
+/// A port of Windows, where a write waits until a read that is under way has ended, as both have one handle. So it is asked
+/// whether anything has come, and read only then.
+#[cfg(all(feature = "serial", windows))]
+struct Asked(Box<dyn serialport::SerialPort>);
+
+#[cfg(all(feature = "serial", windows))]
+impl Read for Asked {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        const PAUSE: Duration = Duration::from_millis(1);
+        let begun = std::time::Instant::now();
+        while self.0.bytes_to_read()? == 0 {
+            if begun.elapsed() >= LOOK {
+                return Err(io::ErrorKind::TimedOut.into());
+            }
+            std::thread::sleep(PAUSE);
+        }
+        self.0.read(buffer)
+    }
+}
+
+/// The names of the serial ports.
+#[cfg(windows)]
+pub fn ports() -> Vec<String> {
+    #[cfg(feature = "serial")]
+    let found = serialport::available_ports().unwrap_or_default().into_iter().map(|port| port.port_name);
+    #[cfg(not(feature = "serial"))]
+    let found = std::iter::empty();
+    let mut names: Vec<String> = found.collect();
+    // COM10 comes after COM9.
+    names.sort_by_key(|name| (name.len(), name.clone()));
+    names
 }
 
 #[cfg(not(all(feature = "serial", not(target_family = "wasm"))))]

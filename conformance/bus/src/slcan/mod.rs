@@ -8,6 +8,8 @@ mod link;
 mod reader;
 
 pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
+#[cfg(windows)]
+pub use link::ports;
 
 use super::clock::SteadyClock;
 use super::inbox::Inbox;
@@ -95,6 +97,10 @@ pub enum SlCanError {
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::PermissionDenied => ": join the port's group, usually `usermod -aG dialout $USER`",
+        // Windows gives a port to one program only, and says the same of one that is taken.
+        io::ErrorKind::NotFound if cfg!(windows) => {
+            ": is it plugged in, and does no other program have it? (canvass doctor lists the ports)"
+        }
         io::ErrorKind::NotFound => ": is it plugged in? (canvass doctor lists the ports)",
         io::ErrorKind::ConnectionRefused => ": nobody listens there",
         _ => "",
@@ -371,5 +377,6 @@ mod tests {
         assert!(error("/dev/no-such-port", Some(123_456)).contains("250k"));
         assert!(error(&format!("tcp://{}", address()), None).contains("nobody listens"));
         assert!(error("/dev/no-such-port", None).contains("/dev/no-such-port"));
+        assert!(error("COM97", None).contains("is it plugged in"), "{}", error("COM97", None));
     }
 }

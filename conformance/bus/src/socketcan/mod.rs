@@ -4,6 +4,7 @@
 //! times are those of the controller where it has a clock, else those of the kernel.
 
 mod bit_rate;
+mod correction;
 mod error;
 mod link;
 mod receiver;

@@ -1,9 +1,9 @@
 //! The thread that fetches frames from the kernel, and survives what happens to the interface.
 
 use super::Shared;
+use super::correction::Correction;
 use super::link::Link;
 use super::sys::{BATCH, Batch, Received};
-use crate::clock::Correction;
 use crate::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp, from_socket};
 use std::io::{self, PipeReader};
@@ -57,7 +57,7 @@ impl Receiver {
     fn fetch(&mut self, batch: &mut Batch) {
         let shared = Arc::clone(&self.shared);
         shared.inbox.set_delivering(true);
-        self.correction = shared.clock.correction(self.correction);
+        self.correction = self.correction.looked_up(&shared.clock);
         let mut is_full = false;
         while !shared.inbox.is_closed() {
             match shared.socket.receive(batch) {

@@ -7,6 +7,8 @@
 //! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
 //! slcan:listen://PORT               the same, for programs on this machine only
+//! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library
+//! pcan:CHANNEL@BITRATE+listen-only  the same, without sending and acknowledging anything
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
 //! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    with all that can be said, and with several
 //!                                   devices
@@ -23,6 +25,7 @@ pub use simulated::{Attached, DeviceName, GivenNode, SimulatedDevice};
 use crate::Device;
 use crate::models::Model;
 use canvass_analyzer::NodeId;
+use canvass_bus::pcan::Opening;
 use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_traces::Timestamp;
 use std::fmt;
@@ -43,6 +46,8 @@ pub enum BusAddress {
         /// In bit/s, if it was given.
         bit_rate: Option<u32>,
     },
+    /// An adapter of PEAK.
+    Pcan(Opening),
     /// A simulated bus with these devices, at least one.
     Simulated(Vec<SimulatedDevice>),
 }
@@ -106,6 +111,13 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
             let bus = Box::new(canvass_bus::slcan::SlCan::open(&port, bit_rate)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
+        #[cfg(any(windows, target_os = "linux"))]
+        BusAddress::Pcan(opening) => {
+            let bus = Box::new(canvass_bus::pcan::Pcan::open(opening)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        #[cfg(not(any(windows, target_os = "linux")))]
+        BusAddress::Pcan(_) => Err(BusError::Unavailable { address: address.to_owned(), interface: "PCAN-Basic" }),
         BusAddress::Simulated(mut devices) => {
             if let ([only], Some(node)) = (&mut devices[..], node) {
                 only.node.get_or_insert(GivenNode::Id(node));
@@ -147,10 +159,12 @@ impl FromStr for BusAddress {
         let parsed = match address.split_once(':') {
             Some(("sim", rest)) => simulated::parse(rest).map(BusAddress::Simulated),
             Some(("slcan", rest)) => slcan(rest),
+            Some(("pcan", rest)) => pcan(rest),
             Some(("socketcan", interface)) => socketcan(interface),
             None => socketcan(address),
             Some((kind, _)) => Err(format!(
-                "expected socketcan:INTERFACE, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
+                "expected socketcan:INTERFACE, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or \
+                 sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
             )),
         };
         parsed.map_err(|reason| BusError::Address { address: address.to_owned(), reason })
@@ -175,6 +189,20 @@ fn slcan(rest: &str) -> Result<BusAddress, String> {
         return Err("expected the path of a serial port, such as slcan:/dev/ttyACM0@500k".to_owned());
     }
     Ok(BusAddress::SlCan { port: port.to_owned(), bit_rate })
+}
+
+fn pcan(rest: &str) -> Result<BusAddress, String> {
+    const LISTEN_ONLY: &str = "+listen-only";
+    let (rest, listen_only) = match rest.split_once('+') {
+        None => (rest, false),
+        Some((rest, "listen-only")) => (rest, true),
+        Some((_, other)) => return Err(format!("expected {LISTEN_ONLY} or nothing, found \"+{other}\"")),
+    };
+    let Some((channel, rate)) = rest.split_once('@') else {
+        return Err(format!("expected a bit rate too, such as pcan:{rest}@250k: the adapter has none of its own"));
+    };
+    let (channel, bit_rate) = (channel.parse()?, parse_bit_rate(rate)?);
+    Ok(BusAddress::Pcan(Opening { channel, bit_rate, listen_only }))
 }
 
 /// The highest bit rate of classical CAN.
@@ -206,6 +234,10 @@ mod tests {
         assert!(matches!("slcan:/dev/ttyACM0@500k".parse(),
             Ok(BusAddress::SlCan { port, bit_rate: Some(500_000) }) if port == "/dev/ttyACM0"));
         assert!(matches!("slcan:COM3".parse(), Ok(BusAddress::SlCan { bit_rate: None, .. })));
+        assert!(matches!("pcan:PCAN_USBBUS1@250k".parse(), Ok(BusAddress::Pcan(Opening {
+            channel, bit_rate: 250_000, listen_only: false })) if channel.to_string() == "PCAN_USBBUS1"));
+        assert!(matches!("pcan:usbbus2@1M+listen-only".parse(), Ok(BusAddress::Pcan(Opening {
+            channel, bit_rate: 1_000_000, listen_only: true })) if channel.to_string() == "PCAN_USBBUS2"));
         assert!(matches!("sim:kuebler-sendix-58x8@1M+boot-up-twice".parse(),
             Ok(BusAddress::Simulated(devices)) if devices[0].bit_rate == Some(1_000_000)));
     }
@@ -238,7 +270,10 @@ mod tests {
         assert!(reason("sim:kuebler-sendix-58x8+nonsense").contains("canvass list faults"));
         assert!(reason("sim:kuebler-sendix-58x8@9").contains("250k"));
         assert!(reason("sim:kuebler-sendix-58x8@2M").contains("1M"));
-        assert!(reason("pcan:1").contains("socketcan:"));
+        assert!(reason("kvaser:1").contains("socketcan:") && reason("kvaser:1").contains("pcan:"));
+        assert!(reason("pcan:PCAN_USBBUS1").contains("pcan:PCAN_USBBUS1@250k"));
+        assert!(reason("pcan:1@250k").contains("PCAN_USBBUS1") && reason("pcan:PCAN_USBBUS1@9").contains("250k"));
+        assert!(reason("pcan:PCAN_USBBUS1@250k+silent").contains("+listen-only"));
         assert!(reason("").contains("can0") && reason("slcan:").contains("slcan:/dev/ttyACM0"));
     }
 

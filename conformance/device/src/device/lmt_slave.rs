@@ -8,6 +8,7 @@
 //! power-off; only 15h takes a new bit rate over before that.
 
 use super::context::Context;
+use super::layer_setting::{LayerSetting, is_within};
 use super::nmt::Order;
 use super::routes::{Route, Routes};
 use super::service::Service;
@@ -15,7 +16,8 @@ use crate::Firmware;
 use crate::models::{BitRate, LmtAddress};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lmt::{self, BIT_RATES, Bound, ConfigureCommand, Part, Request, Response, Seven};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lmt::{self, Bound, ConfigureCommand, Lmt, Part, Request, Response, Seven};
 use canvass_traces::{Duration, Frame, Timestamp};
 
 /// What a slave says of a value outside its range: the standard leaves the codes of the manufacturer open.
@@ -27,11 +29,7 @@ const SPECIFIC: u8 = 255;
 /// The state of the slave.
 #[derive(Clone, Debug)]
 pub(super) struct LmtSlave {
-    configuring: bool,
-    /// How many parts of the address were given in order.
-    selected: usize,
-    /// How many bounds of "identify remote slave" fitted in order.
-    identified: usize,
+    at: LayerSetting,
     pending: Pending,
     /// What power-on brings back.
     stored_kbit: u32,
@@ -59,9 +57,7 @@ impl LmtSlave {
     /// In operation, at the bit rate of delivery.
     pub const fn new(kbit: u32) -> Self {
         Self {
-            configuring: false,
-            selected: 0,
-            identified: 0,
+            at: LayerSetting::new(),
             pending: Pending { node_id: None, kbit: None },
             stored_kbit: kbit,
             in_use_kbit: kbit,
@@ -85,10 +81,10 @@ impl LmtSlave {
         rates: &[BitRate],
         firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
-        let configuring = self.configuring || firmware.configures_lmt_in_operation();
+        let configuring = self.at.configuring || firmware.configures_lmt_in_operation();
         match request {
             Request::SwitchGlobal { mode } => {
-                self.on_switch_global(mode, firmware);
+                self.at.switch(mode, firmware.obeys_reserved_lmt_mode().then_some(true));
                 (None, None)
             }
             Request::SwitchSelective { part, value } => {
@@ -100,16 +96,6 @@ impl LmtSlave {
         }
     }
 
-    fn on_switch_global(&mut self, mode: u8, firmware: &Firmware) {
-        match mode {
-            0 => self.configuring = false,
-            1 => self.configuring = true,
-            _ if firmware.obeys_reserved_lmt_mode() => self.configuring = true,
-            _ => return,
-        }
-        self.selected = 0;
-    }
-
     /// The three parts have to come in order; the last one switches, without an answer.
     fn on_switch_selective(
         &mut self,
@@ -118,22 +104,17 @@ impl LmtSlave {
         address: &LmtAddress,
         firmware: &Firmware,
     ) -> Option<Response> {
-        if self.configuring {
+        if self.at.configuring {
             return None;
         }
         let unchecked = match part {
             Part::SerialNumber => !firmware.compares_lmt_serial(),
             Part::ManufacturerName | Part::ProductName => !firmware.compares_lmt_names(),
         };
-        let position = part as usize;
-        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address, firmware) == value);
-        self.selected = if fits { position + 1 } else { 0 };
-        if self.selected < Part::ALL.len() {
-            return None;
-        }
-        self.selected = 0;
-        self.configuring = true;
-        firmware.answers_lmt_selective().then_some(SWITCHED)
+        let fits = unchecked || own(part, address, firmware) == value;
+        self.at.configuring = self.at.selected.takes(part, fits);
+        // What LSS answers.
+        (self.at.configuring && firmware.answers_lmt_selective()).then_some(Response::Switched)
     }
 
     /// The names have to be equal, the serial number within the bounds.
@@ -144,23 +125,11 @@ impl LmtSlave {
         address: &LmtAddress,
         firmware: &Firmware,
     ) -> Option<Response> {
-        let serial = own(Part::SerialNumber, address, firmware).0;
-        let any_serial = firmware.ignores_lmt_serial_bounds();
-        // The digits of a serial number in their order, so that bytes compare as the number does.
-        let fits = match bound {
-            Bound::ManufacturerName => value == own(Part::ManufacturerName, address, firmware),
-            Bound::ProductName => value == own(Part::ProductName, address, firmware),
-            Bound::SerialLow => any_serial || value.0 <= serial,
-            Bound::SerialHigh => any_serial || value.0 >= serial,
-        };
-        let position = bound as usize;
-        let in_order = position == 0 || position == self.identified;
-        self.identified = if fits && in_order { position + 1 } else { 0 };
-        if self.identified < Bound::ALL.len() {
-            return None;
-        }
-        self.identified = 0;
-        (firmware.answers_lmt_identify()).then_some(Response::Identified)
+        let (part, limit) = Lmt::limits(bound);
+        let any_serial = part == Part::SerialNumber && firmware.ignores_lmt_serial_bounds();
+        let fits = any_serial || is_within::<Lmt>(limit, value, own(part, address, firmware));
+        let identified = self.at.identified.takes(bound, fits);
+        (identified && firmware.answers_lmt_identify()).then_some(Response::Identified)
     }
 
     fn on_configuration(
@@ -171,7 +140,7 @@ impl LmtSlave {
         firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
         match request {
-            Request::ConfigureNmtAddress { node_id } => self.on_node_id(node_id, firmware),
+            Request::ConfigureNodeId { node_id } => self.on_node_id(node_id, firmware),
             Request::ConfigureBitTiming { table, index } => {
                 let kbit = bit_rate(table, index, firmware);
                 let kbit = kbit.filter(|kbit| rates.iter().any(|rate| rate.kbit == *kbit));
@@ -198,12 +167,9 @@ impl LmtSlave {
         let ok = new.is_some() || !firmware.checks_lmt_node_id();
         let (error, specific) = if ok { (0, 0) } else { (SPECIFIC, OUT_OF_RANGE) };
         let effect = new.filter(|_| firmware.takes_lmt_node_id_at_once()).map(Effect::TakeNodeId);
-        (Some(Response::Configured { command: ConfigureCommand::NmtAddress, error, specific }), effect)
+        (Some(Response::Configured { command: ConfigureCommand::NodeId, error, specific }), effect)
     }
 }
-
-/// What LSS answers to the last part of its address.
-const SWITCHED: Response = Response::Unknown { command: 0x44, tail: [0; 7] };
 
 /// A part of the address, as the firmware holds it.
 fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
@@ -227,7 +193,7 @@ fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
         6.. if firmware.numbers_lmt_rates_as_lss() => index - 1,
         index => index,
     };
-    BIT_RATES.get(usize::from(index)).filter(|_| table == 0).map(|rate| rate / 1000)
+    Lmt::bit_rate(index).filter(|_| table == 0).map(|rate| rate / 1000)
 }
 
 /// The number that BCD digits stand for, little-endian.

@@ -1,6 +1,7 @@
 //! The LSS slave: node-ID and bit rate over the bus (CiA 305).
 
 use super::context::Context;
+use super::layer_setting::{LayerSetting, is_within};
 use super::nmt::{Order, Phase};
 use super::objects::Objects;
 use super::parameters::Parameters;
@@ -12,7 +13,8 @@ use crate::models::{BitRate, Model};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
+use canvass_analyzer::wire::layer_setting::{Dialect, Limit};
+use canvass_analyzer::wire::lss::{self, Bound, ConfigureCommand, Lss, Part, Request, Response};
 use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The node-ID that says "not configured".
@@ -24,11 +26,7 @@ pub(super) type Address = [u32; 4];
 /// The state of the slave.
 #[derive(Clone, Debug)]
 pub(super) struct LssSlave {
-    configuring: bool,
-    /// How many parts of the address were given in order.
-    selected: usize,
-    /// How many bounds of "identify remote slave" fitted in order.
-    identified: usize,
+    at: LayerSetting,
     /// Which part Fastscan compares.
     scanning: u8,
     /// What was configured and not yet taken over.
@@ -65,14 +63,7 @@ pub(super) enum Effect {
 impl LssSlave {
     /// Waiting.
     pub const fn new() -> Self {
-        Self {
-            configuring: false,
-            selected: 0,
-            identified: 0,
-            scanning: 0,
-            pending: Pending { node_id: None, bit_timing: None },
-            later: None,
-        }
+        Self { at: LayerSetting::new(), scanning: 0, pending: Pending { node_id: None, bit_timing: None }, later: None }
     }
 
     /// A message of the master came. `node` is the node-ID in use, or [`UNCONFIGURED`].
@@ -87,7 +78,7 @@ impl LssSlave {
         let response = match request {
             Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode, firmware)),
             Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address, firmware),
-            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address, firmware),
+            Request::IdentifyRemote { bound, value } => self.on_identify(bound, value, address, firmware),
             Request::IdentifyNonConfigured => {
                 let answers = node == UNCONFIGURED || firmware.answers_non_configured_always();
                 answers.then_some(Response::NonConfigured)
@@ -98,19 +89,19 @@ impl LssSlave {
             }
             Request::Fastscan { id, bit_check, sub, next } => {
                 let has_part = node == UNCONFIGURED || firmware.takes_fastscan_when_configured();
-                let takes_part = has_part && !self.configuring;
+                let takes_part = has_part && !self.at.configuring;
                 if takes_part { self.on_fastscan(id, bit_check, sub, next, address, firmware) } else { None }
             }
-            Request::ActivateBitTiming { delay } if self.configuring => {
+            Request::ActivateBitTiming { delay } if self.at.configuring => {
                 return (None, Some(Effect::Activate(Duration::from_millis(delay.into()))));
             }
-            Request::StoreConfiguration if self.configuring => {
+            Request::StoreConfiguration if self.at.configuring => {
                 let error = model.sheet().network.lss_store_error;
                 let specific = u8::from(firmware.tells_more_of_storing());
                 let done = Response::Configured { command: ConfigureCommand::Store, error, specific };
                 return (Some(done), (error == 0).then_some(Effect::Store));
             }
-            request if self.configuring || firmware.configures_while_waiting() => {
+            request if self.at.configuring || firmware.configures_while_waiting() => {
                 self.on_configuration(request, address, node, model, firmware)
             }
             _ => None,
@@ -119,16 +110,10 @@ impl LssSlave {
     }
 
     fn on_switch_global(&mut self, mode: u8, firmware: &Firmware) -> Option<Effect> {
-        let was_configuring = self.configuring;
-        match mode {
-            0 => self.configuring = false,
-            1 => self.configuring = true,
-            _ if firmware.waits_at_reserved_mode() => self.configuring = false,
-            _ => return None,
-        }
-        self.selected = 0;
-        let leaves = !self.configuring || firmware.leaves_lss_configuration_when_told_again();
-        (was_configuring && leaves).then_some(Effect::Leave)
+        let was_configuring = self.at.configuring;
+        let obeyed = self.at.switch(mode, firmware.waits_at_reserved_mode().then_some(false));
+        let leaves = !self.at.configuring || firmware.leaves_lss_configuration_when_told_again();
+        (obeyed && was_configuring && leaves).then_some(Effect::Leave)
     }
 
     /// The four parts have to come in order; the last one switches.
@@ -139,48 +124,25 @@ impl LssSlave {
         address: Address,
         firmware: &Firmware,
     ) -> Option<Response> {
-        if self.configuring {
+        if self.at.configuring {
             return None;
         }
-        let position = part as usize;
-        let in_order = position == 0 || position == self.selected || firmware.takes_selective_in_any_order();
         let unchecked = part == Part::SerialNumber && firmware.skips_selective_serial();
-        let fits = in_order && (address.get(position) == Some(&value) || unchecked);
-        self.selected = match fits {
-            true if firmware.takes_selective_in_any_order() => self.selected + 1,
-            true => position + 1,
-            false => 0,
+        let fits = address[part as usize] == value || unchecked;
+        self.at.configuring = match firmware.takes_selective_in_any_order() {
+            true => self.at.selected.counts::<Part>(fits),
+            false => self.at.selected.takes(part, fits),
         };
-        if self.selected < address.len() {
-            return None;
-        }
-        self.selected = 0;
-        self.configuring = true;
-        Some(Response::Switched)
+        self.at.configuring.then_some(Response::Switched)
     }
 
     /// Vendor-ID and product code have to be equal, revision and serial number within bounds.
-    fn on_identify(&mut self, bound: usize, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
-        let [vendor, product, revision, serial] = address;
-        if firmware.excludes_identify_bounds() && (bound == 3 && value == revision || bound == 5 && value == serial) {
-            self.identified = 0;
-            return None;
-        }
-        let fits = match bound {
-            0 => value == vendor,
-            1 => value == product,
-            2 => value <= revision,
-            3 => value >= revision,
-            4 => value <= serial,
-            _ => value >= serial,
-        };
-        let in_order = bound == 0 || bound == self.identified;
-        self.identified = if fits && in_order { bound + 1 } else { 0 };
-        if self.identified < 6 {
-            return None;
-        }
-        self.identified = 0;
-        Some(Response::Identified)
+    fn on_identify(&mut self, bound: Bound, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
+        let (part, limit) = Lss::limits(bound);
+        let own = address[part as usize];
+        let excluded = firmware.excludes_identify_bounds() && limit == Limit::Highest && value == own;
+        let fits = is_within::<Lss>(limit, value, own) && !excluded;
+        self.at.identified.takes(bound, fits).then_some(Response::Identified)
     }
 
     fn on_fastscan(
@@ -205,7 +167,7 @@ impl LssSlave {
         }
         if bit_check == 0 {
             // Only the last part ends the scan, and only from there back to the first.
-            self.configuring = (sub == 3 || firmware.ends_fastscan_early()) && next < sub;
+            self.at.configuring = (sub == 3 || firmware.ends_fastscan_early()) && next < sub;
             self.scanning = next;
         }
         Some(Response::Identified)
@@ -241,7 +203,7 @@ impl LssSlave {
                 configured(ConfigureCommand::BitTiming, ok || !firmware.checks_lss_bit_timing())
             }
             Request::Inquire { .. } | Request::InquireNodeId if !firmware.knows_lss_inquiry() => return None,
-            Request::Inquire { part } => Response::Part { part, value: *address.get(part as usize)? },
+            Request::Inquire { part } => Response::Part { part, value: address[part as usize] },
             Request::InquireNodeId => Response::NodeId(node),
             _ => return None,
         })

@@ -18,6 +18,7 @@ mod firmware;
 mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
+mod layer_setting;
 mod lifecycle;
 mod limit_switches;
 mod links;

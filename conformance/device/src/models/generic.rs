@@ -6,7 +6,8 @@ use super::shows_limit_switches;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
 use canvass_analyzer::object;
-use canvass_analyzer::wire::lss;
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lss::Lss;
 use toml::{Table, Value};
 
 /// The node-ID where the description is for any.
@@ -75,11 +76,11 @@ fn allows_rtr(description: &DeviceDescription) -> bool {
 
 fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
     let row = |&kbit: &u16| {
-        let code = lss::BIT_RATES.iter().position(|rate| *rate == Some(u32::from(kbit) * 1_000));
+        let code = Lss::bit_rate_index(u32::from(kbit) * 1_000);
         let mut row = Table::new();
         row.insert("kbit".to_owned(), i64::from(kbit).into());
         if let Some(code) = code {
-            row.insert("lss_code".to_owned(), (code as i64).into());
+            row.insert("lss_code".to_owned(), i64::from(code).into());
         }
         row.into()
     };

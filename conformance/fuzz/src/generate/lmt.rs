@@ -1,23 +1,18 @@
 //! LMT dialogues, for devices that have that instead of LSS.
 
 use super::Script;
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lmt::{Bound, MASTER_CAN_ID, Part, Request, Seven};
+use canvass_analyzer::wire::lmt::{Lmt, Part, Request, Seven};
 
 impl Script<'_> {
     pub(super) fn lmt_dialogue(&mut self) {
         match self.dice.below(16) {
             0..=3 => self.lmt_select(),
-            4..=6 => self.lmt_inquire(),
+            4..=6 => self.inquire::<Lmt>(),
             7..=9 => self.lmt_configure(),
             10..=13 => self.lmt_identify(),
-            14 => self.lmt_switch(),
+            14 => self.switch::<Lmt>(),
             _ => self.lmt_nonsense(),
         }
-    }
-
-    fn lmt(&mut self, request: Request) {
-        self.ask(request.to_frame(MASTER_CAN_ID));
     }
 
     fn lmt_part(&self, part: Part) -> Seven {
@@ -28,11 +23,6 @@ impl Script<'_> {
             Part::SerialNumber => address.serial_number,
         });
         value.unwrap_or(Seven([0; 7]))
-    }
-
-    fn lmt_switch(&mut self) {
-        let mode = self.dice.one_of([0, 0, 1, 1, 1, 2, 255]);
-        self.lmt(Request::SwitchGlobal { mode });
     }
 
     /// One wrong bit, or one digit more or less.
@@ -48,7 +38,7 @@ impl Script<'_> {
 
     fn lmt_select(&mut self) {
         let wrong = if self.dice.flip() { self.dice.below(3) } else { usize::MAX };
-        self.lmt(Request::SwitchGlobal { mode: 0 });
+        self.tell(Request::SwitchGlobal { mode: 0 });
         for (n, part) in Part::ALL.into_iter().enumerate() {
             let mut value = self.lmt_part(part);
             if n == wrong {
@@ -57,36 +47,27 @@ impl Script<'_> {
                 }
                 value = self.lmt_distorted(part, value);
             }
-            self.lmt(Request::SwitchSelective { part, value });
+            self.tell(Request::SwitchSelective { part, value });
         }
-        let part = self.dice.one_of(Part::ALL);
-        self.lmt(Request::Inquire { part });
-    }
-
-    fn lmt_inquire(&mut self) {
-        if self.dice.flip() {
-            self.lmt_switch();
-        }
-        let part = self.dice.one_of(Part::ALL);
-        self.lmt(Request::Inquire { part });
+        self.inquire_part::<Lmt>();
     }
 
     fn lmt_configure(&mut self) {
         if !self.dice.one_in(4) {
-            self.lmt(Request::SwitchGlobal { mode: 1 });
+            self.tell(Request::SwitchGlobal { mode: 1 });
         }
         let own = self.node() as u8;
         let request = match self.dice.below(8) {
             0..=2 => {
                 let node_id = self.dice.one_of([own, own, 1, 27, 127, 0, 128, 255]);
-                Request::ConfigureNmtAddress { node_id }
+                Request::ConfigureNodeId { node_id }
             }
             3 | 4 => Request::ConfigureBitTiming { table: 0, index: self.dice.byte() % 10 },
             5 => Request::ConfigureBitTiming { table: self.dice.byte(), index: self.dice.byte() },
             6 => Request::StoreConfiguration,
             _ => Request::ActivateBitTiming { delay: 10 },
         };
-        self.lmt(request);
+        self.tell(request);
         self.read();
     }
 
@@ -102,9 +83,7 @@ impl Script<'_> {
             2 => (values[2], values[3]) = (Seven([0; 7]), Seven([0x99; 7])),
             _ => {}
         }
-        for (bound, value) in Bound::ALL.into_iter().zip(values) {
-            self.lmt(Request::IdentifyRemote { bound, value });
-        }
+        self.identify_within::<Lmt>(values);
     }
 
     fn lmt_nonsense(&mut self) {
@@ -112,7 +91,6 @@ impl Script<'_> {
         if self.dice.flip() {
             bytes[0] = self.dice.one_of([0x00, 0x0A, 0x10, 0x27, 0x40, 0x46, 0x4C, 0x51, 0x5A, 0x5E, 0xFF]);
         }
-        let len = if self.dice.one_in(4) { self.dice.below(8) } else { 8 };
-        self.ask(Self::data(MASTER_CAN_ID, &bytes[..len]));
+        self.odd_layer_frame(bytes);
     }
 }

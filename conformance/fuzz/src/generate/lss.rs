@@ -3,7 +3,7 @@
 use super::Script;
 use crate::coverage::{LssCommand, LssState};
 use crate::stimulus::Start;
-use canvass_analyzer::wire::lss::{Bound, MASTER_CAN_ID, Part, Request};
+use canvass_analyzer::wire::lss::{Bound, Lss, MASTER_CAN_ID, Part, Request};
 
 impl Script<'_> {
     pub(super) fn lss_dialogue(&mut self) {
@@ -24,12 +24,15 @@ impl Script<'_> {
         }
         match self.dice.below(16) {
             0 | 1 => self.select(),
-            2 | 3 => self.inquire(),
+            2 | 3 => {
+                self.inquire::<Lss>();
+                self.tell(Request::InquireNodeId);
+            }
             4..=6 => self.configure(),
             7 | 8 => self.identify(),
             9..=12 => self.fastscan(),
-            13 => self.lss(Request::IdentifyNonConfigured),
-            14 => self.switch(),
+            13 => self.tell(Request::IdentifyNonConfigured),
+            14 => self.switch::<Lss>(),
             _ => self.odd_lss_frame(),
         }
     }
@@ -38,15 +41,15 @@ impl Script<'_> {
     fn reach_lss(&mut self, state: LssState) {
         let [vendor, ..] = self.address();
         match state {
-            LssState::Waiting | LssState::Unconfigured => self.lss(Request::SwitchGlobal { mode: 0 }),
+            LssState::Waiting | LssState::Unconfigured => self.tell(Request::SwitchGlobal { mode: 0 }),
             LssState::Selecting => {
-                self.lss(Request::SwitchGlobal { mode: 0 });
-                self.lss(Request::SwitchSelective { part: Part::VendorId, value: vendor });
+                self.tell(Request::SwitchGlobal { mode: 0 });
+                self.tell(Request::SwitchSelective { part: Part::VendorId, value: vendor });
             }
-            LssState::Configuration => self.lss(Request::SwitchGlobal { mode: 1 }),
+            LssState::Configuration => self.tell(Request::SwitchGlobal { mode: 1 }),
             LssState::Scanning => {
-                self.lss(Request::SwitchGlobal { mode: 0 });
-                self.lss(Request::Fastscan { id: 0, bit_check: 128, sub: 0, next: 0 });
+                self.tell(Request::SwitchGlobal { mode: 0 });
+                self.tell(Request::Fastscan { id: 0, bit_check: 128, sub: 0, next: 0 });
             }
         }
     }
@@ -55,7 +58,7 @@ impl Script<'_> {
     fn lss_command(&mut self, command: LssCommand) {
         let [vendor, ..] = self.address();
         let request = match command {
-            LssCommand::SwitchGlobal => return self.switch(),
+            LssCommand::SwitchGlobal => return self.switch::<Lss>(),
             LssCommand::ConfigureNodeId => Request::ConfigureNodeId { node_id: self.dice.byte() },
             LssCommand::ConfigureBitTiming => Request::ConfigureBitTiming { table: 0, index: self.dice.byte() % 12 },
             LssCommand::ActivateBitTiming => Request::ActivateBitTiming { delay: 10 },
@@ -85,16 +88,11 @@ impl Script<'_> {
                 return self.ask(Self::data(MASTER_CAN_ID, &[command, 1, 0, 0, 0, 0, 0, 0][..len]));
             }
         };
-        self.lss(request);
+        self.tell(request);
     }
 
     fn address(&self) -> [u32; 4] {
         self.knowledge().address.unwrap_or([0; 4])
-    }
-
-    fn switch(&mut self) {
-        let mode = self.dice.one_of([0, 0, 1, 1, 1, 2, 255]);
-        self.lss(Request::SwitchGlobal { mode });
     }
 
     fn select(&mut self) {
@@ -102,7 +100,7 @@ impl Script<'_> {
         let wrong = if self.dice.flip() { self.dice.below(4) } else { usize::MAX };
         let kind = self.dice.below(4);
         if self.dice.flip() {
-            self.lss(Request::SwitchGlobal { mode: 0 });
+            self.tell(Request::SwitchGlobal { mode: 0 });
         }
         for (n, part) in Part::ALL.into_iter().enumerate() {
             let mut value = address[n];
@@ -113,29 +111,20 @@ impl Script<'_> {
                     // One of another device in between.
                     2 => {
                         let other = value ^ 1 << self.dice.below(32);
-                        self.lss(Request::SwitchSelective { part, value: other });
+                        self.tell(Request::SwitchSelective { part, value: other });
                     }
                     _ => self.odd_lss_frame(),
                 }
             }
-            self.lss(Request::SwitchSelective { part, value });
+            self.tell(Request::SwitchSelective { part, value });
         }
-        self.lss(Request::InquireNodeId);
-    }
-
-    fn inquire(&mut self) {
-        if self.dice.flip() {
-            self.switch();
-        }
-        let part = self.dice.one_of(Part::ALL);
-        self.lss(Request::Inquire { part });
-        self.lss(Request::InquireNodeId);
+        self.tell(Request::InquireNodeId);
     }
 
     fn configure(&mut self) {
         let own = self.node() as u8;
         if !self.dice.one_in(4) {
-            self.lss(Request::SwitchGlobal { mode: 1 });
+            self.tell(Request::SwitchGlobal { mode: 1 });
         }
         let request = match self.dice.below(8) {
             0..=3 => {
@@ -146,20 +135,20 @@ impl Script<'_> {
             6 => Request::ConfigureBitTiming { table: self.dice.byte(), index: self.dice.byte() },
             _ => Request::InquireNodeId,
         };
-        self.lss(request);
+        self.tell(request);
         if self.dice.flip() {
-            self.lss(Request::InquireNodeId);
+            self.tell(Request::InquireNodeId);
         }
         if self.dice.one_in(4) {
             // What is pending must not come into force.
-            self.lss(Request::ConfigureNodeId { node_id: own });
-            self.lss(Request::SwitchGlobal { mode: 0 });
+            self.tell(Request::ConfigureNodeId { node_id: own });
+            self.tell(Request::SwitchGlobal { mode: 0 });
         }
         if self.dice.one_in(32) {
-            self.lss(Request::StoreConfiguration);
+            self.tell(Request::StoreConfiguration);
         }
         if self.dice.one_in(64) {
-            self.lss(Request::ActivateBitTiming { delay: 10 });
+            self.tell(Request::ActivateBitTiming { delay: 10 });
         }
     }
 
@@ -185,16 +174,14 @@ impl Script<'_> {
                 _ => bounds[wrong].wrapping_add(1),
             };
         }
-        for (bound, value) in Bound::ALL.into_iter().zip(bounds) {
-            self.lss(Request::IdentifyRemote { bound, value });
-        }
+        self.identify_within::<Lss>(bounds);
     }
 
     fn fastscan(&mut self) {
         let address = self.address();
         let scan = |id, bit_check, sub, next| Request::Fastscan { id, bit_check, sub, next };
         if !self.dice.one_in(8) {
-            self.lss(scan(0, 128, 0, 0));
+            self.tell(scan(0, 128, 0, 0));
         }
         match self.dice.below(4) {
             0 => {
@@ -203,7 +190,7 @@ impl Script<'_> {
                 for (n, &id) in address.iter().enumerate() {
                     let id = if n == wrong { id ^ 1 << self.dice.below(32) } else { id };
                     let sub = n as u8;
-                    self.lss(scan(id, 0, sub, (sub + 1) % 4));
+                    self.tell(scan(id, 0, sub, (sub + 1) % 4));
                 }
             }
             1 => {
@@ -211,26 +198,25 @@ impl Script<'_> {
                 let bit_check = self.dice.below(34) as u8;
                 let id = address.get(usize::from(sub)).copied().unwrap_or(0)
                     ^ u32::from(self.dice.flip()) << (bit_check & 31);
-                self.lss(scan(id, bit_check, sub, sub));
+                self.tell(scan(id, bit_check, sub, sub));
             }
             2 => {
                 // Completion before the last part.
                 for sub in 0..=self.dice.below(3) as u8 {
                     let next = if self.dice.flip() { sub + 1 } else { 0 };
-                    self.lss(scan(address[usize::from(sub)], 0, sub, next));
+                    self.tell(scan(address[usize::from(sub)], 0, sub, next));
                 }
             }
             _ => {
                 let raw = self.dice.number().to_le_bytes();
-                self.lss(scan(address[0], raw[0], raw[1] & 7, raw[2] & 7));
+                self.tell(scan(address[0], raw[0], raw[1] & 7, raw[2] & 7));
             }
         }
-        self.lss(Request::InquireNodeId);
+        self.tell(Request::InquireNodeId);
     }
 
     fn odd_lss_frame(&mut self) {
         let bytes = self.dice.number().to_le_bytes();
-        let len = if self.dice.one_in(4) { self.dice.below(8) } else { 8 };
-        self.ask(Self::data(MASTER_CAN_ID, &bytes[..len]));
+        self.odd_layer_frame(bytes);
     }
 }

@@ -4,6 +4,7 @@
 //! generator; the tree shrinks that list ([`super::shrink`]).
 
 mod dice;
+mod layer_setting;
 mod lmt;
 mod lss;
 mod network;
@@ -19,7 +20,7 @@ use super::shrink::SequenceTree;
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::{lss as lss_wire, sdo as sdo_wire};
+use canvass_analyzer::wire::sdo as sdo_wire;
 use canvass_suite::touch::Touch;
 use canvass_traces::{CanId, Duration, Frame};
 pub(super) use dice::Dice;
@@ -136,10 +137,6 @@ impl<'a> Script<'a> {
     fn sdo(&mut self, request: sdo_wire::Request) {
         let frame = request.to_frame(sdo_wire::REQUEST_BASE + self.node());
         self.ask(frame);
-    }
-
-    fn lss(&mut self, request: lss_wire::Request) {
-        self.ask(request.to_frame(lss_wire::MASTER_CAN_ID));
     }
 
     /// Whether the object may be written.

@@ -9,6 +9,7 @@ mod codes;
 mod emcy;
 mod encoder;
 mod expected_values;
+mod layer_setting;
 mod lmt;
 mod lss;
 mod nmt;
@@ -28,6 +29,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
 use canvass_traces::{Duration, Frame, Timestamp};
 use expected_values::ExpectedValues;
+use layer_setting::Effect;
 use std::sync::Arc;
 
 /// A property that does not hold.
@@ -119,13 +121,13 @@ impl Oracle {
             nmt_wire::CAN_ID => self.sent_nmt(now, frame),
             lss_wire::MASTER_CAN_ID if self.knowledge.services.lmt => {
                 let effect = self.lmt.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
-                self.blind |= effect == lss::Effect::Lost;
+                self.blind |= effect == Effect::Lost;
                 Ok(())
             }
             lss_wire::MASTER_CAN_ID => {
                 let effect = self.lss.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
-                self.blind |= effect == lss::Effect::Lost;
-                if let lss::Effect::Boots = effect {
+                self.blind |= effect == Effect::Lost;
+                if let Effect::Boots = effect {
                     self.nmt.boots(now, &self.knowledge);
                 }
                 Ok(())
@@ -313,7 +315,7 @@ impl Oracle {
         if self.blind {
             return None;
         }
-        let due = [self.nmt.due(), self.sdo.due(), self.lss.due(), self.lmt.due(), self.pdo.due()];
+        let due = [self.nmt.due(), self.sdo.due(), self.lss.at.due(), self.lmt.at.due(), self.pdo.due()];
         let earliest =
             due.into_iter().fold(Timestamp::MAX, |earliest, due| earliest.min(due.unwrap_or(Timestamp::MAX)));
         (earliest < Timestamp::MAX).then_some(earliest)
@@ -329,8 +331,8 @@ impl Oracle {
         }
         self.nmt.expire(now, &self.knowledge)?;
         self.sdo.expire(now)?;
-        self.lss.expire(now)?;
-        self.lmt.expire(now)?;
+        self.lss.at.expire(now)?;
+        self.lmt.at.expire(now)?;
         self.pdo.expire(now)
     }
 
@@ -339,7 +341,7 @@ impl Oracle {
         match frame.cob_id() {
             _ if self.blind => false,
             Some(id) if id == sdo_wire::REQUEST_BASE + u16::from(self.knowledge.node.raw()) => !self.sdo.is_open(),
-            Some(lss_wire::MASTER_CAN_ID) => !self.lss.is_open() && !self.lmt.is_open(),
+            Some(lss_wire::MASTER_CAN_ID) => !self.lss.at.is_open() && !self.lmt.at.is_open(),
             _ => true,
         }
     }
@@ -356,7 +358,7 @@ impl Oracle {
 
     /// Whether the standard leaves open if the last frame is answered, by whatever service.
     pub fn may_be_answered(&self) -> bool {
-        !self.blind && (self.sdo.is_open() || self.lss.is_open() || self.lmt.is_open())
+        !self.blind && (self.sdo.is_open() || self.lss.at.is_open() || self.lmt.at.is_open())
     }
 
     /// What the SDO server has to answer now, if anything.
@@ -384,7 +386,7 @@ impl Oracle {
     /// Whether the slave of LSS, or that of LMT, waits, if there is one.
     fn waits_for_lss(&self) -> bool {
         match &self.knowledge.services {
-            services if services.lmt => self.lmt.is_at_rest(),
+            services if services.lmt => self.lmt.at.is_at_rest(),
             services => services.lss == Some(false) || self.lss.is_at_rest(),
         }
     }

@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// A comment that says that the device has no node-ID when the sequence begins.
 pub(super) const UNCONFIGURED: &str = "# start: without node-ID";
 
-/// A comment that says how long is waited behind the last frame, of which its time says nothing: a number and `ms`.
+/// A comment that says how long to wait after the last frame, which no time stamp tells: a number and `ms`.
 const LAST_WAIT: &str = "# end: after ";
 
 /// No reproducer needs a longer one.
@@ -37,7 +37,7 @@ pub fn candump(sequence: &Sequence) -> String {
     text
 }
 
-/// How long a log says that is waited behind its last frame.
+/// How long to wait after the last frame, if a log says so.
 pub(super) fn last_wait(log: &str) -> Option<Duration> {
     let number = log.lines().find_map(|line| line.strip_prefix(LAST_WAIT)?.trim().strip_suffix("ms"))?;
     number.trim().parse().ok().filter(|millis| *millis <= LONGEST_WAIT).map(Duration::from_millis)

@@ -175,7 +175,7 @@ mod tests {
         assert!(read(b"\x00\x01nonsense", NodeId::MIN).is_err());
     }
 
-    /// What a violation needs behind its last frame comes back from its log.
+    /// What a violation needs after its last frame comes back from its log.
     #[test]
     fn the_wait_behind_the_last_frame_is_kept() {
         let frame = Frame::new(CanId::standard_masked(0x601), &[0x40]).unwrap();

@@ -141,7 +141,9 @@ impl Bench<'_> {
             _ if self.is_put_back(multiplexer) => Nature::Setting,
             // Writing them moves the position, so that they are not written back; but they are settings.
             0x6003 | 0x6009 if entry.is_some_and(|entry| entry.access.is_writable()) => Nature::Setting,
-            object::DEVICE_TYPE | 0x1008..=0x100A | IDENTITY => Nature::Constant,
+            object::DEVICE_TYPE
+            | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION
+            | IDENTITY => Nature::Constant,
             _ if is_constant => Nature::Constant,
             _ => Nature::Own,
         };
@@ -179,5 +181,14 @@ impl Bench<'_> {
 
 /// Objects that only change when they are written, whatever the device.
 const fn is_configuration(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | 0x1012..=0x1017 | object::SYNCHRONOUS_COUNTER_OVERFLOW | object::ERROR_BEHAVIOR | 0x1200..=0x1BFF)
+    matches!(
+        multiplexer.index.0,
+        object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
+            | object::GUARD_TIME
+            | object::LIFE_TIME_FACTOR
+            | object::COB_ID_TIME..=object::PRODUCER_HEARTBEAT_TIME
+            | object::SYNCHRONOUS_COUNTER_OVERFLOW
+            | object::ERROR_BEHAVIOR
+            | 0x1200..=0x1BFF
+    )
 }

@@ -25,7 +25,7 @@ pub trait Annotate {
     /// What the frame means.
     fn annotate(&mut self, record: &Record) -> String;
 
-    /// The how manyth frame of a recording that one is; 0 where nothing is recorded.
+    /// The number of that frame in the recording, from 1; 0 where nothing is recorded.
     fn number(&self) -> u64 {
         0
     }
@@ -100,5 +100,27 @@ mod tests {
         let times: Vec<u64> = evidence.frames().map(|exhibit| exhibit.record.timestamp.0).collect();
         assert_eq!((times.len(), evidence.omitted()), (500, 500));
         assert_eq!((times[evidence.gap() - 1], times[evidence.gap()]), (249, 750));
+    }
+
+    /// When the tester last sent with a CAN-ID: also where that is long ago, and never a frame of others.
+    #[test]
+    fn the_latest_own_frame_is_found() {
+        let mut evidence = Evidence::default();
+        assert_eq!((evidence.last(), evidence.sent(1)), (None, None));
+        let mut push = |at, id, direction| {
+            let frame = Frame::full(CanId::standard_masked(id), [0; 8]);
+            let record = Record::new(Timestamp(at), ChannelId(0), frame).with_direction(direction);
+            evidence.push(Exhibit { record, text: String::new() });
+            (evidence.last(), evidence.sent(1))
+        };
+        assert_eq!(push(1, 1, Direction::Rx), (Some(Timestamp(1)), None));
+        assert_eq!(push(2, 1, Direction::Tx), (Some(Timestamp(2)), Some(Timestamp(2))));
+        assert_eq!(push(3, 1, Direction::Tx), (Some(Timestamp(3)), Some(Timestamp(3))));
+        for at in 4..300 {
+            assert_eq!(push(at, 2, Direction::Tx), (Some(Timestamp(at)), Some(Timestamp(3))));
+        }
+        assert_eq!(push(300, 1, Direction::Tx).1, Some(Timestamp(300)));
+        assert_eq!(push(301, 1, Direction::Tx).1, Some(Timestamp(301)));
+        assert_eq!(push(302, 1, Direction::Rx), (Some(Timestamp(302)), Some(Timestamp(301))));
     }
 }

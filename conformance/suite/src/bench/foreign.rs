@@ -53,4 +53,31 @@ mod tests {
         assert_eq!(foreign.load(Duration::from_secs(1), Some(125_000)), bits * 1_000 * 100 / 125_000);
         assert_eq!(foreign.loudest(), Some((frame.id(), 1_000)));
     }
+
+    /// Where the bit rate is not known, it is taken for 1 Mbit/s; no time at all is no reason to divide by zero.
+    #[test]
+    fn the_load_is_never_too_high_where_the_bit_rate_is_not_known() {
+        let mut foreign = Foreign::default();
+        let frame = Frame::full(CanId::standard_masked(0x123), [0x55; 8]);
+        let bits = u64::from(bit_length(&frame).unwrap());
+        (0..4_000).for_each(|_| foreign.count(&Record::new(Timestamp::ZERO, ChannelId(0), frame)));
+        assert_eq!(foreign.load(Duration::from_secs(1), None), bits * 4_000 * 100 / 1_000_000);
+        assert_eq!(foreign.load(Duration::from_secs(2), None), bits * 4_000 * 100 / 2_000_000);
+        assert_eq!(foreign.load(Duration::ZERO, None), bits * 4_000 * 100);
+        assert_eq!(Foreign::default().load(Duration::from_secs(1), None), 0);
+    }
+
+    /// Of identifiers that are equally loud it is the one with the highest priority; those beyond 4096 are not told apart.
+    #[test]
+    fn the_loudest_is_named() {
+        let record = |id| Record::new(Timestamp::ZERO, ChannelId(0), Frame::full(CanId::extended(id).unwrap(), [0; 8]));
+        let mut foreign = Foreign::default();
+        assert_eq!(foreign.loudest(), None);
+        for id in [3, 2, 1, 2, 1] {
+            foreign.count(&record(id));
+        }
+        assert_eq!(foreign.loudest(), Some((CanId::extended(1).unwrap(), 2)));
+        (100..10_000).for_each(|id| foreign.count(&record(id)));
+        assert_eq!(foreign.frames.len(), 4_096);
+    }
 }

@@ -217,8 +217,10 @@ impl Bench<'_> {
             value != now && is_high_enough && high.is_none_or(|high| number.is_none_or(|number| number <= high))
         };
         let encoded = |number: i128| number.to_le_bytes().into_iter().take(now.len()).collect();
-        let limits = [low, high].into_iter().flatten().map(encoded);
-        std::iter::once(flipped()).chain(limits).find(fits).unwrap_or_else(flipped)
+        // At a limit the value with another lowest bit may be beyond it.
+        let next = number(now).into_iter().flat_map(|number| [number + 1, number - 1]);
+        let others = next.chain([low, high].into_iter().flatten()).map(encoded);
+        std::iter::once(flipped()).chain(others).find(fits).unwrap_or_else(flipped)
     }
 
     /// Whether the description names no limit that a number is beyond.

@@ -44,7 +44,7 @@ impl Bench<'_> {
         let failed = |actual: String| {
             Stop::Error(Reason::new("the command of --power-cycle switches the device off and on", "status 0", actual))
         };
-        let status = std::process::Command::new("sh").arg("-c").arg(command).status();
+        let status = shell(command).status();
         let status = status.map_err(|error| failed(error.to_string()))?;
         if !status.success() {
             return Err(failed(status.to_string()));
@@ -175,5 +175,23 @@ mod tests {
     #[test]
     fn without_an_answer_nobody_is_there() {
         assert_eq!(with_bench(table(&[]), |bench| bench.is_alone().unwrap()), Ok(()));
+    }
+}
+
+/// A command of the user's, for the shell that the user types it into.
+fn shell(command: &str) -> std::process::Command {
+    #[cfg(windows)]
+    {
+        use std::os::windows::process::CommandExt;
+        // With /S it takes off these two quotation marks, and leaves those in the command alone.
+        let mut shell = std::process::Command::new("cmd");
+        shell.args(["/D", "/S", "/C"]).raw_arg(format!("\"{command}\""));
+        shell
+    }
+    #[cfg(not(windows))]
+    {
+        let mut shell = std::process::Command::new("sh");
+        shell.arg("-c").arg(command);
+        shell
     }
 }

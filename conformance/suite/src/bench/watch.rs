@@ -204,4 +204,89 @@ mod tests {
         assert_eq!(watch.restarted(), None);
         assert!(watch.others().contains(&NodeId::new(63).unwrap()));
     }
+
+    /// A second boot-up within half a second belongs to the same start; what follows later is a restart, and the first counts.
+    #[test]
+    fn one_start_may_have_two_boot_ups() {
+        let restarted = |second: u64| {
+            let mut watch = Watch::new(NodeId::new(63).unwrap());
+            watch.expect_boot_up();
+            watch.observe(&boot_up(100));
+            watch.observe(&boot_up(second));
+            watch.observe(&boot_up(5_000));
+            watch.restarted().map(|at| at.0 / 1_000_000)
+        };
+        assert_eq!((restarted(599), restarted(600)), (Some(5_000), Some(600)));
+        let mut watch = Watch::new(NodeId::new(63).unwrap());
+        watch.observe(&boot_up(1));
+        assert_eq!(watch.restarted(), Some(Timestamp(1_000_000)), "nobody has commanded the first either");
+        watch.forget();
+        assert_eq!(watch.restarted(), None);
+    }
+
+    fn record(text: &str, direction: Direction) -> Record {
+        Record::new(Timestamp::ZERO, ChannelId(0), crate::scripted::frame(text)).with_direction(direction)
+    }
+
+    /// "save" to 1010h, "load" to 1011h, and LSS store configuration, if it is the tester who sends them.
+    #[test]
+    fn what_makes_a_device_store() {
+        let stores = |text: &str, direction: Direction| {
+            let mut watch = Watch::new(NodeId::new(63).unwrap());
+            watch.observe(&record(text, direction));
+            assert_eq!(watch.has_stored(), watch.stores() == 1);
+            watch.stores()
+        };
+        for stored in ["63F#2310100173617665", "63F#2310100373617665", "63F#231110016C6F6164", "7E5#1700000000000000"] {
+            assert_eq!((stores(stored, Direction::Tx), stores(stored, Direction::Rx)), (1, 0), "{stored}");
+        }
+        for other in [
+            "63E#2310100173617665",
+            "63F#231010016C6F6164",
+            "63F#2311100173617665",
+            "63F#2317100173617665",
+            "63F#4010100100000000",
+            "63F#2310100173617664",
+            "7E5#1100000000000000",
+            "7E4#1700000000000000",
+        ] {
+            assert_eq!(stores(other, Direction::Tx), 0, "{other}");
+        }
+    }
+
+    /// Sixteen errors are enough of a storm; the end of errors is none, nor is an error of another node.
+    #[test]
+    fn the_first_errors_are_kept() {
+        let mut watch = Watch::new(NodeId::new(63).unwrap());
+        for text in ["0BE#3081110000000000", "0BF#0000000000000000", "0BF#30", "1BF#3081110000000000"] {
+            watch.observe(&record(text, Direction::Rx));
+        }
+        assert_eq!(watch.emergencies().count(), 0);
+        for n in 0..20 {
+            watch.observe(&record(&format!("0BF#308111{n:02X}00000000"), Direction::Rx));
+        }
+        let kept: Vec<u8> = watch.emergencies().map(|(_, emcy)| emcy.to_frame(0xBF).data()[3]).collect();
+        assert_eq!(kept, (0..16).collect::<Vec<u8>>());
+    }
+
+    /// Only error control messages say for sure that another node is there.
+    #[test]
+    fn others_are_those_that_send_error_control() {
+        let heard = |text: &str| {
+            let mut watch = Watch::new(NodeId::new(63).unwrap());
+            watch.observe(&record(text, Direction::Rx));
+            watch.others().iter().map(|node| node.raw()).collect::<Vec<u8>>()
+        };
+        assert_eq!((heard("705#05"), heard("705#00"), heard("77F#7F")), (vec![5], vec![5], vec![127]));
+        for text in ["185#00", "585#00", "085#00", "73F#05", "700#05", "7E4#00"] {
+            assert!(heard(text).is_empty(), "{text}");
+        }
+        let mut watch = Watch::new(NodeId::new(63).unwrap());
+        watch.observe(&record("705#05", Direction::Rx));
+        watch.add_given(NodeId::new(5).unwrap());
+        assert!(watch.others().is_empty() && watch.is_given(NodeId::new(5).unwrap()));
+        watch.add_other(NodeId::new(5).unwrap());
+        watch.add_other(NodeId::new(6).unwrap());
+        assert_eq!(watch.others().iter().map(|node| node.raw()).collect::<Vec<u8>>(), [6]);
+    }
 }

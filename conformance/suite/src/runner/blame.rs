@@ -138,4 +138,61 @@ mod tests {
         let both = vec![breach(Observation::Silence), breach(Observation::Abort(AbortCode::GENERAL))];
         assert_eq!(judged(both, &late, None).kind(), Kind::Fail);
     }
+
+    /// From half of the bus on others are named; the device's own frames, and the tester's, are not theirs.
+    #[test]
+    fn others_that_take_half_of_the_bus_are_named() {
+        use crate::scripted::{frame, with_bench};
+        use canvass_traces::{Frame, bit_length};
+        let told = |text: &'static str, span: u64| {
+            let script = move |_: &Frame| vec![(Duration::from_millis(1), frame(text)); 100];
+            with_bench(script, |bench| {
+                bench.send_bytes(0x7FF, &[0; 8]).unwrap();
+                bench.listen(Duration::from_millis(5)).unwrap();
+                overload(bench, Duration(span))
+            })
+        };
+        // At the highest bit rate, as that of the bus is not known.
+        let bits = u64::from(bit_length(&frame("123#0102030405060708")).unwrap()) * 100;
+        let half = bits * 1_000 * 2;
+        let named = "others took 50 % of the bus, most of them 100 frames with identifier 123";
+        assert_eq!(told("123#0102030405060708", half).as_deref(), Some(named));
+        assert_eq!(told("123#0102030405060708", half + half / 20), None);
+        assert_eq!(told("1BF#0102030405060708", 1), None, "that is the device itself");
+    }
+
+    /// What did not come to a verdict on the device is left as it is, and what others made hides no other reason.
+    #[test]
+    fn what_was_found_meanwhile_is_told() {
+        let reason = || Reason::new("it is reached", "yes", "no");
+        let lost = Health { lost: 2, ..Health::default() };
+        for end in [End::NotApplicable(reason()), End::Error(reason())] {
+            let kept = blameless(vec![breach(Observation::Silence)], Some(end.clone()), &lost, None);
+            assert_eq!(kept, (vec![breach(Observation::Silence)], Some(end)));
+        }
+        let told = |end: Option<End>, health: &Health| judged_so(Vec::new(), end, health);
+        let unreached = || Some(End::Inconclusive(reason()));
+        assert_eq!(
+            told(unreached(), &lost),
+            "2 frames were lost on the tester's machine; meanwhile: it is reached (no)"
+        );
+        assert_eq!(told(None, &lost), "2 frames were lost on the tester's machine");
+        let interrupted = Health { interruptions: 1, trouble: Some("bus-off".to_owned()), ..Health::default() };
+        assert_eq!(told(None, &interrupted), "bus-off");
+        let unnamed = Health { interruptions: 1, ..Health::default() };
+        assert_eq!(told(None, &unnamed), "the way to the bus was interrupted");
+        let mut late = Health::default();
+        late.receive.add(Duration::from_millis(200));
+        let told = judged_so(vec![breach(Observation::Silence)], None, &late);
+        assert!(
+            told.starts_with("up to 2") && told.contains(" ms between the tester and the bus; meanwhile: "),
+            "{told}"
+        );
+        assert_eq!(judged_so(Vec::new(), unreached(), &late), "no", "nothing of that rests on time");
+    }
+
+    fn judged_so(breaches: Vec<Breach>, end: Option<End>, health: &Health) -> String {
+        let (_, end) = blameless(breaches, end, health, None);
+        end.unwrap().reason().actual.clone()
+    }
 }

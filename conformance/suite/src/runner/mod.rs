@@ -1,6 +1,8 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
 mod blame;
+#[cfg(test)]
+mod counts;
 mod event;
 #[cfg(test)]
 mod left_behind;

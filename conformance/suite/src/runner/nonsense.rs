@@ -57,10 +57,11 @@ impl Nonsense {
 
 #[cfg(test)]
 mod tests {
-    use crate::bench::{Bench, Options, Target};
+    use super::Nonsense;
+    use crate::bench::{Bench, Evidence, Options, Target};
     use crate::catalogue;
-    use crate::runner::{Plan, RunEvent, run};
-    use crate::verdict::Kind;
+    use crate::runner::{CaseReport, Plan, RunEvent, run};
+    use crate::verdict::{Kind, Reason, Verdict};
     use canvass_analyzer::NodeId;
     use canvass_bus::{Bus, BusError};
     use canvass_traces::{ChannelId, Direction, Duration, Frame, Record, Timestamp, parse_frame};
@@ -72,6 +73,8 @@ mod tests {
     struct Babbler {
         now: Timestamp,
         coming: VecDeque<Record>,
+        /// It says nothing at all.
+        silent: bool,
     }
 
     impl Bus for Babbler {
@@ -82,6 +85,7 @@ mod tests {
         fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
             self.coming.push_back(Record::new(self.now, ChannelId(0), *frame).with_direction(Direction::Tx));
             let answer = match (frame.cob_id(), frame.data()) {
+                _ if self.silent => return Ok(()),
                 (Some(0x63F), _) => "5BF#EEEEEEEEEEEEEEEE",
                 (Some(0), [0x81 | 0x82, _]) => "73F#00",
                 _ => return Ok(()),
@@ -104,6 +108,76 @@ mod tests {
         fn is_live(&self) -> bool {
             true
         }
+    }
+
+    /// How many cases that end so, each of that length, it takes until the run is to end; `None`: more than a hundred.
+    fn until(kind: Kind, each: Duration, repeat: u32, gone: bool) -> Option<u32> {
+        let (mut bus, cancel) = (Babbler { silent: gone, ..Babbler::default() }, AtomicBool::new(false));
+        let target = Target::unknown(NodeId::new(63).unwrap());
+        let options = Options { repeat, ..Options::default() };
+        let mut annotate = |_: &Record| String::new();
+        let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+        assert!(!gone || bench.has_left("test/before", |_| {}));
+        let mut nonsense = Nonsense::default();
+        (1..=100).find(|_| {
+            let began = bench.now();
+            bench.uncancelled(|bench| bench.listen(each)).unwrap();
+            let mut report = ended(kind);
+            let ends = nonsense.judge(&bench, began, &mut report);
+            assert_eq!(report.verdict.kind(), if ends { Kind::Error } else { kind });
+            ends
+        })
+    }
+
+    fn ended(kind: Kind) -> CaseReport {
+        let reason = Reason::default();
+        let verdict = match kind {
+            Kind::Pass => Verdict::pass(),
+            Kind::Inconclusive => Verdict::inconclusive(reason),
+            Kind::NotApplicable => Verdict::not_applicable(reason),
+            _ => Verdict::error(reason),
+        };
+        CaseReport {
+            case: catalogue::cases()[0],
+            verdict,
+            evidence: Evidence::default(),
+            notes: Vec::new(),
+            measurements: Vec::new(),
+            uses: Vec::new(),
+            outcomes: vec![kind],
+            quarantine: None,
+            duration: Duration::ZERO,
+        }
+    }
+
+    /// Forty quick cases, or ten that took a minute: of a run that repeats them, so many times that minute.
+    #[test]
+    fn a_run_ends_after_many_cases_or_some_slow_ones() {
+        let ms = Duration::from_millis;
+        assert_eq!(until(Kind::Inconclusive, ms(100), 1, false), Some(40));
+        assert_eq!(until(Kind::Inconclusive, ms(6_000), 1, false), Some(10));
+        assert_eq!(until(Kind::Error, ms(5_000), 1, false), Some(12), "60 s");
+        assert_eq!(until(Kind::Inconclusive, ms(6_000), 2, false), Some(20));
+        assert_eq!(until(Kind::Inconclusive, ms(6_000), 0, false), Some(10), "0 is once");
+        assert_eq!(until(Kind::NotApplicable, ms(6_000), 1, false), None);
+        assert_eq!(until(Kind::Pass, ms(6_000), 1, false), None);
+        assert_eq!(until(Kind::Inconclusive, ms(6_000), 1, true), None, "one that is gone is waited for otherwise");
+    }
+
+    /// One case that passes, or one transfer that is served, is no nonsense: the count begins anew.
+    #[test]
+    fn a_sign_of_sense_begins_the_count_anew() {
+        let (mut bus, cancel) = (Babbler::default(), AtomicBool::new(false));
+        let (target, options) = (Target::unknown(NodeId::new(63).unwrap()), Options::default());
+        let mut annotate = |_: &Record| String::new();
+        let bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+        let mut nonsense = Nonsense::default();
+        let mut judge = |kind| nonsense.judge(&bench, bench.now(), &mut ended(kind));
+        assert!((0..39).all(|_| !judge(Kind::Inconclusive)) && !judge(Kind::NotApplicable) && !judge(Kind::Pass));
+        assert!((0..39).all(|_| !judge(Kind::Inconclusive)) && judge(Kind::Inconclusive));
+        nonsense = Nonsense { cases: 39, since: Some(Timestamp::ZERO), served: 7 };
+        assert!(!nonsense.judge(&bench, bench.now(), &mut ended(Kind::Error)), "others were served since");
+        assert_eq!((nonsense.cases, nonsense.served), (1, 0));
     }
 
     /// What was judged, the notices, and how long the run took.

@@ -76,10 +76,10 @@ fn mapped(at: Multiplexer, setting: &Setting) -> Option<MappingEntry> {
     u32::try_from(raw).ok().map(MappingEntry)
 }
 
-/// `CiA 301: Identity object, Vendor-ID`; empty where no standard defines it.
+/// `CiA 301 7.5.2.21: Identity object, Vendor-ID`; empty where no standard defines it.
 pub(super) fn standard(shown: &Shown, at: Multiplexer) -> String {
     let name = shown.standard(at);
-    name.map_or_else(String::new, |name| format!("{}: {name}", name.object.standard()))
+    name.map_or_else(String::new, |name| format!("{}: {name}", name.object.clause().brief()))
 }
 
 /// `32 bits, CAN-ID $NODEID+180h, no remote frames`.

@@ -4,6 +4,7 @@ use super::{Shown, at};
 use crate::descriptions::difference::json::content;
 use canvass_analyzer::dictionary::difference::Fact;
 use canvass_analyzer::dictionary::layout::PdoLayout;
+use canvass_analyzer::dictionary::names::ObjectName;
 use canvass_analyzer::dictionary::{Entry, Object, Setting};
 use serde_json::{Value, json};
 
@@ -60,8 +61,19 @@ fn one_entry(shown: &Shown, object: &Object, entry: &Entry) -> Value {
         "configured": value(&entry.configured),
         "denotation": entry.denotation,
         "flags": entry.flags.0,
-        "standard": standard.map(|name| json!({ "standard": name.object.standard(), "name": name.to_string() })),
+        "standard": standard.as_ref().map(in_standard),
         "line": (entry.line > 0).then_some(entry.line),
+    })
+}
+
+/// What a standard calls it, and where.
+fn in_standard(name: &ObjectName) -> Value {
+    let clause = name.object.clause();
+    json!({
+        "standard": clause.standard,
+        "clause": clause.section,
+        "clause_confidence": clause.confidence.name(),
+        "name": name.to_string(),
     })
 }
 

@@ -48,10 +48,10 @@ fn text_has_a_row_for_each_entry_and_a_picture_for_each_pdo() {
 #[test]
 fn one_object_is_shown_in_detail() {
     let text = shown(Some(0x1800), NodeId::new(5)).text(STYLE);
-    let expected = "1800h TPDO: RECORD\n  CiA 301: TPDO communication parameter, RECORD\n  x.eds, line 4\n";
+    let expected = "1800h TPDO: RECORD\n  CiA 301 7.5.2.37: TPDO communication parameter, RECORD\n  x.eds, line 4\n";
     assert!(text.starts_with(expected), "{text}");
     let cob_id = "  1800h:01 COB-ID\n    type       UNSIGNED32, 32 bits\n    access     rw\n    PDO        can't be mapped\n    \
-                  default    40000185h\n    standard   CiA 301: TPDO communication parameter 1, COB-ID used by TPDO\n";
+                  default    40000185h\n    standard   CiA 301 7.5.2.37: TPDO communication parameter 1, COB-ID used by TPDO\n";
     assert!(text.contains(cob_id), "{text}");
     assert!(text.contains("TPDO 1: 17 bits, CAN-ID 185h"), "{text}");
     let carried = shown(Some(0x2000), None).text(STYLE);

@@ -77,7 +77,7 @@ fn detail(shown: &Shown, object: &Object, text: &mut String) {
     let _ = writeln!(text, "{} {name}: {}", object.index, object.code);
     let whole = shown.standard(at(object, SubIndex(0))).map(|name| name.object);
     if let Some(standard) = whole {
-        let _ = writeln!(text, "  {}: {}, {}", standard.standard(), standard.name, standard.code);
+        let _ = writeln!(text, "  {}: {}, {}", standard.clause().brief(), standard.name, standard.code);
     }
     if object.line > 0 {
         let _ = writeln!(text, "  {}, line {}", printable(&shown.file), object.line);

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 const WHOLE: usize = 3_000;
 /// Of others, so many frames from the start.
 const OPENING: usize = 40;
-/// So many frames before the one with which something was found, and so many behind it.
+/// So many frames before the one with which something was found, and so many after it.
 const BEFORE: u64 = 40;
 const BEHIND: u64 = 20;
 /// So many frames around findings, at most.

@@ -26,7 +26,7 @@ use std::io::{self, Write};
 
 const STYLES: [&str; 2] =
     [include_str!("../../../assets/uplot/uPlot.min.css"), include_str!("../../../assets/diagnosis.css")];
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("../../../assets/uplot/uPlot.iife.min.js"),
     include_str!("../../../assets/diagnosis/data.js"),
     include_str!("../../../assets/diagnosis/view.js"),
@@ -34,6 +34,7 @@ const SCRIPTS: [&str; 7] = [
     include_str!("../../../assets/diagnosis/timeline.js"),
     include_str!("../../../assets/diagnosis/frames.js"),
     include_str!("../../../assets/diagnosis/findings.js"),
+    include_str!("../../../assets/diagnosis/linked.js"),
 ];
 const UPLOT_LICENSE: &str = include_str!("../../../assets/uplot/LICENSE");
 
@@ -109,8 +110,8 @@ fn timeline() -> Markup {
         section aria-labelledby="timeline" {
             div.head { h2 #timeline { "Timeline" } (controls("timeline and plots")) }
             p.hint {
-                "NMT states of each node. Drag to zoom, drag with Shift to move, double-click to see all; in a focused \
-                 plot the arrow keys move, + and − zoom, 0 shows all."
+                "NMT states of each node. Drag to zoom, drag with Shift to move, double-click to see all, click to mark a \
+                 time here and in the plots; in a focused plot the arrow keys move, + and − zoom, 0 shows all."
             }
             ul.legend #states {}
             div.card.lanes #lanes {}

@@ -8,7 +8,7 @@ use crate::output::{Color, Output, diagnostic, terminal_width, unless_closed};
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
-use canvass_analyzer::dictionary::check::{Checked, check};
+use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
 use canvass_reports::descriptions::text::{self, Style};
 use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
 use canvass_reports::escape::Printable;
@@ -18,10 +18,10 @@ use std::path::PathBuf;
 
 /// Check device descriptions against CiA 306 and the standards, and mend what can be mended
 ///
-/// An error is where a configuration tool or the device goes wrong, a warning is against the letter of the standard, a
-/// hint is a habit. `canvass list eds-rules` shows what is looked for, `canvass explain RULE` what it means. A comment
-/// `; canvass: allow RULE reason` in a file leaves it so: before the first section for the whole file, in a section for
-/// that section.
+/// An error makes a configuration tool or the device fail; a warning contradicts the text of a standard, though the
+/// meaning is clear; a hint is advice. `canvass list eds-rules` lists the rules, `canvass explain RULE` explains one. A
+/// comment `; canvass: allow RULE reason` in a file waives a rule: before the first section for the whole file, in a
+/// section for that section.
 #[derive(clap::Args)]
 pub struct Args {
     /// EDS, DCF, XDD and XDC files, and folders of them; - is standard input
@@ -30,7 +30,7 @@ pub struct Args {
     /// How to print what is found
     #[arg(long, value_enum, default_value_t)]
     format: CheckFormat,
-    /// From which severity on findings make the exit status 1
+    /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
     /// Write files with everything mended that can be mended without guessing
@@ -107,8 +107,7 @@ impl Args {
         }
         if self.diff {
             unless_closed(output.flush())?;
-            let changes = files.iter().any(|file| file.findings.iter().any(|located| located.finding.fix.is_some()));
-            return Ok(if status == Status::Good && changes { Status::Findings } else { status });
+            return Ok(if status == Status::Good && !files.is_empty() { Status::Findings } else { status });
         }
         self.print(&files, &output)?;
         let least = self.fail_on.least();
@@ -118,14 +117,16 @@ impl Args {
     }
 
     /// Checks one file, and mends it if that is wanted. Text is printed at once; a file without findings is kept for the
-    /// count.
+    /// count, of a difference only one that changes.
     fn one(&self, path: &std::path::Path, style: Style, output: &Output) -> anyhow::Result<Option<CheckedFile>> {
         let mut description = Description::read(path)?;
         let wanted = |finding: &_| self.selection.wants(finding);
         if self.fix {
             mending::mend_file(&mut description, wanted)?;
         }
-        let checked = check(&description.bytes, description.file_name.as_deref());
+        let folder = description.folder();
+        let beside = folder.as_ref().map(|folder| folder as &dyn Folder);
+        let checked = check_in(&description.bytes, description.file_name.as_deref(), beside);
         let checked: Checked<'_> = checked.with_context(|| format!("can't check {}", path.display()))?;
         if let Err(error) = &checked.description {
             return Err(anyhow!("{} is no device description: {error}", path.display()));
@@ -133,7 +134,10 @@ impl Args {
         let file = CheckedFile::new(&description.name, &checked, wanted);
         if self.diff {
             let diff = mending::difference(&description, &checked.text, wanted)?;
-            output.append(|buffer| buffer.extend_from_slice(diff.as_bytes()))?;
+            unless_closed(output.append(|buffer| buffer.extend_from_slice(diff.as_bytes())))?;
+            if diff.is_empty() {
+                return Ok(None);
+            }
         } else if self.format == CheckFormat::Text {
             let text = text::render(&file, &checked.text, style);
             unless_closed(output.append(|buffer| buffer.extend_from_slice(text.as_bytes())))?;

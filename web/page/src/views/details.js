@@ -1,9 +1,9 @@
-import { element } from "../dom.js";
+import { button, counted, element, facts, table } from "../dom.js";
 
 /** All that is known of one frame. */
-export function showDetails(root, known, row, goTo) {
+export function showDetails(root, known, row, { goTo, jumpTo }) {
   if (!known) return root.replaceChildren();
-  const close = element("button", { type: "button", class: "plain close", "aria-label": "Close", onclick: () => root.replaceChildren() }, "×");
+  const close = button("×", () => root.replaceChildren(), { class: "plain close", "aria-label": "Close" });
   const parts = [
     close,
     element("h2", {}, known.text),
@@ -15,21 +15,16 @@ export function showDetails(root, known, row, goTo) {
       ["Service", row.service],
       ["Object", known.object && [known.object, known.objectName].filter(Boolean).join(" ")],
     ]),
-    transfer(known.transfer),
+    transfer(known.transfer, jumpTo),
     section("Values", known.signals.map((signal) => [signal.name || signal.object, `${signal.value ?? ""} ${signal.unit ?? ""}`])),
     known.events.length === 0 ? null : element("h3", {}, "What it brought about"),
     known.events.map((event) => element("p", { class: "event" }, event)),
     known.bytes.length === 0 ? null : element("h3", {}, "Bits"),
     known.bytes.length === 0 ? null : bits(known.bytes),
     element("details", {}, element("summary", {}, "As JSON"), element("pre", {}, known.json)),
-    element("button", { type: "button", class: "plain", onclick: () => goTo(row.row) }, "Show in the list"),
+    button("Show in the list", () => goTo(row.row), { class: "plain" }),
   ];
   root.replaceChildren(...parts.flat().filter(Boolean));
-}
-
-function facts(rows) {
-  const shown = rows.filter(([, value]) => value !== null && value !== undefined && value !== "");
-  return element("dl", {}, shown.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, String(value))]));
 }
 
 function section(name, rows) {
@@ -37,24 +32,26 @@ function section(name, rows) {
 }
 
 /** The SDO transfer that it belongs to. */
-function transfer(known) {
+function transfer(known, jumpTo) {
   if (!known) return null;
-  return section("SDO transfer", [
-    ["Object", [known.object, known.name].filter(Boolean).join(" ")],
+  const shown = section("SDO transfer", [
+    ["Object", known.object],
     ["Direction", `${known.direction}, ${known.mode}`],
+    ["Outcome", known.outcome],
     ["Value", known.value],
     ["Began", `${known.began} s`],
-    ["So far", `${known.lasted} µs, ${known.segments} segments`],
+    ["Took", `${known.lasted} µs${known.segments > 0 ? `, ${counted(known.segments, "segment")}` : ""}`],
   ]);
+  shown.append(button("Go to its first frame", () => jumpTo(Number(known.began)), { class: "plain" }));
+  return shown;
 }
 
 /** Each byte with its bits, the highest first. */
 function bits(bytes) {
-  const head = element("tr", {}, ["byte", "hex", "dec", "7", "6", "5", "4", "3", "2", "1", "0"].map((name) => element("th", { scope: "col" }, name)));
   const rows = bytes.map((byte, at) => {
     const each = [...byte.toString(2).padStart(8, "0")].map((bit) => element("td", { class: bit === "1" ? "set" : "" }, bit));
     const hex = byte.toString(16).toUpperCase().padStart(2, "0");
     return element("tr", {}, element("th", { scope: "row" }, String(at)), element("td", {}, hex), element("td", {}, String(byte)), each);
   });
-  return element("table", { class: "bits" }, element("thead", {}, head), element("tbody", {}, rows));
+  return table(["byte", "hex", "dec", "7", "6", "5", "4", "3", "2", "1", "0"], rows, { class: "bits" });
 }

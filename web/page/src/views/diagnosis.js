@@ -1,8 +1,8 @@
-import { element, frame, save } from "../dom.js";
+import { button, element, frame, save, welcome } from "../dom.js";
 
 const WELCOME = [
   "Drop captures of a CANopen network here, and device descriptions (EDS, DCF, XDD) with them.",
-  "Candump logs, Vector ASC and BLF, PEAK TRC, pcap and pcapng, MCAP, CSV of python-can, CANopen Minimonitor; compressed by gzip or zstd too.",
+  "Candump logs, Vector ASC and BLF, PEAK TRC, pcap and pcapng, MCAP, CSV of python-can, CANopen Minimonitor; compressed by gzip or zstd too. Several captures become one.",
   "All work is done in this page. It sends nothing and loads nothing: its content security policy forbids it.",
 ];
 const FORMS = [["json", "json"], ["markdown", "md"], ["junit", "xml"], ["table", "txt"]];
@@ -10,34 +10,58 @@ const FORMS = [["json", "json"], ["markdown", "md"], ["junit", "xml"], ["table",
 /** The page that `canvass diagnose --format html` writes. */
 export function diagnosisView(app, root) {
   let shown = null;
-  let html = null;
+  let page = null;
+  const time = element("span", { class: "shown" });
+  const view = { refresh, shown: show, point };
 
   async function fill() {
-    html = await app.engine.call("diagnosis", { form: "html" });
-    const buttons = FORMS.map(([form, ending]) =>
-      element("button", { type: "button", class: "plain", onclick: () => download(form, ending) }, form),
-    );
-    const page = element("button", { type: "button", class: "plain", onclick: () => save("diagnosis.html", html, "text/html") }, "html");
-    const bar = element("div", { class: "bar" }, element("span", {}, "Save as "), page, buttons);
-    root.replaceChildren(...[bar, damage(app.summary), frame("Diagnosis", html)].filter(Boolean));
+    const html = await app.engine.call("diagnosis", { form: "html" });
+    page = frame("Diagnosis", html);
+    page.addEventListener("load", () => {
+      performance.measure("canvass-diagnosis", "canvass-open");
+      if (app.cursor !== null) point(app.cursor);
+    });
+    const buttons = FORMS.map(([form, ending]) => button(form, () => download(form, ending), { class: "plain" }));
+    const bar = element("div", { class: "bar" }, element("span", {}, "Save as "), button("html", () => save("diagnosis.html", html, "text/html"), { class: "plain" }), buttons, time);
+    root.replaceChildren(...[bar, damage(app.summary), page].filter(Boolean));
   }
 
   async function download(form, ending) {
     save(`diagnosis.${ending}`, await app.engine.call("diagnosis", { form }));
   }
 
-  return {
-    refresh() {
-      shown = html = null;
-      const lines = WELCOME.map((line) => element("p", {}, line));
-      root.replaceChildren(element("div", { class: "welcome" }, app.captures.length > 0 ? [] : lines));
-    },
-    shown() {
-      if (!app.summary || shown === app.summary) return;
-      shown = app.summary;
-      fill();
-    },
-  };
+  function refresh() {
+    shown = page = null;
+    time.replaceChildren();
+    const wait = element("div", { class: "welcome" });
+    root.replaceChildren(app.captures.length > 0 ? wait : welcome(...WELCOME));
+  }
+
+  async function show() {
+    if (!app.summary || shown === app.summary) return;
+    shown = app.summary;
+    await fill();
+  }
+
+  /** The timeline and the plots of the report show the time that another view points at. */
+  function point(seconds) {
+    page?.contentWindow?.postMessage({ cursor: seconds }, "*");
+    tell(seconds);
+  }
+
+  function tell(seconds) {
+    time.replaceChildren(`Cursor at ${seconds.toFixed(6)} s `, button("Show in the trace", () => app.show("trace"), { class: "plain" }));
+  }
+
+  // Only the report in our frame is heard, and only a number of it.
+  addEventListener("message", ({ source, data }) => {
+    const seconds = data?.cursor;
+    if (!page || source !== page.contentWindow || !Number.isFinite(seconds)) return;
+    app.point(seconds, view);
+    tell(seconds);
+  });
+
+  return view;
 }
 
 /** What could not be read. */

@@ -1,4 +1,4 @@
-import { element, frame } from "../dom.js";
+import { button, counted, element, frame, table, welcome } from "../dom.js";
 
 /** Device descriptions: which nodes they are of, what is wrong in them, and their dictionary. */
 export function edsView(app, root) {
@@ -6,7 +6,7 @@ export function edsView(app, root) {
 
   function fill() {
     if (app.described.length === 0) {
-      root.replaceChildren(element("div", { class: "welcome" }, element("p", {}, "Drop device descriptions here: EDS, DCF, XDD or XDC.")));
+      root.replaceChildren(welcome("Drop device descriptions here: EDS, DCF, XDD or XDC. They name what captures show, and are checked."));
       return;
     }
     const page = element("div", { class: "description" });
@@ -18,8 +18,7 @@ export function edsView(app, root) {
   function card(known, page) {
     const nodes = element("input", { type: "text", value: known.nodes, size: 8, "aria-label": `Nodes of ${known.name}` });
     nodes.addEventListener("change", async () => {
-      await app.describe(known.name, nodes.value, known.bytes);
-      await app.reopen();
+      if (await app.describe(known.name, nodes.value, known.bytes)) await app.reopen();
     });
     const remove = async () => {
       await app.engine.call("forget", { name: known.name });
@@ -30,11 +29,11 @@ export function edsView(app, root) {
     return element(
       "div",
       { class: "card" },
-      element("button", { type: "button", class: "link", onclick: () => show(known.name, page) }, known.name),
+      button(known.name, () => show(known.name, page), { class: "link" }),
       element("p", {}, [known.vendor, known.product].filter(Boolean).join(" ")),
-      element("p", {}, `${known.objects} objects; ${known.checked}`),
+      element("p", {}, `${counted(known.objects, "object")}; ${known.checked}`),
       element("label", {}, "Nodes ", nodes),
-      element("button", { type: "button", class: "plain", onclick: remove }, "Remove"),
+      button("Remove", remove, { class: "plain" }),
     );
   }
 
@@ -59,12 +58,11 @@ export function edsView(app, root) {
         element("td", {}, finding.message),
       ),
     );
-    const head = element("tr", {}, ["severity", "line", "rule", "what"].map((text) => element("th", { scope: "col" }, text)));
     return element(
       "details",
       { class: "checks", open: findings.length > 0 && findings.length < 20 },
-      element("summary", {}, findings.length === 0 ? `${name}: nothing wrong` : `${name}: ${findings.length} findings`),
-      element("div", { class: "scroll" }, element("table", {}, element("thead", {}, head), element("tbody", {}, rows))),
+      element("summary", {}, findings.length === 0 ? `${name}: nothing wrong` : `${name}: ${counted(findings.length, "finding")}`),
+      table(["Severity", "Line", "Rule", "What"], rows),
     );
   }
 

@@ -1,9 +1,9 @@
-import uPlot from "uplot";
-import { count, element, save } from "../dom.js";
+import { button, counted, element, save, welcome } from "../dom.js";
+import { COLOURS, plotOf } from "./plot.js";
 
-const COLOURS = ["#1f77b4", "#d62728", "#2ca02c", "#ff7f0e", "#9467bd", "#17becf", "#8c564b", "#e377c2"];
-/** More axes than this are no help. */
-const MOST = COLOURS.length;
+const UNKNOWN =
+  "No PDO whose mapping is known. It is known from the SDO traffic of a capture that shows how it is read or written, or from a description: drop the EDS of the device too.";
+const HINT = "Drag to zoom, double-click to see all. A click sets a cursor, with Shift the other one; in the focused plot the arrow keys move, + and − zoom, 0 shows all, A and B set the cursors in the middle.";
 
 /** The values of PDOs over time. */
 export function signalsView(app, root) {
@@ -11,166 +11,104 @@ export function signalsView(app, root) {
   let known = null;
   let plot = null;
   let chosen = [];
-  /** Cursors: times in seconds. */
-  let marks = [];
-  const filter = element("input", { type: "text", id: "signal-filter", placeholder: "Filter by name", "aria-label": "Filter of the signals" });
+  /** The cursors' times in seconds; the first is that of all views. */
+  let marks = [null, null];
+  const filter = element("input", { type: "search", id: "signal-filter", placeholder: "Filter by name", "aria-label": "Filter of the signals" });
   const choice = element("fieldset", { class: "signals" });
-  const area = element("div", { class: "plot", id: "plot", tabindex: 0, role: "img", "aria-label": "Values over time" });
+  const area = element("div", { class: "plot", id: "plot", tabindex: 0, role: "group", "aria-label": "Values over time" });
   const readings = element("table", { class: "readings", id: "readings" });
+  const times = ["A", "B"].map((name, n) => {
+    const input = element("input", { type: "text", inputmode: "decimal", id: `cursor-${name}`, size: 10 });
+    input.addEventListener("change", () => mark(n, input.value.trim() === "" ? null : Number(input.value.replace(",", "."))));
+    return input;
+  });
+  const second = element("input", { type: "checkbox", id: "second-cursor" });
+  const view = { refresh, shown: show, point: (seconds) => mark(0, seconds, false), painted: () => plot?.paint() };
 
   async function gather() {
-    area.replaceChildren();
-    readings.replaceChildren();
     known = await app.run("plots", "plots", {}, "Reading values");
     if (!known) return;
-    if (known.columns.length === 0) {
-      const text = "No PDO whose mapping is known. It is known from the SDO traffic of a capture that shows how it is read or written, or from a description: drop the EDS of the device too.";
-      root.replaceChildren(element("div", { class: "welcome" }, element("p", {}, text)));
-      return;
-    }
-    const wanted = (app.state.get("signals") ?? "").split("|").filter(Boolean);
-    chosen = known.columns.map((column, n) => n).filter((n) => wanted.includes(known.columns[n].name));
-    if (chosen.length === 0) chosen = [0];
+    if (known.columns.length === 0) return root.replaceChildren(welcome(UNKNOWN));
+    const wanted = (app.state.get("signals") ?? "0").split(",").map(Number);
+    chosen = wanted.filter((n) => n in known.columns);
     build();
   }
 
   function build() {
-    const button = (name, act) => element("button", { type: "button", class: "plain", onclick: act }, name);
+    const plain = (name, act) => button(name, act, { class: "plain" });
     const thinned = known.thinned > 1 ? `; of ${known.thinned} values each the least and the greatest` : "";
     root.replaceChildren(
-      element("div", { class: "bar" }, filter, button("Whole capture", whole), button("CSV", csv), button("PNG", png),
-        element("span", { class: "shown" }, `${known.columns.length} signals${thinned}. Drag to zoom, click to set cursor A, with Shift cursor B.`)),
-      element("div", { class: "split" }, choice, element("div", { class: "drawn" }, area, element("div", { class: "scroll" }, readings))),
+      element("div", { class: "bar" }, filter, plain("Whole capture", () => plot.whole()), plain("CSV", csv), plain("PNG", png),
+        element("label", {}, "A [s] ", times[0]), element("label", {}, "B [s] ", times[1]), element("label", {}, second, " clicks set B"),
+        element("span", { class: "shown" }, `${counted(known.columns.length, "signal")}${thinned}`)),
+      element("div", { class: "split" }, choice, element("div", { class: "drawn" }, area, element("div", { class: "scroll" }, readings), element("p", { class: "note" }, HINT))),
     );
+    plot ??= plotOf(area, { points, marks: () => marks, mark: (seconds, other) => mark((second.checked || other) ? 1 : 0, seconds) });
     filter.oninput = list;
     list();
     draw();
   }
+
+  const points = (column, from, to, parts) => app.engine.call("points", { column, from, to, parts });
 
   function list() {
     const wanted = filter.value.toLowerCase();
     const boxes = known.columns.flatMap((column, n) => {
       if (!column.name.toLowerCase().includes(wanted)) return [];
       const box = element("input", { type: "checkbox", checked: chosen.includes(n) });
-      box.checked = chosen.includes(n);
       box.addEventListener("change", () => toggle(n, box.checked));
-      return [element("label", { title: `${count(column.values)} values` }, box, ` ${column.name}`)];
+      const swatch = element("span", { class: "swatch" });
+      swatch.style.background = chosen.includes(n) ? COLOURS[chosen.indexOf(n)] : "transparent";
+      return [element("label", { title: counted(column.values, "value") }, box, swatch, column.name)];
     });
     choice.replaceChildren(element("legend", { class: "unseen" }, "Signals to draw"), ...boxes);
   }
 
   function toggle(column, on) {
-    chosen = on ? [...chosen, column].slice(-MOST) : chosen.filter((other) => other !== column);
-    app.state.set({ signals: chosen.map((n) => known.columns[n].name).join("|") });
+    chosen = on ? [...chosen, column].slice(-COLOURS.length) : chosen.filter((other) => other !== column);
+    // Their places, not their names: those are of the capture.
+    app.state.set({ signals: chosen.join(",") });
     list();
     draw();
   }
 
-  const range = () => (plot ? [plot.scales.x.min, plot.scales.x.max] : [-Infinity, Infinity]);
-
-  /** The values of a span, on one axis of time. */
-  async function data(from, to) {
-    const parts = Math.max(200, area.clientWidth);
-    const all = await Promise.all(chosen.map((column) => app.engine.call("points", { column, from, to, parts })));
-    const tables = all.map((points) => {
-      const times = [];
-      const values = [];
-      for (let n = 0; n < points.length; n += 2) {
-        if (points[n] === times.at(-1)) values[values.length - 1] = points[n + 1];
-        else {
-          times.push(points[n]);
-          values.push(points[n + 1]);
-        }
-      }
-      return [times, values];
-    });
-    return tables.length > 0 ? uPlot.join(tables) : [[0, 1]];
-  }
-
-  async function draw(from = -Infinity, to = Infinity) {
-    const drawn = await data(from, to);
-    plot?.destroy();
-    const units = [...new Set(chosen.map((n) => known.columns[n].unit))];
-    const text = getComputedStyle(root).getPropertyValue("color");
-    const grid = { stroke: "rgba(128,128,128,0.25)", width: 1 };
-    const axes = units.map((unit, n) => ({ scale: scale(unit), label: unit || "no unit", side: n % 2 === 0 ? 3 : 1, stroke: text, grid: n === 0 ? grid : { show: false }, size: 70 }));
-    const series = chosen.map((n, at) => ({ label: known.columns[n].name, stroke: COLOURS[at], width: 1.5, scale: scale(known.columns[n].unit), spanGaps: true, points: { show: false } }));
-    plot = new uPlot(
-      {
-        width: Math.max(200, area.clientWidth),
-        height: Math.max(200, area.clientHeight - 4),
-        legend: { show: false },
-        cursor: { drag: { x: true, y: false, setScale: false } },
-        scales: { x: { time: false, ...(Number.isFinite(from) ? { min: from, max: to } : {}) } },
-        axes: [{ stroke: text, grid, label: "s" }, ...axes],
-        series: [{}, ...series],
-        hooks: { setSelect: [zoomed], draw: [drawMarks], ready: [listen] },
-      },
-      drawn,
-      area,
-    );
+  function draw() {
+    plot.draw(chosen.map((n) => ({ column: n, ...known.columns[n] })));
     read();
   }
 
-  const scale = (unit) => `unit ${unit}`;
-
-  function zoomed(self) {
-    const { left, width } = self.select;
-    if (width < 4) return;
-    draw(self.posToVal(left, "x"), self.posToVal(left + width, "x"));
+  /** Sets a cursor; the first one is told to the other views, unless it comes from there. */
+  function mark(n, seconds, tell = true) {
+    marks[n] = Number.isFinite(seconds) ? seconds : null;
+    if (tell && n === 0 && marks[0] !== null) app.point(marks[0], view);
+    times[n].value = marks[n] === null ? "" : String(rounded(marks[n]));
+    if (!known) return;
+    plot?.redraw();
+    read();
   }
 
-  const whole = () => draw();
+  const rounded = (value) => Math.round(value * 1e6) / 1e6;
 
-  function listen(self) {
-    self.over.addEventListener("click", (event) => {
-      const at = self.posToVal(event.offsetX, "x");
-      if (event.shiftKey) marks[1] = at;
-      else marks[0] = at;
-      self.redraw();
-      read();
-    });
-    self.over.addEventListener("dblclick", whole);
-  }
-
-  area.addEventListener("keydown", (event) => {
-    const [min, max] = range();
-    const span = max - min;
-    const to = { ArrowLeft: [min - span / 4, max - span / 4], ArrowRight: [min + span / 4, max + span / 4], "+": [min + span / 4, max - span / 4], "-": [min - span / 2, max + span / 2] }[event.key];
-    if (event.key === "0") whole();
-    else if (to) draw(...to);
-    else return;
-    event.preventDefault();
-  });
-
-  function drawMarks(self) {
-    marks.forEach((time, n) => {
-      const x = self.valToPos(time, "x", true);
-      const { ctx, bbox } = self;
-      ctx.save();
-      ctx.strokeStyle = ctx.fillStyle = n === 0 ? "#c2185b" : "#00838f";
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
-      ctx.fillText("AB"[n], x + 3, bbox.top + 12);
-      ctx.restore();
-    });
+  /** The value of a signal at a time: the last that came. */
+  async function valueAt(column, seconds) {
+    if (seconds === null) return null;
+    const around = await points(column, seconds, seconds, 2);
+    let value = null;
+    for (let n = 0; n < around.length && around[n] <= seconds; n += 2) value = around[n + 1];
+    return value;
   }
 
   /** What the signals are at the cursors, and how they differ. */
-  function read() {
-    const at = (values, time) => {
-      const [times] = plot.data;
-      let value = null;
-      for (let n = 0; n < times.length && times[n] <= time; n++) value = values[n] ?? value;
-      return value;
-    };
-    const cell = (value) => element("td", { class: "number" }, value === null || value === undefined ? "" : String(Math.round(value * 1e6) / 1e6));
-    const row = (name, a, b) => element("tr", {}, element("th", { scope: "row" }, name), cell(a), cell(b), cell(a !== null && b !== null && a !== undefined && b !== undefined ? b - a : null));
+  async function read() {
+    const [columns, at] = [chosen, [...marks]];
+    const values = await Promise.all(columns.map((column) => Promise.all(at.map((seconds) => valueAt(column, seconds)))));
+    // Another cursor was set meanwhile.
+    if (columns !== chosen || at.some((seconds, n) => seconds !== marks[n])) return;
+    const cell = (value) => element("td", { class: "number" }, value === null ? "" : String(rounded(value)));
+    const row = (name, [a, b]) => element("tr", {}, element("th", { scope: "row" }, name), cell(a), cell(b), cell(a === null || b === null ? null : b - a));
     const head = element("tr", {}, ["", "A", "B", "B − A"].map((name) => element("th", { scope: "col" }, name)));
-    const rows = chosen.map((n, index) => row(known.columns[n].name, ...[0, 1].map((mark) => (marks[mark] === undefined ? null : at(plot.data[index + 1], marks[mark])))));
-    readings.replaceChildren(element("thead", {}, head), element("tbody", {}, row("time [s]", marks[0], marks[1]), ...rows));
+    const rows = columns.map((n, index) => row(known.columns[n].name, values[index]));
+    readings.replaceChildren(element("thead", {}, head), element("tbody", {}, row("time [s]", at), ...rows));
   }
 
   /** As `canvass signals` prints it, all of it. */
@@ -179,25 +117,24 @@ export function signalsView(app, root) {
     if (end) save("signals.csv", end.blob);
   }
 
-  function png() {
-    plot.ctx.canvas.toBlob((blob) => save("signals.png", blob));
+  async function png() {
+    save("signals.png", await plot.picture());
   }
 
-  new ResizeObserver(() => plot && plot.setSize({ width: Math.max(200, area.clientWidth), height: Math.max(200, area.clientHeight - 4) })).observe(area);
+  function refresh() {
+    shown = known = null;
+    plot?.drop();
+    plot = null;
+    marks = [null, null];
+    times.forEach((input) => (input.value = ""));
+    root.replaceChildren(welcome(app.captures.length > 0 ? "" : "Open a capture first."));
+  }
 
-  return {
-    refresh() {
-      shown = null;
-      plot?.destroy();
-      plot = null;
-      marks = [];
-      const text = app.captures.length > 0 ? "" : "Open a capture first.";
-      root.replaceChildren(element("div", { class: "welcome" }, element("p", {}, text)));
-    },
-    shown() {
-      if (!app.summary || shown === app.summary) return;
-      shown = app.summary;
-      gather();
-    },
-  };
+  function show() {
+    if (!app.summary || shown === app.summary) return;
+    shown = app.summary;
+    gather();
+  }
+
+  return view;
 }

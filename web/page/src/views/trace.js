@@ -1,48 +1,77 @@
-import { byId, count, element } from "../dom.js";
+import { button, byId, count, element } from "../dom.js";
 import { List } from "../list.js";
+import { suggest } from "../suggest.js";
 import { showDetails } from "./details.js";
+import { overview } from "./overview.js";
 
-const COLUMNS = ["time", "place", "channel", "node", "service", "id", "data", "text"];
-const NAMES = { time: "Time [s]", place: "Line", channel: "Channel", node: "Node", service: "Service", id: "CAN-ID", data: "Data", text: "Meaning" };
-/** What a filter can begin with; the rest the language says itself. */
-const WORDS = [
-  "node=", "service=sdo", "service=pdo", "service=emcy", "service=nmt", "service in heartbeat,boot-up", "id=181h",
-  "index=0x6004", "sub=", "len=", "channel=", "abort", "emcy", "violation", "remote", "extended", "error", "not service=pdo",
-];
+const NAMES = {
+  time: "Time [s]", delta: "After [s]", absolute: "In the capture", place: "Line", channel: "Channel", node: "Node",
+  service: "Service", id: "CAN-ID", data: "Data", text: "Meaning",
+};
+const COLUMNS = Object.keys(NAMES);
+/** Columns that are not shown at first; on a phone there is room for few. */
+const HIDDEN = ["delta", "absolute"];
+const HIDDEN_ON_PHONE = [...HIDDEN, "place", "channel", "data"];
 
 /** All frames of the captures. */
 export function traceView(app, root) {
   let shown = null;
-  const list = { current: null };
+  /** A time to go to once the list is seen. */
+  let waiting = null;
   const status = element("span", { class: "shown", role: "status" });
   const mistake = element("pre", { id: "filter-mistake", class: "mistake", hidden: true });
-  const filter = input("filter", "Filter, such as service=sdo and node in 1..8", { list: "filter-words", "aria-describedby": "filter-mistake" });
-  const search = input("search", "Search the meaning");
+  const filter = input("filter", "Filter, such as service=sdo and node in 1..8", { "aria-describedby": "filter-mistake" });
+  const search = input("search", "Search the meaning", { type: "search" });
   const jump = input("jump", "Go to [s]", { inputmode: "decimal" });
   const details = element("aside", { id: "details", "aria-label": "The frame chosen" });
   const grid = element("div", { id: "frames", class: "list" });
+  const time = overview((seconds) => jumpTo(seconds));
+  const hidden = new Set(app.state.get("hide")?.split(",") ?? (matchMedia("(max-width: 46rem)").matches ? HIDDEN_ON_PHONE : HIDDEN));
+  const head = element("div", { class: "row head", role: "row" }, COLUMNS.map((column) => element("span", { class: `cell ${column}`, role: "columnheader" }, NAMES[column])));
+  const list = new List(grid, { head, fetch: rows, draw, choose, label: "Frames" });
+  const view = { refresh, shown: show, point };
 
   function input(id, label, more = {}) {
     return element("input", { id, type: "text", placeholder: label, "aria-label": label, autocomplete: "off", spellcheck: "false", ...more });
   }
 
   function build() {
-    const words = element("datalist", { id: "filter-words" }, WORDS.map((value) => element("option", { value })));
     const find = (backwards) => () => look(backwards);
-    const back = element("button", { type: "button", class: "plain", onclick: find(true), "aria-label": "Find the one before" }, "▲");
-    const on = element("button", { type: "button", class: "plain", onclick: find(false), "aria-label": "Find the next" }, "▼");
+    const back = button("▲", find(true), { class: "plain", "aria-label": "Find the one before" });
+    const on = button("▼", find(false), { class: "plain", "aria-label": "Find the next" });
+    const words = suggest(filter, (text) => app.engine.call("completions", { text }));
     root.replaceChildren(
-      element("div", { class: "bar" }, filter, words, search, back, on, jump, status),
+      element("div", { class: "bar" }, words, element("span", { class: "find" }, search, back, on), jump, columns(), status),
       mistake,
-      element("div", { class: "trace" }, element("div", { class: "table" }, head(), grid), details),
+      time.root,
+      element("div", { class: "trace" }, element("div", { class: "table" }, grid), details),
     );
-    list.current = new List(grid, { fetch: rows, draw, choose, label: "Frames" });
     filter.value = app.state.get("filter") ?? "";
     filter.addEventListener("input", () => select());
     search.addEventListener("keydown", (event) => event.key === "Enter" && look(event.shiftKey));
     jump.addEventListener("keydown", (event) => event.key === "Enter" && jumpTo(Number(jump.value.replace(",", "."))));
     root.addEventListener("keydown", shortcut);
+    hide();
   }
+
+  /** Which columns are shown. */
+  function columns() {
+    const boxes = COLUMNS.map((column) => {
+      const box = element("input", { type: "checkbox", checked: !hidden.has(column) });
+      box.addEventListener("change", () => {
+        if (box.checked) hidden.delete(column);
+        else hidden.add(column);
+        app.state.set({ hide: [...hidden].join(",") || "none" });
+        hide();
+      });
+      return element("label", {}, box, ` ${NAMES[column]}`);
+    });
+    const menu = element("details", { class: "menu" }, element("summary", {}, "Columns"), element("fieldset", {}, element("legend", { class: "unseen" }, "Columns"), boxes));
+    menu.addEventListener("keydown", (event) => event.key === "Escape" && ((menu.open = false), menu.firstChild.focus()));
+    return menu;
+  }
+
+  const hide = () => COLUMNS.forEach((column) => grid.classList.toggle(`no-${column}`, hidden.has(column)));
 
   /** As pagers have them. */
   function shortcut(event) {
@@ -55,12 +84,9 @@ export function traceView(app, root) {
     event.preventDefault();
   }
 
-  function head() {
-    const cells = COLUMNS.map((column) => element("span", { class: `cell ${column}`, role: "columnheader" }, NAMES[column]));
-    return element("div", { class: "row head", role: "row" }, cells);
+  function rows(from, amount) {
+    return app.engine.call("rows", { from, count: amount });
   }
-
-  const rows = (from, amount) => app.engine.call("rows", { from, count: amount });
 
   function draw(row, known) {
     if (!row.firstChild) row.append(...COLUMNS.map((column) => element("span", { class: `cell ${column}`, role: "gridcell" })));
@@ -72,29 +98,32 @@ export function traceView(app, root) {
     row.classList.toggle("bad", known?.bad ?? false);
   }
 
-  async function choose(at, row) {
-    app.state.set({ row: row.row });
+  /** A row was chosen; `quiet`: because another view has pointed at its time. */
+  async function choose(row, quiet) {
+    app.state.set({ row: row.row || "" });
+    time.set(Number(row.time));
+    if (!quiet) app.point(Number(row.time), view);
     const known = await app.engine.call("details", { row: row.row });
-    showDetails(details, known, row, goTo);
+    showDetails(details, known, row, { goTo, jumpTo });
   }
 
   /** Goes to a frame, by its place among all. */
-  async function goTo(row) {
-    list.current.go(await app.engine.call("rank", { row }));
+  async function goTo(row, quiet = false) {
+    list.go(await app.engine.call("rank", { row }), quiet);
   }
 
-  async function jumpTo(seconds) {
-    if (Number.isFinite(seconds)) await goTo(await app.engine.call("rowAt", { seconds }));
+  async function jumpTo(seconds, quiet = false) {
+    if (app.summary && Number.isFinite(seconds)) await goTo(await app.engine.call("rowAt", { seconds }), quiet);
   }
 
   async function look(backwards) {
-    if (!search.value || list.current.length === 0) return;
-    const row = Number(app.state.get("row") ?? -1);
-    const args = { text: search.value, from: Math.max(0, row), backwards };
+    if (!search.value || list.length === 0) return;
+    const row = Number(app.state.get("row") ?? 0);
+    const args = { text: search.value, from: row, backwards };
     const end = await app.run("find", "find", args, "Searching");
     if (!end) return;
     if (typeof end.found === "number") await goTo(end.found);
-    else app.say(`"${search.value}" stands in no frame ${backwards ? "before" : "behind"} this one`);
+    else app.say(`"${search.value}" is in no frame ${backwards ? "before" : "after"} this one`);
   }
 
   /** Applies the filter; one that is none leaves the rows as they are. */
@@ -110,37 +139,52 @@ export function traceView(app, root) {
       return;
     }
     app.state.set({ filter: text });
+    if (!app.summary) return;
     let told = false;
     const tell = (at) => {
       status.textContent = `${count(at.rows)} of ${count(at.all)} frames`;
-      if (told) list.current.grow(at.rows);
-      else list.current.reset(at.rows);
+      if (told) list.grow(at.rows);
+      else list.reset(at.rows);
       told = true;
     };
     const end = await app.engine.call("choose", { filter: text, text: "" }, tell);
     if (!end.cancelled) tell(end);
   }
 
-  build();
-  return {
-    goTo,
-    jumpTo,
-    refresh() {
-      shown = null;
-      list.current.reset(0);
-      details.replaceChildren();
-      status.textContent = "";
-    },
-    async shown() {
-      if (!app.summary || shown === app.summary) return;
+  function refresh() {
+    shown = null;
+    list.reset(0);
+    time.show(null);
+    details.replaceChildren();
+    status.textContent = app.summary ? "" : "Open a capture first.";
+  }
+
+  /** Another view has pointed at a time. */
+  function point(seconds) {
+    time.set(seconds);
+    waiting = seconds;
+  }
+
+  async function show() {
+    if (!app.summary) return;
+    if (shown !== app.summary) {
       shown = app.summary;
+      time.show(await app.engine.call("overview"));
       await select();
       const row = Number(app.state.get("row") ?? 0);
-      if (row > 0) await goTo(row);
-      if (app.summary.leftOut > 0) {
-        app.say(`The list holds the first ${count(app.summary.frames)} frames; the diagnosis has all`);
-      }
-      byId("frames").focus({ preventScroll: true });
-    },
-  };
+      if (row > 0 && waiting === null) await goTo(row);
+      if (app.summary.leftOut > 0) app.say(`The list holds the first ${count(app.summary.frames)} frames; the diagnosis has all`);
+    }
+    const filtered = app.state.get("filter") ?? "";
+    if (filter.value !== filtered) {
+      filter.value = filtered;
+      await select();
+    }
+    if (waiting !== null) await jumpTo(waiting, true);
+    waiting = null;
+    byId("frames").focus({ preventScroll: true });
+  }
+
+  build();
+  return view;
 }

@@ -1,75 +1,124 @@
-import { byId, element, frame, save } from "../dom.js";
+import { button, byId, element, frame, save } from "../dom.js";
+import { suggest } from "../suggest.js";
 
 /** Simulated devices, to be tested and fuzzed in the page, without hardware and in no time. */
 export function trialView(app, root) {
   let choices = null;
   let engine = null;
+  const on = new Set(app.state.get("faults")?.split(",") ?? []);
   const page = element("div", { class: "description" });
+  const model = element("select", { id: "try-model" });
+  const about = element("p", { class: "note" });
+  const select = element("input", { id: "try-select", type: "text", placeholder: "all cases", size: 16, "aria-label": "Cases" });
+  const seconds = element("input", { id: "try-seconds", type: "number", min: 1, max: 3600, value: 5 });
+  const seed = element("input", { id: "try-seed", type: "number", min: 0, value: 0 });
+  const allow = element("input", { type: "checkbox", id: "try-allow" });
+  const search = element("input", { type: "search", id: "try-search", placeholder: "Filter of the faults", "aria-label": "Filter of the faults" });
+  const switches = element("fieldset", { class: "switches", id: "try-faults" });
+  const command = element("code", { id: "try-command" });
 
-  async function build() {
-    choices = await app.engine.call("choices");
-    const models = choices.models.map(({ id, summary }) => element("option", { value: id, title: summary }, id));
-    const model = element("select", { id: "try-model" }, models);
-    const fault = element("select", { id: "try-fault" });
-    const select = element("input", { id: "try-select", type: "text", list: "families", placeholder: "all cases", size: 18 });
-    const families = element("datalist", { id: "families" }, choices.families.map((value) => element("option", { value })));
-    const sequences = element("input", { id: "try-sequences", type: "number", min: 1, max: 100000, value: 200, size: 6 });
-    const allow = element("input", { type: "checkbox", id: "try-allow" });
+  function build() {
+    model.replaceChildren(...choices.models.map(({ id }) => element("option", { value: id }, id)));
     model.value = app.state.get("model") ?? "kuebler-sendix-58x8";
-    const faults = () => {
-      const own = choices.faults.filter((one) => one.model === model.value || one.model === "reference-301");
-      fault.replaceChildren(element("option", { value: "" }, "none"), ...own.map(({ id, summary }) => element("option", { value: id, title: summary }, id)));
-    };
-    model.addEventListener("change", faults);
-    faults();
-    fault.value = app.state.get("fault") ?? "";
-    const wish = () => {
-      app.state.set({ model: model.value, fault: fault.value });
-      const bus = `sim:${model.value}${fault.value ? `+${fault.value}` : ""}`;
-      return { bus, select: select.value, allow: allow.checked, sequences: Number(sequences.value) || 200 };
-    };
+    select.value = app.state.get("select") ?? "";
+    model.addEventListener("change", changed);
+    select.addEventListener("input", told);
+    search.addEventListener("input", list);
     const label = (name, input) => element("label", {}, `${name} `, input);
+    const cases = suggest(select, families);
     root.replaceChildren(
       element("div", { class: "bar" },
-        label("Device", model), label("Fault of its firmware", fault), label("Cases", select), families,
-        element("button", { type: "button", id: "try-test", onclick: () => go("test", wish()) }, "Test"),
-        label("Sequences", sequences),
-        element("button", { type: "button", id: "try-fuzz", onclick: () => go("fuzz", wish()) }, "Fuzz"),
-        label("Everything is allowed", allow),
+        label("Device", model), label("Cases", cases), button("Test", () => go("test"), { id: "try-test", class: "main" }),
+        label("Seconds", seconds), label("Seed", seed), button("Fuzz", () => go("fuzz"), { id: "try-fuzz", class: "main" }),
+        element("label", {}, allow, " also what changes the device for good"), command,
       ),
-      page,
+      element("div", { class: "split" }, element("div", { class: "faults" }, about, search, switches), page),
     );
+    changed();
+    page.replaceChildren(element("p", { class: "welcome" }, "A simulated device, in this page: switch faults of its firmware on, run the cases or the fuzzer, and see what they find."));
+  }
+
+  /** Families of cases, for the last of those that are parted by commas. */
+  function families(text) {
+    const from = text.lastIndexOf(",") + 1;
+    const begun = text.slice(from).trim();
+    return { from, words: choices.families.filter((family) => family.startsWith(begun) && family !== begun) };
+  }
+
+  function changed() {
+    about.textContent = choices.models.find(({ id }) => id === model.value)?.summary ?? "";
+    const own = new Set(faults().map(({ id }) => id));
+    [...on].filter((id) => !own.has(id)).forEach((id) => on.delete(id));
+    told();
+    list();
+  }
+
+  /** The address keeps what is chosen, and the command line that does the same is shown. */
+  function told() {
+    app.state.set({ model: model.value, faults: [...on].join(","), select: select.value });
+    command.textContent = `canvass test ${bus()}${select.value ? ` --select ${select.value}` : ""}`;
+  }
+
+  /** Those that show on this device. */
+  const faults = () => choices.faults.filter((one) => one.model === model.value || one.model === "reference-301");
+
+  const bus = () => ["sim:" + model.value, ...on].join("+");
+
+  function list() {
+    const wanted = search.value.toLowerCase();
+    const rows = faults().filter(({ id, summary }) => `${id} ${summary}`.toLowerCase().includes(wanted)).map(({ id, summary }) => {
+      const box = element("input", { type: "checkbox", value: id, checked: on.has(id) });
+      box.addEventListener("change", () => {
+        if (box.checked) on.add(id);
+        else on.delete(id);
+        told();
+      });
+      return element("label", {}, box, element("span", {}, element("strong", {}, id), element("span", { class: "summary" }, summary)));
+    });
+    switches.replaceChildren(element("legend", { class: "unseen" }, "Faults of the firmware"), ...rows);
   }
 
   /** In a worker of its own, as it runs to its end at once: cancelled, it is ended. */
-  async function go(kind, wish) {
+  async function go(kind) {
     engine ??= await app.engine.sibling((why) => app.say(why, true));
+    const wish = { bus: bus(), select: select.value, allow: allow.checked, seconds: Number(seconds.value) || 5, seed: Math.max(0, Math.trunc(Number(seed.value) || 0)) };
     const box = byId("progress");
     const [bar, text, cancel] = box.children;
     box.hidden = false;
     bar.value = 0;
     cancel.onclick = () => engine.restart();
-    const command = `canvass ${kind} ${wish.bus}`;
+    const name = `canvass ${kind} ${wish.bus}`;
+    text.textContent = name;
     try {
       const tried = await engine.call("trial", { kind, wish }, ({ done, all, what }) => {
         bar.value = done / Math.max(1, all);
-        text.textContent = `${command}: ${done} of ${all}, ${what}`;
+        text.textContent = `${name}: ${what}`;
       });
-      const buttons = [["html", "text/html"], ["json", "application/json"]].map(([form, type]) =>
-        element("button", { type: "button", class: "plain", onclick: () => save(`${kind}.${form}`, tried[form], type) }, form),
-      );
-      page.replaceChildren(element("div", { class: "bar" }, element("code", {}, command), " Save as ", buttons), frame(command, tried.html));
-      app.say(`${command}: done`);
+      show(kind, name, tried);
+      app.say(`${name}: done`);
     } catch (error) {
-      app.say(`${command}: ${error.message}`, error.message !== "stopped");
+      app.say(`${name}: ${error.message}`, error.message !== "stopped");
     } finally {
       box.hidden = true;
     }
   }
 
+  function show(kind, name, tried) {
+    const buttons = [["html", "text/html"], ["json", "application/json"]].map(([form, type]) =>
+      button(form, () => save(`${kind}.${form}`, tried[form], type), { class: "plain" }),
+    );
+    const keep = button("Keep under Results", () => {
+      app.addResults([[`${kind} ${bus()} ${new Date().toLocaleTimeString()}`, new TextDecoder().decode(tried.json)]]);
+      app.say("Kept: two results of test are compared under Results");
+    }, { class: "plain" });
+    page.replaceChildren(element("div", { class: "bar" }, element("code", {}, name), element("span", {}, "Save as "), buttons, keep), frame(name, tried.html));
+  }
+
   return {
-    shown() {
-      if (!choices && app.engine) build();
+    async shown() {
+      if (choices || !app.engine) return;
+      choices = await app.engine.call("choices");
+      build();
     },
   };
 }

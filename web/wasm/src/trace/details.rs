@@ -1,12 +1,12 @@
 //! One frame in full.
 
-use super::rows::since;
+use super::rows::{shown, since};
 use super::store::{Step, Store};
+use canvass_analyzer::network::sdo::Outcome;
 use canvass_analyzer::{Meaning, TransferText};
 use canvass_reports::decode::{JsonLines, Line, Lines as _, TimeStyle};
 use canvass_reports::escape::printable;
 use canvass_reports::events::{Events as _, Scene, TextEvents};
-use canvass_reports::time::Clock;
 use canvass_traces::{Channels, Timestamp};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -66,17 +66,26 @@ fn of(step: &Step<'_>, channels: &Channels, start: Timestamp) -> Value {
     })
 }
 
+/// How far a transfer has come.
+fn outcome(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::Open => "under way".to_owned(),
+        Outcome::Complete => "complete".to_owned(),
+        Outcome::Aborted(side, code) => format!("aborted by {side}: {code}"),
+        Outcome::Superseded => "given up: the client began another one".to_owned(),
+    }
+}
+
 /// The SDO transfer that the frame belongs to, as far as it has come.
 fn transfer(step: &Step<'_>, start: Timestamp) -> Option<Value> {
     let channel = step.decoded.channel?;
     let bus = step.network.bus(step.record.channel)?;
     let transfer = bus.transfer(channel)?;
     let text = TransferText::new(bus, bus.server(channel)?, transfer);
-    let name = text.name().map(|name| name.to_string()).unwrap_or_default();
     Some(json!({
         "object": printable(&text.object().to_string()),
-        "name": printable(&name),
-        "value": printable(&text.value().to_string()),
+        "value": (transfer.length() > 0).then(|| printable(&text.value().to_string()).into_owned()),
+        "outcome": outcome(transfer.outcome),
         "direction": format!("{:?}", transfer.direction).to_lowercase(),
         "mode": format!("{:?}", transfer.mode).to_lowercase(),
         "began": since(start, transfer.started),
@@ -84,10 +93,4 @@ fn transfer(step: &Step<'_>, start: Timestamp) -> Option<Value> {
         "lasted": transfer.latest.since(transfer.started).nanos() / 1000,
         "segments": transfer.segments,
     }))
-}
-
-fn shown(style: TimeStyle, time: Timestamp) -> String {
-    let mut out = Vec::new();
-    Clock::new(style).push(time, &mut out);
-    String::from_utf8_lossy(&out).into_owned()
 }

@@ -19,6 +19,10 @@ pub struct Row {
     pub place: u64,
     /// Since the first frame, in seconds.
     pub time: String,
+    /// Its time as it stands in the capture.
+    pub absolute: String,
+    /// Since the frame before, in seconds.
+    pub delta: String,
     /// Its channel.
     pub channel: String,
     /// Its CAN-ID.
@@ -36,8 +40,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// The row of a step; times count from `start`.
-    pub fn new(step: &Step<'_>, channels: &Channels, start: Timestamp) -> Self {
+    /// The row of a step; times count from `start`, and from the frame before.
+    pub fn new(step: &Step<'_>, channels: &Channels, start: Timestamp, before: Option<Timestamp>) -> Self {
         let Step { row, record, decoded, network } = step;
         let text = network.bus(record.channel).map(|bus| Meaning::new(record, decoded, bus).to_string());
         let id = record.frame.id();
@@ -46,6 +50,8 @@ impl Row {
             row: *row,
             place: record.place.number,
             time: since(start, record.timestamp),
+            absolute: shown(TimeStyle::Absolute, record.timestamp),
+            delta: since(before.unwrap_or(record.timestamp), record.timestamp),
             channel: printable(channels.name(record.channel)).into_owned(),
             id: format!("{:0digits$X}", id.raw()),
             data: data(record),
@@ -58,12 +64,13 @@ impl Row {
 }
 
 /// What is looked for first.
-fn is_bad(service: Service, message: &Message, violation: Option<Violation>) -> bool {
+pub(super) fn is_bad(service: Service, message: &Message, violation: Option<Violation>) -> bool {
     let aborted = matches!(
         message,
         Message::SdoRequest(Request::Abort(_)) | Message::SdoResponse(Response::Abort(_)) | Message::Malformed(..)
     );
-    aborted || violation.is_some() || matches!(service, Service::ErrorFrame | Service::Emcy)
+    let gone = matches!(message, Message::Emcy(emcy) if emcy.code().is_some_and(|code| code.0 >> 8 == 0));
+    aborted || violation.is_some() || service == Service::ErrorFrame || (service == Service::Emcy && !gone)
 }
 
 /// So many bytes stand in a row.
@@ -71,7 +78,8 @@ const SHOWN: usize = 64;
 
 fn data(record: &Record) -> String {
     if record.frame.is_remote() {
-        return format!("remote, {} bytes", record.frame.len());
+        let len = record.frame.len();
+        return format!("remote, {len} byte{}", if len == 1 { "" } else { "s" });
     }
     let data = record.data();
     let mut text = String::with_capacity(3 * data.len().min(SHOWN));
@@ -95,17 +103,26 @@ pub fn since(start: Timestamp, time: Timestamp) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
+/// A time in that style.
+pub fn shown(style: TimeStyle, time: Timestamp) -> String {
+    let mut out = Vec::new();
+    Clock::new(style).push(time, &mut out);
+    String::from_utf8_lossy(&out).into_owned()
+}
+
 /// The rows of these places, which are in order.
 pub fn rows(store: &Store, places: &[usize], channels: &Channels) -> Vec<Row> {
     let mut rows = Vec::with_capacity(places.len());
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return rows };
-    let Some(mut walk) = store.walk(first) else { return rows };
+    let Some(mut walk) = store.walk(first.saturating_sub(1)) else { return rows };
     let start = store.start().unwrap_or_default();
     let mut wanted = places.iter().peekable();
+    let mut before = None;
     walk.until(store, last + 1, |step| {
         if wanted.next_if(|place| **place == step.row).is_some() {
-            rows.push(Row::new(step, channels, start));
+            rows.push(Row::new(step, channels, start, before));
         }
+        before = Some(step.record.timestamp);
         std::ops::ControlFlow::Continue(())
     });
     rows

@@ -1,16 +1,24 @@
 //! The bench on a simulated device that works: each function does on the bus what it says.
 
+mod blocks;
+mod described;
 mod left;
 mod messages;
 mod pdos;
+mod presence;
+mod putting_back;
 mod states;
 mod time;
 
 use super::{Bench, Options, Target};
-use canvass_bus::{Bus, SimulatedBus};
+use crate::scripted::{NODE, ScriptedBus};
+use canvass_analyzer::NodeId;
+use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Firmware};
-use canvass_traces::{Duration, Record, Timestamp};
+use canvass_traces::{Duration, Frame, Record, Timestamp};
+use std::cell::Cell;
+use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
 /// Runs `test` on a bench with a device of `reference-301` that has started.
@@ -27,4 +35,51 @@ fn with<T>(options: &Options, test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
     let (target, cancel) = (Target::of(model, node), AtomicBool::new(false));
     let mut annotate = |record: &Record| record.frame.to_string();
     test(&mut Bench::new(&mut bus, &target, options, &mut annotate, &cancel))
+}
+
+/// Runs `test` on a bench with that bus and a device of which nothing is known.
+fn on_bus<T>(bus: &mut dyn Bus, options: &Options, test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
+    let (target, cancel) = (Target::unknown(NodeId::new(NODE).unwrap()), AtomicBool::new(false));
+    let mut annotate = |record: &Record| record.frame.to_string();
+    test(&mut Bench::new(bus, &target, options, &mut annotate, &cancel))
+}
+
+/// A bus that fails while its switch is on.
+struct Failing {
+    bus: ScriptedBus,
+    fails: Rc<Cell<bool>>,
+}
+
+impl Failing {
+    fn new(bus: ScriptedBus) -> Self {
+        Self { bus, fails: Rc::default() }
+    }
+
+    fn switch(&self) -> Rc<Cell<bool>> {
+        Rc::clone(&self.fails)
+    }
+
+    fn checked(&self) -> Result<(), BusError> {
+        if self.fails.get() { Err(std::io::Error::other("unplugged").into()) } else { Ok(()) }
+    }
+}
+
+impl Bus for Failing {
+    fn now(&self) -> Timestamp {
+        self.bus.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        self.checked()?;
+        self.bus.send(frame)
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        self.checked()?;
+        self.bus.receive(deadline)
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        None
+    }
 }

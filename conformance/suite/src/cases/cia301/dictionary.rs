@@ -86,7 +86,7 @@ const fn is_momentary(code: AbortCode) -> bool {
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
     for index in [
-        0x1018_u16,
+        object::IDENTITY,
         object::PREDEFINED_ERROR_FIELD,
         object::TPDO_COMMUNICATION_PARAMETER,
         object::TPDO_MAPPING_PARAMETER,
@@ -149,8 +149,15 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
 fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
     let Some(description) = &bench.target().description else { return Ok(Vec::new()) };
     let is_parameter = |at: Multiplexer| {
-        matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | object::COB_ID_TIME | 0x1014..=0x1017 | 0x1019..=0x1029)
-            || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | 0x6200 | 0x6401..=0x6402)
+        matches!(
+            at.index.0,
+            object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
+                | object::GUARD_TIME
+                | object::LIFE_TIME_FACTOR
+                | object::COB_ID_TIME
+                | object::COB_ID_EMCY..=object::PRODUCER_HEARTBEAT_TIME
+                | object::SYNCHRONOUS_COUNTER_OVERFLOW..=object::ERROR_BEHAVIOR
+        ) || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | 0x6200 | 0x6401..=0x6402)
     };
     let entries = description.dictionary.entries().filter(|(at, entry)| {
         let is_constant = entry.access.is_writable() && entry.access.is_readable() && !entry.pdo_mappable;

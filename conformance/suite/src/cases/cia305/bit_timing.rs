@@ -5,7 +5,8 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Request, Response};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, MASTER_CAN_ID, Request, Response};
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
@@ -31,8 +32,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         return Ok(());
     }
     bench.each(answers, |bench, (index, answer)| {
-        let rate = BIT_RATES.get(usize::from(index)).copied().flatten();
-        let has = rate.is_some_and(|rate| rates.contains(&rate));
+        let has = Lss::bit_rate(index).is_some_and(|rate| rates.contains(&rate));
         let what = format!("bit timing {index} of table 0, which the device {},", if has { "has" } else { "has not" });
         bench.check(expect_error(&what, ConfigureCommand::BitTiming, &[u8::from(!has)], answer))
     })
@@ -52,14 +52,9 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
     leave_bit_rate(bench, current)
 }
 
-fn index_of(rate: Option<u32>) -> Option<u8> {
-    let index = BIT_RATES.iter().position(|known| known.is_some() && *known == rate);
-    index.and_then(|index| u8::try_from(index).ok())
-}
-
 /// Replaces what is pending by the bit rate in use, and ends configuration.
 fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Stop> {
-    if let Some(index) = index_of(current) {
+    if let Some(index) = current.and_then(Lss::bit_rate_index) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }
     wait(bench)
@@ -71,7 +66,7 @@ fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Sto
 fn activate(bench: &mut Bench<'_>) -> Judged {
     const DELAY_MS: u16 = 300;
     let delay = Duration::from_millis(u64::from(DELAY_MS));
-    let Some(index) = index_of(bench.bit_rate()) else {
+    let Some(index) = bench.bit_rate().and_then(Lss::bit_rate_index) else {
         let found = bench.bit_rate().map_or_else(|| "it is not known".to_owned(), |rate| format!("{rate} bit/s"));
         let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", found);
         return Err(Stop::NotApplicable(reason));

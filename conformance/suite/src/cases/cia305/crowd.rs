@@ -7,6 +7,7 @@ use super::fastscan::RESET;
 use super::unconfigured::unconfigured;
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::hear;
 use crate::verdict::{Judged, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Bound, Request, Response};
@@ -17,10 +18,7 @@ fn scan_together(bench: &mut Bench<'_>, request: Request) -> Result<Option<Respo
     bench.drain()?;
     bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
     bench.send(&Response::Identified.to_frame(lss::SLAVE_CAN_ID))?;
-    bench.wait_for(bench.timing().lss, |record| {
-        let is_slave = record.frame.cob_id() == Some(lss::SLAVE_CAN_ID);
-        is_slave.then(|| Response::read(record.frame.data()).ok()).flatten()
-    })
+    hear(bench, bench.timing().lss)
 }
 
 /// Where several slaves answer, each goes on taking part in Fastscan; the one that got its node-ID does not any more, so

@@ -1,50 +1,23 @@
-//! What all LSS cases need: messages out and in, states reached and proven.
+//! What all LSS cases need: what is demanded of answers, states reached and proven.
 
 use super::needs::LSS_INQUIRY;
 use crate::bench::Bench;
 use crate::bench::Found;
+use crate::cases::layer_setting::{self, Observed, exchange_within};
+pub use crate::cases::layer_setting::{exchange, observed, shown, tell};
 use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::object;
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, Part, Request, Response};
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// Sends a message that the slave has to answer, and waits for its response; a slave may take seconds to store.
-pub fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
-    exchange_within(bench, request, bench.timing().lss)
-}
+impl Observed for Lss {
+    const SERVICE: Service = Service::Lss;
+    const UNKNOWN: &'static str = "an unknown LSS response";
 
-/// Sends a message that nobody has to answer, and gives a response all the same if there is one.
-pub fn tell(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
-    exchange_within(bench, request, bench.timing().silence)
-}
-
-fn exchange_within(bench: &mut Bench<'_>, request: Request, span: Duration) -> Result<Option<Response>, Stop> {
-    bench.drain()?;
-    bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
-    bench.wait_for(span, |record| {
-        let is_slave = record.frame.cob_id() == Some(lss::SLAVE_CAN_ID);
-        is_slave.then(|| Response::read(record.frame.data()).ok()).flatten()
-    })
-}
-
-pub fn shown(response: Option<Response>) -> String {
-    response.map_or_else(|| "no answer".to_owned(), |response| response.to_string())
-}
-
-/// What a slave answered, as an observation: the error code, the node-ID, the part of its address.
-pub fn observed(response: Option<Response>) -> Observation {
-    match response {
-        None => Observation::Silence,
-        Some(Response::Configured { error, .. }) => Observation::ErrorCode(error),
-        Some(Response::NodeId(node)) => Observation::Number(node.into()),
-        Some(Response::Part { value, .. }) => Observation::Number(value.into()),
-        Some(Response::Switched) => Observation::named("44h"),
-        Some(Response::Identified) => Observation::named("4Fh"),
-        Some(Response::NonConfigured) => Observation::named("50h"),
-        Some(Response::Unknown { .. }) => Observation::named("an unknown LSS response"),
+    fn part(value: u32) -> Observation {
+        Observation::Number(value.into())
     }
 }
 
@@ -68,16 +41,8 @@ pub fn expect(
 /// Demands the confirmation of a configuration with one of these error codes; the best one first.
 pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found: Option<Response>) -> Check {
     let expected = Allowed::OneOf(allowed.iter().copied().map(Observation::ErrorCode).collect());
-    let is_allowed = |response| matches!(response, Response::Configured { command: of, error, .. } if of == command && allowed.contains(&error));
-    demand(found.is_some_and(is_allowed), || {
-        // A confirmation of another command says nothing by its error code.
-        let actual = match found {
-            Some(Response::Configured { command: of, .. }) if of != command => {
-                Observation::named("the confirmation of another command")
-            }
-            other => observed(other),
-        };
-        breach(format!("{what} is answered")).expected(expected).found(actual).told(shown(found))
+    layer_setting::expect_error(format!("{what} is answered"), expected, command, found, |error| {
+        allowed.contains(&error)
     })
 }
 
@@ -91,10 +56,7 @@ pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
 
 /// Demands silence.
 pub fn expect_silence(what: &str, found: Option<Response>) -> Check {
-    demand(found.is_none(), || {
-        let breach = breach(format!("{what} is not answered"));
-        breach.expected(Observation::Silence).found(observed(found)).told(shown(found))
-    })
+    layer_setting::expect_silence(format!("{what} is not answered"), found)
 }
 
 /// Sets the node-ID that the device will use.

@@ -6,7 +6,8 @@ use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control;
-use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, Request};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
@@ -74,10 +75,10 @@ pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
 /// Gives the device its own node-ID and the bit rate of the bus back, and stores them where something else is stored.
 pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
-    let rate = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == bench.bit_rate());
+    let rate = bench.bit_rate().and_then(Lss::bit_rate_index);
     configure(bench)?;
     set_node_id(bench, own)?;
-    if let Some(index) = rate.and_then(|index| u8::try_from(index).ok()) {
+    if let Some(index) = rate {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }
     if stored {
@@ -171,7 +172,7 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     set_node_id(bench, other)?;
     let given = exchange(bench, Request::InquireNodeId)?;
     let own = bench.node().raw();
-    let is_own = given.is_some_and(|given| given == canvass_analyzer::wire::lss::Response::NodeId(own));
+    let is_own = given.is_some_and(|given| given == Response::NodeId(own));
     bench.check(demand(is_own, || {
         breach("the node-ID in use is given while another one is pending")
             .expected(Observation::Number(own.into()))

@@ -7,7 +7,8 @@ use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lmt::{self, BIT_RATES, ConfigureCommand, Request};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lmt::{self, ConfigureCommand, Lmt, Request};
 use canvass_analyzer::wire::sdo;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
@@ -15,7 +16,7 @@ use canvass_traces::Duration;
 /// Leaves the node-ID that the device has as the one configured last.
 pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let node_id = bench.node().raw();
-    exchange(bench, Request::ConfigureNmtAddress { node_id }).map(|_| ())
+    exchange(bench, Request::ConfigureNodeId { node_id }).map(|_| ())
 }
 
 /// Node-IDs that don't exist, 0 and 128 to 255, are refused with an error code.
@@ -26,15 +27,11 @@ pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
 fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         bench.each([0, 128, 254, 255], |bench, node_id| {
-            let response = exchange(bench, Request::ConfigureNmtAddress { node_id })?;
+            let response = exchange(bench, Request::ConfigureNodeId { node_id })?;
             let duty = format!("node-ID {node_id} is refused");
-            bench.check(expect_error(
-                duty,
-                "an error code other than 0",
-                ConfigureCommand::NmtAddress,
-                response,
-                |error| error != 0,
-            ))
+            bench.check(expect_error(duty, "an error code other than 0", ConfigureCommand::NodeId, response, |error| {
+                error != 0
+            }))
         })?;
         configure_own(bench)
     })
@@ -51,13 +48,13 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         bench.watch_restart();
         bench.gives_node_id(node_id);
-        let response = exchange(bench, Request::ConfigureNmtAddress { node_id })?;
+        let response = exchange(bench, Request::ConfigureNodeId { node_id })?;
         bench.listen(bench.timing().silence)?;
         let answers = bench.answers()?;
         configure_own(bench)?;
         bench.listen(bench.timing().silence)?;
         let duty = format!("node-ID {node_id} is taken");
-        bench.check(expect_error(duty, "error code 0", ConfigureCommand::NmtAddress, response, |error| error == 0))?;
+        bench.check(expect_error(duty, "error code 0", ConfigureCommand::NodeId, response, |error| error == 0))?;
         bench.check(demand(answers, || {
             let breach = breach("the old node-ID is in use until power-off");
             breach.expected("an SDO response").found(Observation::Silence)
@@ -67,14 +64,10 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
 
 /// Sets the bit rate that the bus has as the one configured last, where it is known.
 pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Stop> {
-    if let Some(index) = bench.bit_rate().and_then(index_of) {
+    if let Some(index) = bench.bit_rate().and_then(Lmt::bit_rate_index) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }
     Ok(())
-}
-
-fn index_of(rate: u32) -> Option<u8> {
-    BIT_RATES.iter().position(|&known| known == rate).and_then(|index| u8::try_from(index).ok())
 }
 
 /// Every bit rate of the description can be set by its row of table 0, which has 50, 20 and 10 kbit/s in rows 5 to 7:
@@ -84,11 +77,11 @@ fn index_of(rate: u32) -> Option<u8> {
 fn table(bench: &mut Bench<'_>) -> Judged {
     let described = bench.target().description.as_ref().map(|description| description.device.bit_rates.clone());
     let rates: Vec<u8> =
-        described.unwrap_or_default().iter().filter_map(|&kbit| index_of(u32::from(kbit) * 1000)).collect();
+        described.unwrap_or_default().iter().filter_map(|&kbit| Lmt::bit_rate_index(u32::from(kbit) * 1000)).collect();
     in_configuration(bench, |bench| {
         bench.each(rates, |bench, index| {
             let response = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
-            let rate = BIT_RATES.get(usize::from(index)).map_or(0, |rate| rate / 1000);
+            let rate = Lmt::bit_rate(index).map_or(0, |rate| rate / 1000);
             let duty = format!("row {index}, {rate} kbit/s, is taken");
             bench.check(expect_error(duty, "error code 0", ConfigureCommand::BitTiming, response, |error| error == 0))
         })?;
@@ -122,7 +115,7 @@ fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
        needs = [Alone, Lmt], touches = [BitRate], catches = [LmtActivationNotSilent])]
 fn activate(bench: &mut Bench<'_>) -> Judged {
     const DELAY_MS: u16 = 500;
-    let Some(index) = bench.bit_rate().and_then(index_of) else {
+    let Some(index) = bench.bit_rate().and_then(Lmt::bit_rate_index) else {
         let found = bench.bit_rate().map_or_else(|| "it is not known".to_owned(), |rate| format!("{rate} bit/s"));
         let reason = Reason::new("the bit rate of the bus is in table 0", "one of DS-205", found);
         return Err(Stop::NotApplicable(reason));

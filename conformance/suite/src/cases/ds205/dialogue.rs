@@ -1,44 +1,19 @@
-//! What all LMT cases need: messages out and in, modes reached and proven.
+//! What all LMT cases need: modes reached and proven, and the address of the slave.
 
 use crate::bench::Bench;
-use crate::verdict::{Breach, Check, Judged, Stop, demand};
+use crate::cases::layer_setting::{self, Observed};
+pub use crate::cases::layer_setting::{exchange, expect_error, observed, shown, tell};
+use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::Service;
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lmt::{self, ConfigureCommand, Part, Request, Response, Seven};
+use canvass_analyzer::wire::lmt::{Lmt, Part, Request, Response, Seven};
 use canvass_bus::observation::Observation;
-use canvass_traces::Duration;
 
-/// Sends a message that the slave has to answer, and waits for its response; a slave may take seconds to store.
-pub fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
-    exchange_within(bench, request, bench.timing().lss)
-}
+impl Observed for Lmt {
+    const SERVICE: Service = Service::Lmt;
+    const UNKNOWN: &'static str = "an unknown LMT response";
 
-/// Sends a message that nobody has to answer, and gives a response all the same if there is one.
-pub fn tell(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
-    exchange_within(bench, request, bench.timing().silence)
-}
-
-fn exchange_within(bench: &mut Bench<'_>, request: Request, span: Duration) -> Result<Option<Response>, Stop> {
-    bench.drain()?;
-    bench.send(&request.to_frame(lmt::MASTER_CAN_ID))?;
-    bench.wait_for(span, |record| {
-        let is_slave = record.frame.cob_id() == Some(lmt::SLAVE_CAN_ID);
-        is_slave.then(|| Response::read(record.frame.data()).ok()).flatten()
-    })
-}
-
-pub fn shown(response: Option<Response>) -> String {
-    response.map_or_else(|| "no answer".to_owned(), |response| response.to_string())
-}
-
-/// What a slave answered, as an observation: the error code, the part of its address.
-pub fn observed(response: Option<Response>) -> Observation {
-    match response {
-        None => Observation::Silence,
-        Some(Response::Identified) => Observation::named("09h"),
-        Some(Response::Configured { error, .. }) => Observation::ErrorCode(error),
-        Some(Response::Part { value: Seven(bytes), .. }) => Observation::Value(bytes.to_vec()),
-        Some(Response::Unknown { .. }) => Observation::named("an unknown LMT response"),
+    fn part(Seven(bytes): Seven) -> Observation {
+        Observation::Value(bytes.to_vec())
     }
 }
 
@@ -47,42 +22,10 @@ pub fn breach(duty: impl Into<String>) -> Breach {
     Breach::new(Service::Lmt, duty.into())
 }
 
-/// The error code of the answer to a configuration; `None` for any other answer.
-pub fn error_of(response: Option<Response>, of: ConfigureCommand) -> Option<u8> {
-    match response {
-        Some(Response::Configured { command, error, .. }) if command == of => Some(error),
-        _ => None,
-    }
-}
-
-/// Demands a confirmation with an error code that is right.
-pub fn expect_error(
-    duty: impl Into<String>,
-    expected: &'static str,
-    of: ConfigureCommand,
-    found: Option<Response>,
-    right: impl FnOnce(u8) -> bool,
-) -> Check {
-    let error = error_of(found, of);
-    demand(error.is_some_and(right), || {
-        // A confirmation of another command says nothing by its error code.
-        let actual = match found {
-            Some(Response::Configured { .. }) if error.is_none() => {
-                Observation::named("the confirmation of another command")
-            }
-            other => observed(other),
-        };
-        breach(duty).expected(expected).found(actual).told(shown(found))
-    })
-}
-
 /// Demands that a message is not answered.
 pub fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
     let response = tell(bench, request)?;
-    bench.check(demand(response.is_none(), || {
-        let breach = breach(format!("\"{request}\" is not answered {when}"));
-        breach.expected(Observation::Silence).found(observed(response)).told(shown(response))
-    }))
+    bench.check(layer_setting::expect_silence(format!("\"{request}\" is not answered {when}"), response))
 }
 
 /// Whether the slave is in configuration: only then it answers inquiries.

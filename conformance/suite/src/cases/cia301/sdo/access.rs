@@ -107,7 +107,7 @@ fn limited_objects(bench: &Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     let node = bench.node();
     let Some(description) = &bench.target().description else { return Vec::new() };
     let entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
-        let is_standard = matches!(multiplexer.index.0, 0x1012..=0x1029 | 0x6000..=0x9FFF);
+        let is_standard = matches!(multiplexer.index.0, object::COB_ID_TIME..=object::ERROR_BEHAVIOR | 0x6000..=0x9FFF);
         let is_plain = !entry.flags.refuses_write_on_download() && entry.access.is_readable();
         is_standard && is_plain && entry.access.is_writable()
     });

@@ -33,7 +33,15 @@ fn nothing(expected: &str, actual: &str) -> Stop {
 
 /// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
 fn is_harmless(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | 0x1012..=0x1029 | 0x1400..=0x1BFF | 0x6000..=0x9FFF)
+    matches!(
+        at.index.0,
+        object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
+            | object::GUARD_TIME
+            | object::LIFE_TIME_FACTOR
+            | object::COB_ID_TIME..=object::ERROR_BEHAVIOR
+            | 0x1400..=0x1BFF
+            | 0x6000..=0x9FFF
+    )
 }
 
 fn is_plain(entry: &Entry) -> bool {

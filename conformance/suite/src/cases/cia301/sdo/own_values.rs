@@ -18,8 +18,22 @@ const CONSUMES: u32 = 1 << 31;
 
 /// What holds a configuration, and does nothing else when it is written.
 fn is_parameter(at: Multiplexer, entry: &Entry) -> bool {
-    let is_known = matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | object::COB_ID_TIME | 0x1014..=0x1017 | object::SYNCHRONOUS_COUNTER_OVERFLOW | object::ERROR_BEHAVIOR)
-        || matches!((at.index.0, at.sub.0), (0x1400..=0x15FF | 0x1800..=0x19FF, 1..) | (0x1600..=0x17FF | 0x1A00..=0x1BFF, _));
+    let is_known = matches!(
+        at.index.0,
+        object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
+            | object::GUARD_TIME
+            | object::LIFE_TIME_FACTOR
+            | object::COB_ID_TIME
+            | object::COB_ID_EMCY..=object::PRODUCER_HEARTBEAT_TIME
+            | object::SYNCHRONOUS_COUNTER_OVERFLOW
+            | object::ERROR_BEHAVIOR
+    ) || matches!(
+        (at.index.0,
+        at.sub.0), (0x1400..=0x15FF
+            | 0x1800..=0x19FF, 1..)
+            | (0x1600..=0x17FF
+            | 0x1A00..=0x1BFF, _)
+    );
     is_known
         && entry.access.is_writable()
         && entry.access.is_readable()

@@ -1,0 +1,66 @@
+//! What a DCF names beside itself: files to download, and the EDS that it was made of.
+
+use super::source::Source;
+use crate::dictionary::description::DeviceDescription;
+use crate::dictionary::difference::{Difference, compare};
+use crate::dictionary::problem::{EdsProblem, Place, Problems};
+use crate::dictionary::rules::file as rules;
+
+/// The folder of the file that is checked.
+pub trait Folder {
+    /// Whether there is a file of that name.
+    fn has(&self, name: &str) -> bool;
+    /// The bytes of that file, if it is there, can be read and is not too large.
+    fn read(&self, name: &str) -> Option<Vec<u8>>;
+}
+
+/// What is wrong between a DCF and the files beside it.
+pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder: &dyn Folder) -> Vec<EdsProblem> {
+    let mut problems = Problems::default();
+    if description.is_configuration() && !source.is_xml {
+        downloads(source, folder, &mut problems);
+        other_eds(description, folder, &mut problems);
+    }
+    problems.into_sorted()
+}
+
+/// Whether it is a name without a folder: what stands elsewhere, or on another machine, is not looked for.
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && !name.contains(['/', '\\', ':', '\0']) && !matches!(name, "." | "..")
+}
+
+fn downloads(source: &Source<'_>, folder: &dyn Folder, problems: &mut Problems) {
+    let mut section = String::new();
+    for line in 1..=source.lines() {
+        if source.is_section(line) {
+            section = source.get(&source.line(line)).trim_matches(['[', ']']).to_owned();
+            continue;
+        }
+        let Some(field) = source.field(line) else { continue };
+        let (name, value) = (source.get(&field.name), source.get(&field.value));
+        if name.eq_ignore_ascii_case("DownloadFile") && is_plain(value) && !folder.has(value) {
+            let place = Place { line, section: &section, field: name };
+            problems.report(place, &rules::DOWNLOAD, "a file beside the DCF", value);
+        }
+    }
+}
+
+fn other_eds(description: &DeviceDescription, folder: &dyn Folder, problems: &mut Problems) {
+    let named = description.file.last_eds.as_deref().map(str::trim).filter(|name| is_plain(name));
+    let Some(bytes) = named.and_then(|name| folder.read(name)) else { return };
+    let Ok(original) = DeviceDescription::read(&bytes) else { return };
+    let differences: Vec<Difference> = compare(&original, description).into_iter().filter(matters).collect();
+    let Some(first) = differences.first() else { return };
+    let more = differences.len() - 1;
+    let and = if more == 0 { String::new() } else { format!(", and {more} more") };
+    let found = format!("{} {}: {}{and}", first.subject, first.name, first.kind.title());
+    let place = Place { line: 0, section: "FileInfo", field: "LastEDS" };
+    problems.report(place, &rules::OTHER_EDS, "a DCF that describes the device as its EDS does", &found);
+}
+
+/// What a DCF may not change. What it configures, the file about itself, and the PDOs that follow from both are its own.
+fn matters(difference: &Difference) -> bool {
+    const OWN: [&str; 7] =
+        ["configured/", "commissioning/", "file/", "pdo/", "module/connected", "entry/denotation", "device/untold"];
+    !OWN.iter().any(|own| difference.kind.id.starts_with(own))
+}

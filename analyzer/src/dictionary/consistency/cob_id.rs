@@ -1,0 +1,165 @@
+//! COB-IDs: those of the predefined connection set, none restricted, none twice.
+
+use super::Check;
+use crate::dictionary::object::Setting;
+use crate::dictionary::rules::pdo as rules;
+use crate::identity::{CobId, Multiplexer, SubIndex};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+pub(super) fn check(check: &mut Check<'_>) {
+    own(check);
+    predefined(check);
+    first_server(check);
+}
+
+/// The COB-IDs that the predefined connection set gives to what the device has.
+const PREDEFINED: [(u16, u8, u32); 9] = [
+    (0x1014, 0, 0x80),
+    (0x1400, 1, 0x200),
+    (0x1401, 1, 0x300),
+    (0x1402, 1, 0x400),
+    (0x1403, 1, 0x500),
+    (0x1800, 1, 0x180),
+    (0x1801, 1, 0x280),
+    (0x1802, 1, 0x380),
+    (0x1803, 1, 0x480),
+];
+/// The same for messages that are not of one node.
+const OF_THE_NETWORK: [(u16, u32); 2] = [(0x1005, 0x80), (0x1012, 0x100)];
+
+/// EMCY, the first four PDOs of each direction, SYNC and TIME have the COB-IDs of the predefined connection set.
+fn predefined(check: &mut Check<'_>) {
+    for (index, sub, base) in PREDEFINED {
+        let at = Multiplexer::new(index, sub);
+        // What is switched off has no CAN-ID of meaning.
+        let differs = |cob_id: CobId, node: bool| cob_id.is_valid() && !is_of_node(cob_id, node, base);
+        report_other(check, at, differs);
+    }
+    for (index, base) in OF_THE_NETWORK {
+        report_other(check, Multiplexer::new(index, 0), |cob_id, node| node || cob_id.can_id() != base);
+    }
+}
+
+/// Reports a default for which that holds: of its COB-ID, and of whether the node-ID is to be added to that.
+fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, bool) -> bool) {
+    let Some((cob_id, plus_node_id)) = default(check, at) else { return };
+    if differs(cob_id, plus_node_id) {
+        let found = shown(cob_id, plus_node_id);
+        check.report(at, "DefaultValue", &rules::PREDEFINED, "the predefined connection set", &found);
+    }
+}
+
+/// The COB-ID by default, and whether the node-ID is to be added; none if it is 0, which says nothing.
+fn default(check: &Check<'_>, at: Multiplexer) -> Option<(CobId, bool)> {
+    let entry = check.description.dictionary.entry(at).ok()?;
+    match entry.default.as_ref()? {
+        Setting::NodeIdPlus(offset) => Some((CobId(*offset), true)),
+        Setting::Fixed(value) => value.to_raw().filter(|&raw| raw != 0).map(|raw| (CobId(raw as u32), false)),
+    }
+}
+
+/// Whether it is the base with the node-ID, or with that of some node.
+fn is_of_node(cob_id: CobId, plus_node_id: bool, base: u32) -> bool {
+    if plus_node_id { cob_id.can_id() == base } else { (base + 1..=base + 127).contains(&cob_id.can_id()) }
+}
+
+fn shown(cob_id: CobId, plus_node_id: bool) -> String {
+    let node = if plus_node_id { "$NODEID+" } else { "" };
+    format!("{node}{:X}h", cob_id.0)
+}
+
+/// The first SDO server can have no others.
+fn first_server(check: &mut Check<'_>) {
+    for (sub, base) in [(1, 0x600), (2, 0x580)] {
+        let at = Multiplexer::new(0x1200, sub);
+        let Some((cob_id, plus_node_id)) = default(check, at) else { continue };
+        // Many leave away the node-ID, which nobody takes at its word.
+        let is_bare = !plus_node_id && cob_id.0 == base;
+        if cob_id.is_extended() || !cob_id.is_valid() || !is_of_node(cob_id, plus_node_id, base) && !is_bare {
+            let expected = if sub == 1 { "600h plus the node-ID" } else { "580h plus the node-ID" };
+            check.report(at, "DefaultValue", &rules::FIRST_SERVER, expected, &shown(cob_id, plus_node_id));
+        }
+    }
+}
+
+/// A COB-ID of the device on the bus.
+struct Used {
+    at: Multiplexer,
+    /// The value that says so stands in this field.
+    field: &'static str,
+    /// With the node-ID of a DCF, if it is to be added; else as it stands there.
+    cob_id: CobId,
+    plus_node_id: bool,
+    /// Whether the device sends the message, or receives it.
+    is_sent: bool,
+}
+
+impl Used {
+    /// What two of the same have in common. Where the node-ID is not known, a fixed COB-ID and one to which it is added are
+    /// the same for one device of many only.
+    fn key(&self) -> (u32, bool, bool) {
+        (self.cob_id.can_id(), self.cob_id.is_extended(), self.plus_node_id)
+    }
+}
+
+/// COB-IDs are not restricted, and no two are the same.
+fn own(check: &mut Check<'_>) {
+    let mut all: HashMap<(u32, bool, bool), Used> = HashMap::new();
+    for (at, is_sent) in of_device(check) {
+        let Some(used) = used(check, at, is_sent) else { continue };
+        // The restrictions hold for all nodes: what is restricted for the first is for most.
+        let least = if used.plus_node_id { CobId(used.cob_id.0.wrapping_add(1)) } else { used.cob_id };
+        if least.is_restricted() {
+            let (expected, found) = ("a CAN-ID that is not restricted", format!("{:X}h", least.can_id()));
+            check.report(at, used.field, &rules::RESTRICTED, expected, &found);
+        }
+        match all.entry(used.key()) {
+            Entry::Vacant(vacant) => {
+                vacant.insert(used);
+            }
+            Entry::Occupied(other) => twice(check, &used, other.get()),
+        }
+    }
+}
+
+/// Two that send disturb each other; who receives takes what was meant for somebody else.
+fn twice(check: &mut Check<'_>, used: &Used, other: &Used) {
+    let found = format!("{} as in {}", shown(CobId(used.cob_id.can_id()), used.plus_node_id), other.at);
+    let rule = if used.is_sent && other.is_sent { &rules::COB_ID_TWICE } else { &rules::COB_ID_SHARED };
+    check.report(used.at, used.field, rule, "a CAN-ID of its own", &found);
+}
+
+/// What is in use there; none if it is switched off or not told.
+fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Used> {
+    let (setting, field) = check.effective(at)?;
+    let node = check.description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
+    let (cob_id, plus_node_id) = match (setting, node) {
+        (Setting::NodeIdPlus(offset), Some(node)) => (offset.wrapping_add(u32::from(node.raw())), false),
+        (Setting::NodeIdPlus(offset), None) => (*offset, true),
+        (Setting::Fixed(value), _) => (value.to_raw()? as u32, false),
+    };
+    let cob_id = CobId(cob_id);
+    // Of SYNC and TIME bit 30 says that the device sends the message, and bit 31 not that it is switched off.
+    let is_sent = is_sent.unwrap_or(!cob_id.allows_rtr());
+    let is_of_network = matches!(at.index.0, 0x1005 | 0x1012);
+    (is_of_network || cob_id.is_valid()).then_some(Used { at, field, cob_id, plus_node_id, is_sent })
+}
+
+/// Where the COB-IDs of the device stand, and whether it sends by them: of SYNC, TIME, EMCY, PDOs, and all SDO servers but the
+/// first, which is reached by CAN-IDs that are restricted for others.
+fn of_device(check: &Check<'_>) -> Vec<(Multiplexer, Option<bool>)> {
+    let single = [(0x1005, None), (0x1012, None), (0x1014, Some(true))];
+    let single = single.map(|(index, is_sent)| (Multiplexer::new(index, 0), is_sent));
+    let kinds = [
+        (0x1400, 0x15FF, 1, Some(false)),
+        (0x1800, 0x19FF, 1, Some(true)),
+        (0x1201, 0x127F, 1, Some(false)),
+        (0x1201, 0x127F, 2, Some(true)),
+    ];
+    let several = kinds.into_iter().flat_map(|(first, last, sub, is_sent)| {
+        let objects = check.objects(first, last).filter(|object| !object.code.is_single());
+        objects.map(move |object| (Multiplexer { index: object.index, sub: SubIndex(sub) }, is_sent))
+    });
+    single.into_iter().chain(several).collect()
+}

@@ -1,0 +1,55 @@
+//! The limits of an entry: they leave room for a value, and its values are between them.
+
+use super::object::{Entry, Setting};
+use super::problem::{Place, Problems};
+use super::rules;
+
+/// What a format calls the fields.
+pub(super) struct Names {
+    pub low: &'static str,
+    pub high: &'static str,
+    pub default: &'static str,
+    pub configured: &'static str,
+}
+
+/// Checks an entry as it was read. `is_all_ones`: the high limit is written in hexadecimal, all bits set.
+pub(super) fn check<'a>(
+    entry: &Entry,
+    names: &Names,
+    is_all_ones: bool,
+    place: impl Fn(&'static str) -> Place<'a>,
+    problems: &mut Problems,
+) {
+    let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();
+    let (low, high) = (number(&entry.low_limit), number(&entry.high_limit));
+    // All bits of a signed number are -1, but the author has meant the highest number of an unsigned one.
+    let is_wrapped = |high: &i128| is_all_ones && *high == -1 && low.is_none_or(|low| low > -1);
+    let high = match high {
+        Some(high) if is_wrapped(&high) => {
+            let expected = "the highest number of the signed data type, such as 0x7F";
+            problems.report(place(names.high), &rules::number::WRAPPED, expected, "all bits set, which is -1");
+            None
+        }
+        high => high,
+    };
+    if let (Some(low), Some(high)) = (low, high)
+        && low > high
+    {
+        let found = format!("{low} and {high}");
+        problems.report(place(names.low), &rules::entry::LIMITS, "a low limit up to the high limit", &found);
+        return;
+    }
+    for (field, setting) in [(names.default, &entry.default), (names.configured, &entry.configured)] {
+        let Some(value) = number(setting) else { continue };
+        if low.is_some_and(|low| value < low) || high.is_some_and(|high| value > high) {
+            let expected = "a value between LowLimit and HighLimit";
+            problems.report(place(field), &rules::entry::BEYOND_LIMITS, expected, &value.to_string());
+        }
+    }
+}
+
+/// Whether a text is a hexadecimal number of digits F alone.
+pub(super) fn is_all_ones(text: Option<&str>) -> bool {
+    let digits = text.and_then(|text| text.trim().strip_prefix("0x").or_else(|| text.trim().strip_prefix("0X")));
+    digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|digit| digit.eq_ignore_ascii_case(&b'F')))
+}

@@ -1,0 +1,76 @@
+//! Which adapters of PEAK there are.
+
+use super::library::{Library, Parameter};
+use crate::pcan::{Channel, PcanError};
+use std::fmt;
+
+/// PEAK's library on this machine, and what it finds.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Installed {
+    /// The library's version, if it tells it.
+    pub version: Option<String>,
+    /// The channels that are there.
+    pub channels: Vec<Present>,
+}
+
+/// A channel that is there.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Present {
+    /// Which.
+    pub channel: Channel,
+    /// Whether it can be used.
+    pub condition: Condition,
+    /// The adapter's name, such as `PCAN-USB`, if it tells it.
+    pub adapter: Option<String>,
+}
+
+/// Whether a channel can be used.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Condition {
+    /// It can.
+    Available,
+    /// Another program has it.
+    Occupied,
+    /// PEAK's own viewer has it: it can, at that program's bit rate.
+    Shared,
+}
+
+impl Condition {
+    const fn of(told: u32) -> Option<Self> {
+        match told {
+            1 => Some(Self::Available),
+            2 => Some(Self::Occupied),
+            3 => Some(Self::Shared),
+            _ => None,
+        }
+    }
+}
+
+/// Looks which channels there are; none is opened.
+///
+/// # Errors
+/// [`PcanError`] if the library is not there.
+pub fn installed() -> Result<Installed, PcanError> {
+    let library = Library::installed()?;
+    let present = |channel| {
+        let condition = Condition::of(library.number(channel, Parameter::CONDITION).ok()?)?;
+        Some(Present { channel, condition, adapter: library.text(channel, Parameter::HARDWARE_NAME) })
+    };
+    let version = library.text(Channel::NONE, Parameter::API_VERSION);
+    Ok(Installed { version, channels: Channel::all().filter_map(present).collect() })
+}
+
+/// `PCAN_USBBUS1 (PCAN-USB)`.
+impl fmt::Display for Present {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.channel)?;
+        if let Some(adapter) = &self.adapter {
+            write!(f, " ({adapter})")?;
+        }
+        match self.condition {
+            Condition::Available => Ok(()),
+            Condition::Occupied => f.write_str(", in use by another program"),
+            Condition::Shared => f.write_str(", in use by PCAN-View: at its bit rate"),
+        }
+    }
+}

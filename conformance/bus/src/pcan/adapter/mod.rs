@@ -1,0 +1,189 @@
+//! The bus: it opens a channel, sends, and leaves receiving to a thread of its own.
+
+mod bit_rate;
+mod inventory;
+mod library;
+mod message;
+mod receiver;
+mod wake;
+
+pub use inventory::{Condition, Installed, Present, installed};
+
+use super::{Channel, Opening, PcanError, Status};
+use crate::clock::SteadyClock;
+use crate::inbox::Inbox;
+use crate::{Bus, BusError, Health};
+use canvass_traces::{ChannelId, Direction, Duration, Frame, Record, Timestamp};
+use library::Library;
+use message::Message;
+use receiver::Receiver;
+use std::path::Path;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+/// A channel of an adapter of PEAK.
+pub struct Pcan {
+    shared: Arc<Shared>,
+    receiver: Option<JoinHandle<()>>,
+    bit_rate: u32,
+}
+
+/// What the bus and its receiving thread have in common.
+struct Shared {
+    library: Library,
+    channel: Channel,
+    listen_only: bool,
+    clock: SteadyClock,
+    inbox: Inbox,
+    /// The receiving thread shall change the bit rate: the channel must be closed for that, and it is the one that reads.
+    change: Mutex<Option<Change>>,
+}
+
+/// A change of the bit rate, in bit/s, and who wants to know whether it was done.
+struct Change {
+    bit_rate: u32,
+    done: Sender<Result<(), PcanError>>,
+}
+
+/// How long a full transmit queue is waited for. The longest frame takes 16 ms at 10 kbit/s.
+const PATIENCE: Duration = Duration::from_millis(2_000);
+
+/// How often it is tried meanwhile. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
+const ROOM: std::time::Duration = std::time::Duration::from_micros(500);
+
+/// How long a change of the bit rate may take: closing and opening the channel, and the same to go back.
+const CHANGE: std::time::Duration = std::time::Duration::from_secs(5);
+
+impl Pcan {
+    /// Opens a channel, with the library that is installed.
+    ///
+    /// # Errors
+    /// [`PcanError`], which says what to do.
+    pub fn open(opening: Opening) -> Result<Self, PcanError> {
+        Self::with(Library::installed()?, opening)
+    }
+
+    /// The same with the library in that file.
+    ///
+    /// # Errors
+    /// [`PcanError`], which says what to do.
+    pub fn open_with(library: &Path, opening: Opening) -> Result<Self, PcanError> {
+        Self::with(Library::at(library)?, opening)
+    }
+
+    fn with(library: Library, opening: Opening) -> Result<Self, PcanError> {
+        let Opening { channel, bit_rate, listen_only } = opening;
+        let shared = Arc::new(Shared {
+            library,
+            channel,
+            listen_only,
+            clock: SteadyClock::start(),
+            inbox: Inbox::new(),
+            change: Mutex::default(),
+        });
+        let receiver = Receiver::open(Arc::clone(&shared), bit_rate)?;
+        let thread = std::thread::Builder::new().name(format!("receive {channel}"));
+        let receiver = thread.spawn(move || receiver.run()).map_err(|source| PcanError::Wait { channel, source })?;
+        Ok(Self { shared, receiver: Some(receiver), bit_rate })
+    }
+
+    /// Puts a message into the transmit queue, and waits for room there.
+    fn write(&self, message: Message, began: Timestamp) -> Result<(), PcanError> {
+        let Shared { library, channel, .. } = &*self.shared;
+        let channel = *channel;
+        loop {
+            let status = library.write(channel, message);
+            if status.has(Status::BUS_OFF) {
+                return Err(PcanError::Failed { channel, action: "send on", status });
+            }
+            match status.failure() {
+                // The receiving thread tells what there is to tell of the bus.
+                Status::OK => return Ok(()),
+                failure if !failure.is_full() => {
+                    return Err(PcanError::Failed { channel, action: "send on", status: failure });
+                }
+                _ if self.now().since(began) >= PATIENCE => {
+                    return Err(PcanError::QueueFull { channel, waited: PATIENCE, status: library.status(channel) });
+                }
+                _ => {
+                    self.shared.inbox.note(|health| health.waits += 1);
+                    std::thread::sleep(ROOM);
+                }
+            }
+        }
+    }
+}
+
+impl Bus for Pcan {
+    fn now(&self) -> Timestamp {
+        self.shared.clock.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        let Some(message) = Message::to_send(frame) else {
+            return Err(BusError::Unsendable { frame: *frame, reason: "expected a classical data or remote frame" });
+        };
+        if self.shared.listen_only {
+            return Err(PcanError::ListenOnly { channel: self.shared.channel }.into());
+        }
+        let began = self.now();
+        // Before it is written: the answer may be here before this thread goes on.
+        let record = Record::new(began, ChannelId(0), *frame).with_direction(Direction::Tx);
+        self.shared.inbox.deliver(&mut vec![record.clone()]);
+        if let Err(error) = self.write(message, began) {
+            self.shared.inbox.retract(&record);
+            return Err(error.into());
+        }
+        let took = self.now().since(began);
+        self.shared.inbox.note(|health| health.transmit.add(took));
+        Ok(())
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        Some(self.bit_rate)
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn health(&self) -> Health {
+        self.shared.inbox.health()
+    }
+
+    fn limit_backlog(&mut self, frames: usize) {
+        self.shared.inbox.limit(frames);
+    }
+
+    /// Closes the channel and opens it again.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        let (done, answer) = channel();
+        let change = Change { bit_rate, done };
+        *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
+        let Ok(changed) = answer.recv_timeout(CHANGE) else {
+            // Nor shall it be done later, when nobody expects it.
+            self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
+            let status = self.shared.library.status(self.shared.channel);
+            let action = "change the bit rate of";
+            return Err(PcanError::Failed { channel: self.shared.channel, action, status }.into());
+        };
+        changed?;
+        self.bit_rate = bit_rate;
+        Ok(())
+    }
+}
+
+impl Drop for Pcan {
+    fn drop(&mut self) {
+        self.shared.inbox.close();
+        if let Some(receiver) = self.receiver.take() {
+            // It panicked or not: nothing is left to do for it.
+            let _ = receiver.join();
+        }
+    }
+}

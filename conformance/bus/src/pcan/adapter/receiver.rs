@@ -1,0 +1,277 @@
+//! The thread that fetches frames from the library, and opens the channel again when the adapter was unplugged.
+
+use super::bit_rate::registers;
+use super::library::Parameter;
+use super::message::{Content, Stamp, is_error};
+use super::wake::Wake;
+use super::{Change, Shared};
+use crate::hardware_clock::HardwareClock;
+use crate::pcan::{PcanError, Status};
+use canvass_traces::{ChannelId, Direction, ErrorClass, Frame, Record, Timestamp};
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long the thread waits for frames, so that the wish to end is seen.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// How often the library is asked for the state of the bus.
+const STATE: Duration = Duration::from_millis(50);
+
+/// How often a lost adapter is looked for.
+const RETRY: Duration = Duration::from_millis(200);
+
+/// So many messages are fetched before they are handed on.
+const BATCH: usize = 256;
+
+pub(super) struct Receiver {
+    shared: Arc<Shared>,
+    bit_rate: u32,
+    /// `None` while the channel is not open.
+    wake: Option<Wake>,
+    hardware: HardwareClock,
+    records: Vec<Record>,
+    /// When the state of the bus was asked for last, and what it was.
+    asked: Instant,
+    state: BusState,
+    /// The last status that was asked for told of lost frames: it may tell of the same ones again.
+    told_of_losses: bool,
+}
+
+/// How well the controller is, from good to bad.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum BusState {
+    Active,
+    Warning,
+    Passive,
+    Off,
+}
+
+impl BusState {
+    fn of(status: Status) -> Self {
+        if status.has(Status::BUS_OFF) {
+            Self::Off
+        } else if status.has(Status::BUS_PASSIVE) {
+            Self::Passive
+        } else if status.has(Status::BUS_HEAVY.and(Status::BUS_LIGHT)) {
+            Self::Warning
+        } else {
+            Self::Active
+        }
+    }
+}
+
+/// Error frames of Linux that tell of bus-off and of its end.
+const BUS_OFF: ErrorClass = ErrorClass(0x40);
+const RESTARTED: ErrorClass = ErrorClass(0x100);
+
+impl Receiver {
+    /// Opens the channel.
+    pub fn open(shared: Arc<Shared>, bit_rate: u32) -> Result<Self, PcanError> {
+        let mut receiver = Self {
+            shared,
+            bit_rate,
+            wake: None,
+            hardware: HardwareClock::default(),
+            records: Vec::with_capacity(BATCH),
+            asked: Instant::now(),
+            state: BusState::Active,
+            told_of_losses: false,
+        };
+        receiver.connect(bit_rate)?;
+        Ok(receiver)
+    }
+
+    fn connect(&mut self, bit_rate: u32) -> Result<(), PcanError> {
+        let registers = registers(bit_rate).ok_or(PcanError::BitRate(bit_rate))?;
+        let Shared { library, channel, listen_only, .. } = &*self.shared;
+        let channel = *channel;
+        let failed = |action| move |status| PcanError::Failed { channel, action, status };
+        let done = |status: Status| if status.failure() == Status::OK { Ok(()) } else { Err(status) };
+        // Before the channel is opened, so that it never acknowledges anything.
+        let silent = library.set(channel, Parameter::LISTEN_ONLY, &u32::from(*listen_only).to_ne_bytes());
+        if *listen_only {
+            done(silent).map_err(failed("make a listener of"))?;
+        }
+        done(library.initialize(channel, registers)).map_err(failed("open"))?;
+        // Older libraries and some adapters lack one or the other: the bus works without.
+        for wanted in [Parameter::ALLOW_STATUS_FRAMES, Parameter::ALLOW_ERROR_FRAMES, Parameter::BUS_OFF_RESET] {
+            library.switch_on(channel, wanted);
+        }
+        match Wake::of(library, channel) {
+            Ok(wake) => self.wake = Some(wake),
+            Err(source) => {
+                library.uninitialize(channel);
+                return Err(PcanError::Wait { channel, source });
+            }
+        }
+        (self.bit_rate, self.hardware, self.told_of_losses) = (bit_rate, HardwareClock::default(), false);
+        Ok(())
+    }
+
+    fn disconnect(&mut self) {
+        self.shared.library.uninitialize(self.shared.channel);
+        // Only now: the library sets it while the channel is open.
+        self.wake = None;
+    }
+
+    /// Receives until the inbox is closed.
+    pub fn run(mut self) {
+        #[cfg(target_os = "linux")]
+        crate::socketcan::wake_precisely();
+        let shared = Arc::clone(&self.shared);
+        while !shared.inbox.is_closed() {
+            let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(Change { bit_rate, done }) = change {
+                // Who asked may have lost patience.
+                let _ = done.send(self.change_bit_rate(bit_rate));
+            }
+            let Some(wake) = &self.wake else {
+                std::thread::sleep(RETRY);
+                // Not there yet: looked for again.
+                let _ = self.connect(self.bit_rate);
+                continue;
+            };
+            if let Err(error) = wake.wait(LOOK) {
+                self.lose(&format!("waiting for frames failed: {error}"));
+                continue;
+            }
+            shared.inbox.set_delivering(true);
+            self.fetch();
+            shared.inbox.set_delivering(false);
+            if self.asked.elapsed() >= STATE {
+                self.ask();
+            }
+        }
+        self.disconnect();
+    }
+
+    /// Opens the channel at another bit rate, or at the one before if there is no such.
+    fn change_bit_rate(&mut self, bit_rate: u32) -> Result<(), PcanError> {
+        let before = self.bit_rate;
+        registers(bit_rate).ok_or(PcanError::BitRate(bit_rate))?;
+        self.disconnect();
+        let changed = self.connect(bit_rate);
+        if changed.is_err() {
+            self.connect(before)?;
+        }
+        changed
+    }
+
+    /// Everything that waits in the library.
+    fn fetch(&mut self) {
+        let shared = Arc::clone(&self.shared);
+        let mut has_lost = false;
+        loop {
+            let (status, message, stamp) = shared.library.read(shared.channel);
+            has_lost |= status.has_lost();
+            if status.failure() != Status::OK {
+                self.lose(&status.failure().to_string());
+                break;
+            }
+            if status.has(Status::EMPTY) {
+                break;
+            }
+            match message.content() {
+                Content::Frame(frame) => self.take(frame, message.kind, stamp),
+                Content::Status(status) => {
+                    has_lost |= status.has_lost();
+                    self.note_state(BusState::of(status), status);
+                }
+                // What was read is no frame. Where the library only tells of something else, that is all that there was.
+                Content::Nothing if status.news() != Status::OK => {
+                    self.note_state(BusState::of(status), status);
+                    break;
+                }
+                Content::Nothing => shared.inbox.note(|health| health.lost += 1),
+            }
+            if self.records.len() >= BATCH {
+                shared.inbox.deliver(&mut self.records);
+            }
+        }
+        if has_lost {
+            self.note_losses();
+        }
+        shared.inbox.deliver(&mut self.records);
+    }
+
+    fn take(&mut self, frame: Frame, kind: u8, stamp: Stamp) {
+        let own = kind & super::message::kind::ECHO != 0;
+        if frame.is_error() && is_error(&frame) {
+            self.shared.inbox.note(|health| health.error_frames += 1);
+        }
+        // Own frames were delivered when they were handed over.
+        if !own {
+            let time = self.time(stamp);
+            self.push(frame, time);
+        }
+    }
+
+    fn push(&mut self, frame: Frame, time: Timestamp) {
+        self.records.push(Record::new(time, ChannelId(0), frame).with_direction(Direction::Rx));
+    }
+
+    /// Of the system's clock. A library without time stamps leaves them at zero.
+    fn time(&mut self, stamp: Stamp) -> Timestamp {
+        let now = self.shared.clock.now();
+        if stamp == Stamp::default() { now } else { self.hardware.system_time(stamp.time(), now) }
+    }
+
+    /// Asks for the state of the bus.
+    fn ask(&mut self) {
+        self.asked = Instant::now();
+        let status = self.shared.library.status(self.shared.channel);
+        if status.failure().without(Status::TRANSMIT_BUFFER_FULL.and(Status::TRANSMIT_QUEUE_FULL)) != Status::OK {
+            self.lose(&status.failure().to_string());
+            return;
+        }
+        if status.has_lost() && !self.told_of_losses {
+            self.note_losses();
+        }
+        self.told_of_losses = status.has_lost();
+        self.note_state(BusState::of(status), status);
+        self.shared.inbox.deliver(&mut self.records);
+    }
+
+    /// The library does not say how many frames were lost, only that it was more than none.
+    fn note_losses(&self) {
+        let channel = self.shared.channel;
+        self.shared.inbox.note(|health| {
+            health.lost += 1;
+            health.trouble = Some(format!("{channel}: frames were received and not fetched in time, at least one"));
+        });
+    }
+
+    fn note_state(&mut self, state: BusState, status: Status) {
+        let before = std::mem::replace(&mut self.state, state);
+        if state == before {
+            return;
+        }
+        let now = self.shared.clock.now();
+        let told = match (before, state) {
+            (_, BusState::Off) => Frame::error(BUS_OFF, &[0; 8]),
+            (BusState::Off, _) => Frame::error(RESTARTED, &[0; 8]),
+            _ => None,
+        };
+        if let Some(frame) = told {
+            self.push(frame, now);
+        }
+        if state > before {
+            let trouble = format!("{}: {}", self.shared.channel, status.news().without(Status::EMPTY));
+            self.shared.inbox.note(|health| {
+                health.interruptions += u64::from(state == BusState::Off);
+                health.error_frames += u64::from(state == BusState::Off);
+                health.trouble = Some(trouble);
+            });
+        }
+    }
+
+    fn lose(&mut self, reason: &str) {
+        self.disconnect();
+        self.state = BusState::Active;
+        let trouble = format!("{} was disconnected: {reason}", self.shared.channel);
+        self.shared.inbox.note(|health| {
+            health.interruptions += 1;
+            health.trouble = Some(trouble);
+        });
+    }
+}

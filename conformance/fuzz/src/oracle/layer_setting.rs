@@ -1,0 +1,254 @@
+//! What the slaves of LSS and LMT have in common: the two states, values that come in order, one question at a time.
+
+use super::{Violation, silence, violation};
+use crate::coverage::{Coverage, LssCommand, LssState};
+use crate::property::Property;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::layer_setting::{Dialect, Limit, Numbered, Request, Response, SLAVE_CAN_ID};
+use canvass_traces::{Frame, Timestamp};
+use std::fmt::Debug;
+
+/// What a request does beyond the slave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Effect {
+    Nothing,
+    /// A device without node-ID got one and boots.
+    Boots,
+    /// Something that the models don't follow.
+    Lost,
+}
+
+/// What may be answered.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Awaited<D: Dialect, O> {
+    Nothing,
+    /// The standard leaves it open.
+    Anything,
+    Exactly(Response<D>),
+    /// One of several responses.
+    OneOf(O),
+}
+
+/// The responses of a dialect that are right alike.
+pub(super) trait Options<D: Dialect>: Copy + PartialEq + Debug {
+    /// Whether a response is one of them; `is_clean`: its reserved bytes are 0.
+    fn contain(self, response: Response<D>, is_clean: bool) -> bool;
+    /// Which they are, in words.
+    fn text(self) -> String;
+}
+
+/// Whether the slave is in configuration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Mode {
+    /// Waiting, or in operation.
+    Waiting,
+    Configuration,
+    /// After a request that the standard leaves open.
+    Unsure,
+}
+
+/// Parts or bounds that have matched in their order; `None`: the order was another one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct InOrder(pub Option<usize>);
+
+/// A slave, but for what its dialect alone has.
+#[derive(Clone, Debug)]
+pub(super) struct LayerSetting<D: Dialect, O> {
+    pub mode: Mode,
+    /// The parts of the address.
+    pub selected: InOrder,
+    /// The bounds of "identify remote slave".
+    pub identified: InOrder,
+    pub awaited: Awaited<D, O>,
+    /// The service that was asked for.
+    pub rule: &'static str,
+    pub property: Property,
+    due: Timestamp,
+    asked: (LssState, LssCommand),
+}
+
+impl InOrder {
+    pub const NONE: Self = Self(Some(0));
+    pub const UNKNOWN: Self = Self(None);
+
+    /// One has come that fits, or one that does not.
+    pub fn came(&mut self, which: impl Numbered, fits: bool) {
+        let position = which.position();
+        self.0 = match self.0 {
+            _ if position == 0 && fits => Some(1),
+            Some(matched) if matched == position => Some(if fits { matched + 1 } else { 0 }),
+            None => None,
+            // One again, or out of order: it may count or begin anew.
+            Some(matched) if fits && matched > 0 => None,
+            Some(_) => Some(0),
+        };
+    }
+
+    /// The last one has come: whether all have matched, where that is known.
+    pub fn end<N: Numbered>(&mut self) -> Option<bool> {
+        self.0.replace(0).map(|matched| matched == N::ALL.len())
+    }
+}
+
+impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
+    pub const fn new(mode: Mode) -> Self {
+        Self {
+            mode,
+            selected: InOrder::NONE,
+            identified: InOrder::NONE,
+            awaited: Awaited::Nothing,
+            rule: "",
+            property: Property::LegalLss,
+            due: Timestamp::MAX,
+            asked: (LssState::Waiting, LssCommand::Unknown),
+        }
+    }
+
+    /// Its state, as coverage counts it; a device without node-ID has others.
+    pub fn class(&self) -> LssState {
+        match self.mode {
+            Mode::Configuration => LssState::Configuration,
+            _ if self.selected.0.is_some_and(|parts| parts > 0) => LssState::Selecting,
+            _ => LssState::Waiting,
+        }
+    }
+
+    /// Whether anything may come.
+    pub fn is_open(&self) -> bool {
+        self.awaited == Awaited::Anything
+    }
+
+    /// Whether the slave waits, and has nothing to answer.
+    pub fn is_at_rest(&self) -> bool {
+        self.mode == Mode::Waiting && self.awaited == Awaited::Nothing
+    }
+
+    pub fn due(&self) -> Option<Timestamp> {
+        (self.due < Timestamp::MAX).then_some(self.due)
+    }
+
+    /// The request of a frame. Of a frame that is no request nobody knows what it does: a slave may fill up what is too
+    /// short, and take it for a part of an address.
+    pub fn read(&mut self, frame: &Frame) -> Option<Request<D>> {
+        let request = Request::read(frame.data()).ok().filter(|_| frame.len() == 8);
+        if request.is_none() {
+            (self.mode, self.selected, self.identified) = (Mode::Unsure, InOrder::UNKNOWN, InOrder::UNKNOWN);
+        }
+        request
+    }
+
+    /// "Switch global".
+    pub const fn switch(&mut self, mode: u8) {
+        self.selected = InOrder::NONE;
+        self.mode = match mode {
+            0 => Mode::Waiting,
+            1 => Mode::Configuration,
+            // Reserved.
+            _ => Mode::Unsure,
+        };
+    }
+
+    /// A bound of "identify remote slave" that fits, or not.
+    pub fn identify(&mut self, bound: D::Bound, fits: bool) -> Awaited<D, O> {
+        self.identified.came(bound, fits);
+        if !bound.is_last() {
+            return Awaited::Nothing;
+        }
+        match self.identified.end::<D::Bound>() {
+            Some(true) => Awaited::Exactly(Response::Identified),
+            Some(false) => Awaited::Nothing,
+            None => Awaited::Anything,
+        }
+    }
+
+    /// A request came while the slave was in the state `class`; `due` is when its answer is overdue. Where an answer was
+    /// due still, nobody knows which of the two requests the next one belongs to.
+    pub fn asked(
+        &mut self,
+        (class, frame): (LssState, &Frame),
+        awaited: Awaited<D, O>,
+        due: Timestamp,
+        coverage: &mut Coverage,
+    ) {
+        self.asked = (class, LssCommand::of::<D>(frame));
+        self.awaited = awaited;
+        if self.due < Timestamp::MAX {
+            (self.awaited, self.mode) = (Awaited::Anything, Mode::Unsure);
+        }
+        let is_required = !matches!(self.awaited, Awaited::Nothing | Awaited::Anything);
+        if !is_required {
+            coverage.lss(self.asked.0, self.asked.1, false);
+        }
+        self.due = if is_required { due } else { Timestamp::MAX };
+    }
+
+    /// A frame of the slave.
+    ///
+    /// # Errors
+    /// [`Violation`] if the slave must not send it now.
+    pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        let response = Response::<D>::read(frame.data()).ok().filter(|_| frame.len() == 8);
+        let awaited = self.awaited;
+        let fits = response.is_some_and(|actual| {
+            let is_clean = actual.to_frame(SLAVE_CAN_ID).bytes() == frame.bytes();
+            match awaited {
+                Awaited::Nothing => false,
+                Awaited::Anything => true,
+                Awaited::Exactly(expected) => same(expected, actual) && is_clean,
+                Awaited::OneOf(options) => options.contain(actual, is_clean),
+            }
+        });
+        coverage.lss(self.asked.0, self.asked.1, true);
+        if awaited != Awaited::Anything {
+            self.awaited = Awaited::Nothing;
+        }
+        self.due = Timestamp::MAX;
+        if fits {
+            return Ok(());
+        }
+        let actual = response.map_or_else(|| format!("{frame}"), |response| format!("{response} ({frame})"));
+        Err(violation(self.property, self.rule, self.text(awaited), actual, now))
+    }
+
+    fn text(&self, awaited: Awaited<D, O>) -> String {
+        match awaited {
+            Awaited::Nothing => format!("no answer to \"{}\" in this {}", self.rule, D::STATE),
+            Awaited::Anything => "an answer of eight bytes, or none".to_owned(),
+            Awaited::Exactly(response) => format!("{response}, reserved bytes 0"),
+            Awaited::OneOf(options) => options.text(),
+        }
+    }
+
+    /// Something is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`]: silence where an answer is due.
+    pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
+        if now < self.due {
+            return Ok(());
+        }
+        self.due = Timestamp::MAX;
+        let awaited = std::mem::replace(&mut self.awaited, Awaited::Nothing);
+        Err(silence(self.property, self.rule, self.text(awaited), now))
+    }
+}
+
+/// Whether a bound of "identify remote slave" includes a part of the address.
+pub(super) fn includes<D: Dialect>(limit: Limit, bound: D::Value, own: D::Value) -> bool {
+    match limit {
+        Limit::Equal => bound == own,
+        Limit::Lowest => bound <= own,
+        Limit::Highest => bound >= own,
+    }
+}
+
+/// An error is told by code 1, or by 255 with a code of the manufacturer.
+fn same<D: Dialect>(expected: Response<D>, actual: Response<D>) -> bool {
+    match (expected, actual) {
+        (
+            Response::Configured { command, error: 1, .. },
+            Response::Configured { command: actual, error: 1 | 255, .. },
+        ) => command == actual,
+        _ => expected == actual,
+    }
+}

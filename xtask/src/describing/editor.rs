@@ -1,0 +1,148 @@
+//! The side of the editor in a session with `canvass lsp`, with a clock.
+
+use anyhow::{Context, Result, bail, ensure};
+use lsp_server::{Message, Notification, Request, RequestId};
+use serde_json::{Value, json};
+use std::io::BufReader;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const URI: &str = "file:///measured.eds";
+/// What is printed is the best of so many, and the one in the middle.
+const RUNS: usize = 21;
+
+/// A session with one open file.
+pub struct Editor {
+    server: Child,
+    to: Option<ChildStdin>,
+    from: BufReader<ChildStdout>,
+    requests: i32,
+    version: i32,
+    /// How many findings were published last.
+    pub findings: usize,
+}
+
+impl Editor {
+    /// Starts the server and opens the file.
+    pub fn start(program: &str, text: &str) -> Result<Self> {
+        let mut server = Command::new(program)
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("can't run {program}"))?;
+        let from = BufReader::new(server.stdout.take().context("no standard output")?);
+        let to = server.stdin.take();
+        let mut editor = Self { server, to, from, requests: 0, version: 1, findings: 0 };
+        editor.ask("initialize", json!({ "capabilities": {}, "processId": null, "rootUri": null }))?;
+        editor.tell("initialized", json!({}))?;
+        let document = json!({ "uri": URI, "languageId": "eds", "version": 1, "text": text });
+        editor.tell("textDocument/didOpen", json!({ "textDocument": document }))?;
+        editor.published()?;
+        Ok(editor)
+    }
+
+    /// Runs it so often, and prints how long it takes.
+    pub fn measured(&mut self, name: &str, mut run: impl FnMut(&mut Self) -> Result<()>) -> Result<()> {
+        let mut times = Vec::with_capacity(RUNS);
+        for _ in 0..RUNS {
+            let began = Instant::now();
+            run(self)?;
+            times.push(began.elapsed());
+        }
+        times.sort();
+        let millis = |time: Option<&Duration>| time.map_or(0.0, Duration::as_secs_f64) * 1e3;
+        println!("  {name:26} {:>7.1} ms ({:.1} ms)", millis(times.first()), millis(times.get(RUNS / 2)));
+        Ok(())
+    }
+
+    /// Writes another line in place of one; until the findings of that are there.
+    pub fn change(&mut self, line: usize, text: &str) -> Result<()> {
+        self.version += 1;
+        let text = format!("{text} {}\n", self.version);
+        let range = json!({ "start": { "line": line, "character": 0 }, "end": { "line": line + 1, "character": 0 } });
+        let document = json!({ "uri": URI, "version": self.version });
+        let changes = json!([{ "range": range, "text": text }]);
+        self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }))?;
+        self.published()
+    }
+
+    /// Asks about a place, by line and character.
+    pub fn ask_at(&mut self, method: &str, (line, character): (usize, usize)) -> Result<()> {
+        let at = json!({ "textDocument": { "uri": URI }, "position": { "line": line, "character": character } });
+        self.answered(method, at)
+    }
+
+    /// All places where the object of that place is named.
+    pub fn ask_references(&mut self, (line, character): (usize, usize)) -> Result<()> {
+        let position = json!({ "line": line, "character": character });
+        let context = json!({ "includeDeclaration": true });
+        let asked = json!({ "textDocument": { "uri": URI }, "position": position, "context": context });
+        self.answered("textDocument/references", asked)
+    }
+
+    /// What can be done about the findings of a line.
+    pub fn ask_actions(&mut self, line: usize) -> Result<()> {
+        let range = json!({ "start": { "line": line, "character": 0 }, "end": { "line": line, "character": 9 } });
+        let context = json!({ "diagnostics": [] });
+        let asked = json!({ "textDocument": { "uri": URI }, "range": range, "context": context });
+        self.ask("textDocument/codeAction", asked).map(drop)
+    }
+
+    /// All sections.
+    pub fn ask_outline(&mut self) -> Result<()> {
+        self.answered("textDocument/documentSymbol", json!({ "textDocument": { "uri": URI } }))
+    }
+
+    /// Ends the session.
+    pub fn end(mut self) -> Result<()> {
+        self.ask("shutdown", Value::Null)?;
+        self.tell("exit", Value::Null)?;
+        self.to = None;
+        let status = self.server.wait()?;
+        ensure!(status.success(), "the server ended with {status}");
+        Ok(())
+    }
+
+    /// Asks what has an answer.
+    fn answered(&mut self, method: &str, asked: Value) -> Result<()> {
+        let answer = self.ask(method, asked)?;
+        let is_empty = answer.is_null() || answer.as_array().is_some_and(Vec::is_empty);
+        ensure!(!is_empty, "{method} has no answer");
+        Ok(())
+    }
+
+    fn ask(&mut self, method: &str, params: Value) -> Result<Value> {
+        self.requests += 1;
+        let id = RequestId::from(self.requests);
+        self.send(&Request { id, method: method.to_owned(), params }.into())?;
+        match self.read()? {
+            Message::Response(response) => match response.response_result {
+                Ok(answer) => Ok(answer),
+                Err(error) => bail!("{method}: {}", error.message),
+            },
+            other => bail!("{method} is answered by {other:?}"),
+        }
+    }
+
+    /// Waits for the findings of the version that was sent last.
+    fn published(&mut self) -> Result<()> {
+        let Message::Notification(said) = self.read()? else { bail!("an answer that nobody asked for") };
+        let findings = said.params.get("diagnostics").and_then(Value::as_array).map(Vec::len);
+        self.findings = findings.with_context(|| format!("{} without findings", said.method))?;
+        ensure!(said.params.get("version") == Some(&json!(self.version)), "the findings of another version");
+        Ok(())
+    }
+
+    fn tell(&mut self, method: &str, params: Value) -> Result<()> {
+        self.send(&Notification { method: method.to_owned(), params }.into())
+    }
+
+    fn send(&mut self, message: &Message) -> Result<()> {
+        Ok(message.write(self.to.as_mut().context("the session has ended")?)?)
+    }
+
+    fn read(&mut self) -> Result<Message> {
+        Message::read(&mut self.from)?.context("the server is gone")
+    }
+}

@@ -1,0 +1,122 @@
+//! Each view of the page with the decoder as WebAssembly: on a desk in light colours, on a phone in dark ones.
+
+use super::machine::machine;
+use super::{FOLDER, RELEASES, ensure_small};
+use crate::web;
+use crate::web::browser::{Opened, Screen};
+use anyhow::{Context, Result};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use std::fs;
+
+const PICTURES: &str = "docs/web";
+const DESCRIPTION: &str = "conformance/device/models/kuebler-sendix-58x8.eds";
+const ENTER: &str = "\u{E007}";
+
+/// Takes them.
+///
+/// # Errors
+/// If the page can't be made, or a picture is too large.
+pub fn views() -> Result<()> {
+    web::build()?;
+    fs::create_dir_all(PICTURES)?;
+    // A description without a node is of all of them.
+    let eds = format!("{FOLDER}/encoder.eds");
+    fs::copy(DESCRIPTION, &eds)?;
+    let capture = format!("{FOLDER}/machine.log");
+    fs::write(&capture, machine()?)?;
+    for (screen, colours, ending) in [(Screen::Desk, "light", ""), (Screen::Phone, "dark", "-phone")] {
+        let opened = Opened::new(screen)?;
+        let scheme = serde_json::json!([{ "name": "prefers-color-scheme", "value": colours }]);
+        opened.0.command("Emulation.setEmulatedMedia", &serde_json::json!({ "features": scheme }));
+        opened.take(&[&eds, &capture])?;
+        opened.0.wait("/frames, /.test(document.getElementById('status').textContent)");
+        for (view, prepare) in VIEWS {
+            opened.view(view);
+            prepare(&opened, screen)?;
+            photograph(&opened, &format!("{PICTURES}/{view}{ending}.png"))?;
+        }
+    }
+    Ok(())
+}
+
+type Prepare = fn(&Opened, Screen) -> Result<()>;
+
+const VIEWS: [(&str, Prepare); 7] = [
+    ("diagnosis", |opened, _| {
+        shown_within(opened, "#view-diagnosis iframe", "document.querySelector('.lanes canvas')")
+    }),
+    ("trace", trace),
+    ("signals", signals),
+    ("eds", |opened, _| shown_within(opened, "#view-eds iframe", "document.querySelector('table')")),
+    ("results", results),
+    ("try", tried),
+    ("export", |_, _| Ok(())),
+];
+
+/// Waits for what a report draws.
+fn shown_within(opened: &Opened, frame: &str, expression: &str) -> Result<()> {
+    opened.0.wait(&format!("document.querySelector('{frame}')"));
+    opened.0.within(frame, |browser| {
+        browser.wait(expression);
+        settle(browser);
+    });
+    settle(&opened.0);
+    Ok(())
+}
+
+/// Two pictures of the screen later all is drawn.
+fn settle(browser: &web::browser::Browser) {
+    browser.run(
+        "return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 300))))",
+    );
+}
+
+/// A filter, and a refusal with all that is known of it.
+fn trace(opened: &Opened, screen: Screen) -> Result<()> {
+    opened.0.fill("#filter", "not service in pdo,sync,heartbeat");
+    opened.0.wait("/^[0-9]{1,3} of /.test(document.querySelector('#view-trace .shown').textContent)");
+    opened.0.fill("#search", &format!("abort{ENTER}"));
+    opened.0.wait("document.querySelector('#details h2')");
+    if screen == Screen::Desk {
+        opened.0.wait("document.querySelector('.list .row[aria-selected=true]')");
+    }
+    settle(&opened.0);
+    Ok(())
+}
+
+/// The positions of two encoders, between two cursors.
+fn signals(opened: &Opened, _: Screen) -> Result<()> {
+    opened.0.wait("document.querySelector('#plot canvas')");
+    opened.0.run("document.querySelectorAll('.signals input')[2].click()");
+    settle(&opened.0);
+    opened.0.drag("#plot .u-over", 0.3, 0.3, false);
+    opened.0.drag("#plot .u-over", 0.7, 0.7, true);
+    settle(&opened.0);
+    Ok(())
+}
+
+/// What a release changed.
+fn results(opened: &Opened, _: Screen) -> Result<()> {
+    let files: Vec<String> = RELEASES.iter().take(2).map(|(release, _)| format!("{FOLDER}/{release}.json")).collect();
+    opened.take(&files.iter().map(String::as_str).collect::<Vec<_>>())?;
+    shown_within(opened, "#view-results iframe", "document.querySelector('h1')")
+}
+
+/// A fault of a simulated device, and the case that finds it.
+fn tried(opened: &Opened, _: Screen) -> Result<()> {
+    opened.0.wait("document.querySelector('#try-faults input[value=boot-up-twice]')");
+    opened.0.click("#try-faults input[value=boot-up-twice]");
+    opened.0.fill("#try-select", "301/boot-up\u{E00C}");
+    opened.0.click("#try-test");
+    opened.0.wait(
+        "document.querySelector('#view-try iframe') && /: done/.test(document.getElementById('status').textContent)",
+    );
+    shown_within(opened, "#view-try iframe", "document.querySelector('h1')")
+}
+
+fn photograph(opened: &Opened, picture: &str) -> Result<()> {
+    let png = BASE64.decode(opened.0.picture()).context("a picture is base64")?;
+    fs::write(picture, png)?;
+    ensure_small(picture)
+}

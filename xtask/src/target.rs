@@ -1,0 +1,18 @@
+//! Rust's libraries for other systems than this one.
+
+use crate::consent;
+use crate::run::run;
+use anyhow::{Context, Result};
+use std::path::Path;
+use std::process::Command;
+
+/// Installs the library for that target, where it is not there.
+pub fn add(target: &str) -> Result<()> {
+    let told =
+        Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().context("rustc")?;
+    if Path::new(String::from_utf8_lossy(&told.stdout).trim()).is_dir() {
+        return Ok(());
+    }
+    consent::ask(&format!("Rust's library for {target}"), &format!("rustup target add {target}"))?;
+    run("rustup", &["target", "add", target])
+}

@@ -1,0 +1,131 @@
+//! `cargo xtask web-bench`: how long the page takes, beside the program, and how much memory its tab needs. Nothing is
+//! asserted: times depend on what else the machine does.
+
+use super::browser::{Browser, Opened, Screen};
+use crate::bench::{RUNS, capture, make};
+use crate::browser;
+use crate::measure::{TIME, cost, machine, release};
+use crate::packages::install;
+use anyhow::{Context, Result};
+use std::fs;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+const FRAMES: u32 = 1_000_000;
+/// A gigabyte of the usual traffic.
+const MANY: u32 = 23_100_000;
+const LARGE: &str = "target/bench/large.candump";
+/// Rows that are scrolled to.
+const SCROLLED: u32 = 100;
+
+/// Measures and prints.
+///
+/// # Errors
+/// If something is missing, can't be built, or the page does not answer.
+pub fn bench() -> Result<()> {
+    install(&[TIME])?;
+    browser::install_all()?;
+    super::build()?;
+    crate::bench::build()?;
+    fs::create_dir_all("target/bench")?;
+    let log = capture("candump");
+    make("candump", FRAMES, &log)?;
+    println!("machine: {}", machine());
+    println!(
+        "WebAssembly, compressed: {} bytes",
+        fs::metadata(format!("{}/wasm/canvass_web.wasm.gz", super::FOLDER))?.len()
+    );
+    million(&log)?;
+    make("candump", MANY, LARGE)?;
+    let measured = gigabyte();
+    fs::remove_file(LARGE)?;
+    measured
+}
+
+/// From the choice of the file until the page of the diagnosis stands; and rows of the list.
+fn million(log: &str) -> Result<()> {
+    println!("{FRAMES} frames, {} MB, best of {RUNS} runs", fs::metadata(log)?.len() / 1_000_000);
+    let command = [&release("canvass"), "diagnose", "--format", "html", "--fail-on", "never", log];
+    let mut program: Option<f64> = None;
+    let mut page: Option<f64> = None;
+    for _ in 0..RUNS {
+        let began = Instant::now();
+        cost(&command, Stdio::null())?;
+        program = least(program, began.elapsed().as_secs_f64());
+        let opened = Opened::new(Screen::Desk)?;
+        opened.take(&[log])?;
+        page = least(page, diagnosed(&opened.0));
+    }
+    let (program, page) = (program.unwrap_or_default(), page.unwrap_or_default());
+    println!("{:44} {program:>6.2} s", "canvass diagnose --format html");
+    println!("{:44} {page:>6.2} s, {:.1} times as long", "the page, until its diagnosis stands", page / program);
+    let opened = Opened::new(Screen::Desk)?;
+    opened.take(&[log])?;
+    diagnosed(&opened.0);
+    opened.view("trace");
+    opened.0.wait("document.querySelector('.list .row:not(.head) .text')?.textContent");
+    let [middle, longest] = scrolled(&opened.0)?;
+    println!("{:44} {middle:>6.1} ms, at most {longest:.1} ms", format!("scrolling to each of {SCROLLED} rows"));
+    Ok(())
+}
+
+fn least(known: Option<f64>, new: f64) -> Option<f64> {
+    Some(known.map_or(new, |known| known.min(new)))
+}
+
+/// Seconds, by the page's own clock.
+fn diagnosed(browser: &Browser) -> f64 {
+    browser.wait_for("performance.getEntriesByName('canvass-diagnosis').length > 0", Duration::from_secs(600));
+    browser.number("return performance.getEntriesByName('canvass-diagnosis').at(-1).duration") / 1e3
+}
+
+/// Milliseconds from the move of the scroll bar until all rows there have their texts: the middle and the most.
+fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
+    let script = format!(
+        "return (async () => {{
+            const list = document.getElementById('frames');
+            const times = [];
+            let chance = 1;
+            for (let n = 0; n < {SCROLLED}; n++) {{
+                chance = (chance * 48271) % 2147483647;
+                const before = list.querySelector('.list-body .row').getAttribute('aria-rowindex');
+                const began = performance.now();
+                list.scrollTop = Math.floor((chance / 2147483647) * (list.scrollHeight - list.clientHeight));
+                const there = () => {{
+                    const rows = [...list.querySelectorAll('.list-body .row')].filter((row) => !row.hidden);
+                    return rows[0].getAttribute('aria-rowindex') !== before && rows.every((row) => row.lastChild.textContent !== '');
+                }};
+                do await new Promise((resolve) => requestAnimationFrame(resolve));
+                while (!there());
+                times.push(performance.now() - began);
+            }}
+            times.sort((a, b) => a - b);
+            return [times[times.length >> 1], times.at(-1)];
+        }})()"
+    );
+    let times = browser.run(&script);
+    let time = |at: usize| times[at].as_f64().context("a time");
+    Ok([time(0)?, time(1)?])
+}
+
+/// The memory of the tab, and how soon it stops when it is told so.
+fn gigabyte() -> Result<()> {
+    let opened = Opened::new(Screen::Desk)?;
+    let empty = opened.0.most_memory()?;
+    opened.take(&[LARGE])?;
+    let took = diagnosed(&opened.0);
+    let bytes = fs::metadata(LARGE)?.len() as f64 / 1e9;
+    println!("{:44} {took:>6.1} s", format!("a log of {bytes:.2} GB, {MANY} frames"));
+    opened.view("trace");
+    opened.0.press("#frames", "\u{E010}");
+    opened.0.wait("document.querySelector('.list .row[aria-selected=true] .text')?.textContent");
+    let peak = opened.0.most_memory()?;
+    println!("{:44} {:>6} MB, {} MB without a capture", "memory of the tab at most", peak / 1000, empty / 1000);
+    opened.take(&[LARGE])?;
+    opened.0.wait("document.querySelector('#progress progress').value > 0.02");
+    let began = Instant::now();
+    opened.0.click("#progress button");
+    opened.0.wait("/cancelled/.test(document.getElementById('status').textContent)");
+    println!("{:44} {:>6.0} ms", "cancelled within", began.elapsed().as_secs_f64() * 1e3);
+    Ok(())
+}

@@ -1,0 +1,41 @@
+//! The page in Chromium, for what is measured and photographed.
+
+#[path = "../../../tests/browser/webdriver.rs"]
+#[allow(dead_code)]
+mod webdriver;
+
+pub use webdriver::{Browser, Screen};
+
+use anyhow::Result;
+use std::path::Path;
+
+/// The page, opened as one file from the disk.
+pub struct Opened(pub Browser);
+
+impl Opened {
+    /// As it is opened first.
+    ///
+    /// # Errors
+    /// If it was not made.
+    pub fn new(screen: Screen) -> Result<Self> {
+        let browser = Browser::open(&super::file()?, screen);
+        browser.wait("document.documentElement.dataset.ready === 'yes'");
+        Ok(Self(browser))
+    }
+
+    /// Gives it files, as the file dialog does.
+    ///
+    /// # Errors
+    /// If one is not there.
+    pub fn take(&self, files: &[&str]) -> Result<()> {
+        let paths = files.iter().map(|file| Ok(std::fs::canonicalize(Path::new(file))?.display().to_string()));
+        self.0.fill("#files", &paths.collect::<Result<Vec<_>>>()?.join("\n"));
+        Ok(())
+    }
+
+    /// Shows a view.
+    pub fn view(&self, id: &str) {
+        self.0.click(&format!("#tab-{id}"));
+        self.0.wait(&format!("!document.getElementById('view-{id}').hidden"));
+    }
+}

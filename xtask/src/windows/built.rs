@@ -1,0 +1,54 @@
+//! What cargo builds for Windows, and what it says of it.
+
+use super::TARGET;
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+/// The program, which is built with its tests.
+pub const PROGRAM: &str = "target/x86_64-pc-windows-gnu/debug/canvass.exe";
+
+/// Whose tests run: those of the program, and those of the buses, which meet the system.
+const TESTS: [&[&str]; 2] = [
+    &["--package", "canvass", "--bin", "canvass", "--test", "program"],
+    &["--package", "canvass-bus", "--lib", "--test", "pcan"],
+];
+
+/// Builds the tests, and the program with them; gives their files.
+///
+/// # Errors
+/// If that fails, or the compiler warns of anything in this workspace.
+pub fn tests() -> Result<Vec<String>> {
+    let mut files = Vec::new();
+    for which in TESTS {
+        let args = [&["test", "--no-run", "--locked", "--target", TARGET, "--message-format", "json"], which].concat();
+        eprintln!("$ cargo {}", args.join(" "));
+        let mut cargo = Command::new("cargo").args(args).stdout(Stdio::piped()).spawn().context("cargo")?;
+        let stdout = cargo.stdout.take().context("cargo")?;
+        let mut warnings = 0;
+        for line in BufReader::new(stdout).lines() {
+            let message: Value = serde_json::from_str(&line?).context("expected a message of cargo")?;
+            match message["reason"].as_str() {
+                Some("compiler-message") => warnings += warned(&message),
+                Some("compiler-artifact") if message["profile"]["test"] == true => {
+                    files.extend(message["executable"].as_str().map(str::to_owned));
+                }
+                _ => {}
+            }
+        }
+        let status = cargo.wait()?;
+        ensure!(status.success(), "cargo ended with {status}");
+        if warnings > 0 {
+            bail!("expected none, found {warnings} warnings for {TARGET}");
+        }
+    }
+    Ok(files)
+}
+
+/// Shows what the compiler says. Cargo asks it for this workspace only, and repeats it where nothing had to be built.
+fn warned(message: &Value) -> usize {
+    let said = &message["message"];
+    eprint!("{}", said["rendered"].as_str().unwrap_or_default());
+    usize::from(matches!(said["level"].as_str(), Some("warning" | "error")))
+}
