@@ -75,7 +75,7 @@ fn a_mapping_has_at_most_64_bits_and_no_empty_entries() {
 
 #[test]
 fn cob_ids_are_allowed_and_used_once() {
-    assert_eq!(found("$NODEID+0x280", "$NODEID+0x180")[0], "[1801sub1] DefaultValue: 181h as in 1800h:01");
+    assert_eq!(found("$NODEID+0x280", "$NODEID+0x180")[0], "[1801sub1] DefaultValue: $NODEID+180h as in 1800h:01");
     assert_eq!(found("$NODEID+0x280", "$NODEID+0x580")[0], "[1801sub1] DefaultValue: 581h");
     assert_eq!(found("$NODEID+0x280", "$NODEID+0x80000180"), [] as [&str; 0]);
 }

@@ -1,6 +1,6 @@
 //! The program, end to end.
 //!
-//! What needs Unix says why, behind `cfg(unix)`: `cargo xtask windows`, which runs the others as programs of Windows, prints it.
+//! What needs Unix says why, after `cfg(unix)`: `cargo xtask windows`, which runs the others as programs of Windows, prints it.
 
 #[cfg(test)]
 mod archive;
@@ -8,7 +8,8 @@ mod archive;
 mod bounded;
 #[cfg(test)]
 mod bundle;
-#[cfg(all(test, unix))] // the recipes are scripts of a POSIX shell
+#[cfg(test)]
+#[cfg(unix)] // the recipes are scripts of a POSIX shell
 mod ci_page;
 #[cfg(test)]
 mod closed_output;
@@ -44,9 +45,11 @@ mod flooded;
 mod fuzz;
 #[cfg(test)]
 mod history;
-#[cfg(all(test, unix))] // the limit of memory is that of a POSIX shell, and Windows has no files of such names
+#[cfg(test)]
+#[cfg(unix)] // the limit of memory is that of a POSIX shell, and Windows has no files of such names
 mod hostile;
-#[cfg(all(test, unix))] // a signal: `cargo xtask windows` presses Ctrl-C on a console
+#[cfg(test)]
+#[cfg(unix)] // a signal: `cargo xtask windows` presses Ctrl-C on a console
 mod interrupted;
 #[cfg(test)]
 mod killed;
@@ -56,15 +59,18 @@ mod live;
 mod lsp;
 #[cfg(test)]
 mod marks;
-#[cfg(all(test, unix))] // what a process has needed stands in /proc
+#[cfg(test)]
+#[cfg(unix)] // what a process has needed stands in /proc
 mod memory;
 #[cfg(test)]
 mod one_language;
-#[cfg(all(test, unix))] // the documentation shows a POSIX shell
+#[cfg(test)]
+#[cfg(unix)] // the documentation shows a POSIX shell
 mod pages;
 #[cfg(test)]
 mod pcan;
-#[cfg(all(test, unix))] // it is shown on pseudo-terminals
+#[cfg(test)]
+#[cfg(unix)] // it is shown on pseudo-terminals
 mod progress;
 #[cfg(test)]
 mod provenance;
@@ -78,9 +84,11 @@ mod rows;
 mod running;
 #[cfg(test)]
 mod settings;
-#[cfg(all(test, unix))] // pseudo-terminals, and what they say of themselves
+#[cfg(test)]
+#[cfg(unix)] // pseudo-terminals, and what they say of themselves
 mod terminals;
-#[cfg(all(test, unix))] // signals, named pipes and /proc
+#[cfg(test)]
+#[cfg(unix)] // signals, named pipes and /proc
 mod waiting;
 #[cfg(all(test, windows))]
 mod windows;

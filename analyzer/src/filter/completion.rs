@@ -9,6 +9,9 @@ const WORDS: [&str; 5] = ["and ", "or ", "not ", "in ", "("];
 /// What a number or a name is held against.
 const OPERATORS: [&str; 2] = ["=", " in "];
 
+/// A word that no filter has but as a name.
+const UNHEARD_OF: &str = "unheard-of";
+
 /// What can stand at the end of `text`, in place of the word that was begun there.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Completion {
@@ -30,7 +33,10 @@ impl Completion {
         let flags = Flag::NAMES.iter().map(|flag| flag.0.to_owned());
         let services = Service::ALL.into_iter().map(|service| service.name().to_owned());
         let channels = channels.into_iter().filter(|name| !name.contains('"')).map(quoted);
-        let all = compared.chain(flags).chain(services).chain(channels).chain(WORDS.map(str::to_owned));
+        let others = compared.chain(flags).chain(services).chain(WORDS.map(str::to_owned));
+        // Where a channel is named, every word is right: the others would only be in the way.
+        let names_channel = fits(before, UNHEARD_OF);
+        let all = others.filter(|_| !names_channel).chain(channels);
         let mut words: Vec<String> = Vec::new();
         for word in all.filter(|word| word.starts_with(begun) && word != begun) {
             if !words.contains(&word) && fits(before, &word) {

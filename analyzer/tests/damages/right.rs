@@ -176,8 +176,9 @@ impl Writer<'_> {
         self.variable(0x6002, 7, "rw", &format!("0x{:X}", steps * turns));
         let preset = self.dice.between(0, steps * turns - 1);
         self.variable(0x6003, 7, "rw", &format!("{preset}"));
-        self.variable(0x6501, 7, "ro", &format!("0x{steps:X}"));
-        self.variable(0x6502, 6, "ro", &format!("{turns}"));
+        let access = self.dice.of(&["ro", "const"]);
+        self.variable(0x6501, 7, access, &format!("0x{steps:X}"));
+        self.variable(0x6502, 6, access, &format!("{turns}"));
     }
 
     /// An integer within limits, and the bits of its type.

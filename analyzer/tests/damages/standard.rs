@@ -157,9 +157,11 @@ fn revolutions(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, "6502", wrong)
 }
 
-/// Sets the default or the high limit of a value that has room for more.
-fn beyond(eds: &mut Eds, dice: &mut Dice, name: &str, most: u64) -> Option<Place> {
-    let field = dice.of(&["DefaultValue", "HighLimit"]);
+/// Sets the default of a value that has room for more, or its high limit where what bounds it is constant.
+fn beyond(eds: &mut Eds, dice: &mut Dice, name: &str, most: u64, bounds: &[&str]) -> Option<Place> {
+    let access = |bound: &&str| eds.text_of(eds.header(bound)?, "AccessType");
+    let is_const = bounds.iter().all(|bound| access(bound) == Some("const"));
+    let field = if is_const { dice.of(&["DefaultValue", "HighLimit"]) } else { "DefaultValue" };
     // The highest values of the types are no limits.
     let value = dice.between(most + 1, 0x7FFF_FFFE);
     let header = eds.header(name)?;
@@ -172,17 +174,17 @@ fn measuring_range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     if positions >= 0x7FFF_0000 {
         return None;
     }
-    beyond(eds, dice, "6002", positions)
+    beyond(eds, dice, "6002", positions, &["6501", "6502"])
 }
 
 fn units(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     is_rotary(eds)?;
     let steps = number(eds, "6501")?;
-    beyond(eds, dice, "6001", steps)
+    beyond(eds, dice, "6001", steps, &["6501"])
 }
 
 fn preset(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     is_rotary(eds)?;
     let range = number(eds, "6002").filter(|range| (1..0x7FFF_0000).contains(range))?;
-    beyond(eds, dice, "6003", range - 1)
+    beyond(eds, dice, "6003", range - 1, &["6002"])
 }

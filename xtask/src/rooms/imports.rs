@@ -12,6 +12,8 @@ pub struct Imports {
     pub used: Vec<ModulePath>,
     /// Those that it passes on by `pub use`, by the name under which it does.
     pub passed_on: BTreeMap<String, ModulePath>,
+    /// The modules in it that are there for tests only.
+    pub tests: Vec<String>,
 }
 
 /// Reads the imports and the paths of a file.
@@ -31,8 +33,10 @@ impl<'ast> Visit<'ast> for Imports {
             Item::Use(item) => &item.attrs,
             _ => &[],
         };
-        if !attributes.iter().any(is_test) {
-            visit::visit_item(self, item);
+        match item {
+            _ if !attributes.iter().any(is_test) => visit::visit_item(self, item),
+            Item::Mod(module) => self.tests.push(module.ident.to_string()),
+            _ => {}
         }
     }
 

@@ -30,7 +30,17 @@ impl Crate {
                 }
             }
         }
+        read.leave_out_tests();
         Ok(read)
+    }
+
+    /// Leaves out the files whose module, or one around it, is declared for tests only.
+    fn leave_out_tests(&mut self) {
+        let declared = |(module, imports): (&ModulePath, &Imports)| -> Vec<ModulePath> {
+            imports.tests.iter().map(|name| [module.as_slice(), std::slice::from_ref(name)].concat()).collect()
+        };
+        let tests: Vec<ModulePath> = self.modules.iter().flat_map(declared).collect();
+        self.modules.retain(|module, _| !tests.iter().any(|test| module.starts_with(test)));
     }
 
     /// Adds a module with its text.

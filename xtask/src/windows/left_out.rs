@@ -51,7 +51,7 @@ fn behind_cfg(source: &str, declared: &str) -> Result<Vec<(String, String)>> {
     let lines: Vec<&str> = source.lines().collect();
     let mut found = Vec::new();
     for (at, line) in lines.iter().enumerate() {
-        let cfg = line.starts_with("#[cfg(unix)]") || line.starts_with("#[cfg(all(test, unix))]");
+        let cfg = line.starts_with("#[cfg(unix)]");
         let Some(name) = lines.iter().skip(at).find_map(|line| name(line, declared)).filter(|_| cfg) else { continue };
         let until = lines.iter().skip(at).take_while(|line| self::name(line, declared).is_none());
         let is_test = declared == "mod " || until.clone().any(|line| line.trim() == "#[test]");

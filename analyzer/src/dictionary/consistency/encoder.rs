@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::dictionary::names::ENCODER_PROFILE;
-use crate::dictionary::object::Setting;
+use crate::dictionary::object::{Access, Setting};
 use crate::dictionary::rules::{Rule, standard as rules};
 use crate::identity::Multiplexer;
 
@@ -27,25 +27,44 @@ pub(super) fn check(check: &mut Check<'_>) {
         };
         check.report(Multiplexer::new(0x6502, 0), "DefaultValue", &rules::REVOLUTIONS, expected, &number.to_string());
     }
-    if let Some(steps) = steps {
-        let expected = "measuring units up to the steps of a revolution (6501h)";
-        at_most(check, 0x6001, steps, &rules::UNITS, expected);
-    }
     let positions = steps.zip(revolutions).and_then(|(steps, revolutions)| steps.checked_mul(revolutions));
-    if let Some(positions) = positions {
+    // A description stands for all encoders of a family: what 6501h and 6502h read of one by default bounds no limits.
+    let is_of_all = [0x6501, 0x6502].map(|index| is_const(check, index));
+    if let Some(most) = steps {
+        let expected = "measuring units up to the steps of a revolution (6501h)";
+        at_most(check, 0x6001, Most { most, is_of_all: is_of_all[0] }, &rules::UNITS, expected);
+    }
+    if let Some(most) = positions {
         let expected = "a measuring range up to the steps of all revolutions (6501h times 6502h)";
-        at_most(check, 0x6002, positions, &rules::MEASURING_RANGE, expected);
+        let most = Most { most, is_of_all: is_of_all == [true; 2] };
+        at_most(check, 0x6002, most, &rules::MEASURING_RANGE, expected);
     }
     // What is scaled goes up to the measuring range, which is the device's own resolution if it has no other.
-    if let Some(last) = check.default(0x6002, 0).or(positions).and_then(|range| range.checked_sub(1)) {
-        at_most(check, 0x6003, last, &rules::PRESET, "a preset value below the total measuring range (6002h)");
+    if let Some(most) = check.default(0x6002, 0).or(positions).and_then(|range| range.checked_sub(1)) {
+        let most = Most { most, is_of_all: is_const(check, 0x6002) };
+        at_most(check, 0x6003, most, &rules::PRESET, "a preset value below the total measuring range (6002h)");
     }
 }
 
-/// The default and the highest value that the description allows are at most that.
-fn at_most(check: &mut Check<'_>, index: u16, most: u64, rule: &'static Rule, expected: &'static str) {
+/// A bound.
+#[derive(Clone, Copy)]
+struct Most {
+    most: u64,
+    /// Whether it is the same in all devices that the description stands for, whatever is set.
+    is_of_all: bool,
+}
+
+fn is_const(check: &Check<'_>, index: u16) -> bool {
+    let entry = check.description.dictionary.entry(Multiplexer::new(index, 0));
+    entry.is_ok_and(|entry| entry.access == Access::Const)
+}
+
+/// The default is at most that, and so is the highest value that the description allows where the bound is of all.
+fn at_most(check: &mut Check<'_>, index: u16, bound: Most, rule: &'static Rule, expected: &'static str) {
     let at = Multiplexer::new(index, 0);
-    for (field, value) in [("DefaultValue", check.default(index, 0)), ("HighLimit", high_limit(check, at))] {
+    let Most { most, is_of_all } = bound;
+    let limit = high_limit(check, at).filter(|_| is_of_all);
+    for (field, value) in [("DefaultValue", check.default(index, 0)), ("HighLimit", limit)] {
         if let Some(value) = value.filter(|&value| value > most) {
             check.report(at, field, rule, expected, &format!("{value}, where {most} is the most"));
         }

@@ -131,7 +131,7 @@ rules! {
     /// the total measuring range is larger than the encoder's resolution
     ///
     /// The steps of a revolution (6501h) times the number of revolutions (6502h) are all positions that there are; the
-    /// default of 6002h, or its HighLimit, is beyond that.
+    /// default of 6002h is beyond that, or its HighLimit where 6501h and 6502h are constant.
     ///
     /// # What to do
     ///
@@ -142,8 +142,8 @@ rules! {
 
     /// the measuring units per revolution are more than the encoder's resolution
     ///
-    /// The default of 6001h, or its HighLimit, is beyond the steps of a revolution (6501h): the position would count in steps
-    /// that the encoder does not see.
+    /// The default of 6001h is beyond the steps of a revolution (6501h), or its HighLimit where 6501h is constant: the
+    /// position would count in steps that the encoder does not see.
     ///
     /// # What to do
     ///
@@ -155,7 +155,7 @@ rules! {
     /// the preset value lies outside the measuring range
     ///
     /// The position counts from 0 up to the total measuring range (6002h), which is not reached. The default of 6003h, or its
-    /// HighLimit, lies beyond: a device refuses such a value with abort 0609 0030h.
+    /// HighLimit where 6002h is constant, lies beyond: a device refuses such a value with abort 0609 0030h.
     ///
     /// # What to do
     ///

@@ -1,4 +1,5 @@
 //! The bus of PEAK's adapters, on a stand-in for PEAK's library that behaves as the interface is documented.
+#![cfg(test)]
 #![cfg(any(windows, target_os = "linux"))]
 
 mod stand_in;

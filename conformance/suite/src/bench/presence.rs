@@ -157,6 +157,24 @@ impl Bench<'_> {
     }
 }
 
+/// A command of the user's, for the shell that the user types it into.
+fn shell(command: &str) -> std::process::Command {
+    #[cfg(windows)]
+    {
+        use std::os::windows::process::CommandExt;
+        // With /S it takes off these two quotation marks, and leaves those in the command alone.
+        let mut shell = std::process::Command::new("cmd");
+        shell.args(["/D", "/S", "/C"]).raw_arg(format!("\"{command}\""));
+        shell
+    }
+    #[cfg(not(windows))]
+    {
+        let mut shell = std::process::Command::new("sh");
+        shell.arg("-c").arg(command);
+        shell
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::scripted::{table, with_bench};
@@ -175,23 +193,5 @@ mod tests {
     #[test]
     fn without_an_answer_nobody_is_there() {
         assert_eq!(with_bench(table(&[]), |bench| bench.is_alone().unwrap()), Ok(()));
-    }
-}
-
-/// A command of the user's, for the shell that the user types it into.
-fn shell(command: &str) -> std::process::Command {
-    #[cfg(windows)]
-    {
-        use std::os::windows::process::CommandExt;
-        // With /S it takes off these two quotation marks, and leaves those in the command alone.
-        let mut shell = std::process::Command::new("cmd");
-        shell.args(["/D", "/S", "/C"]).raw_arg(format!("\"{command}\""));
-        shell
-    }
-    #[cfg(not(windows))]
-    {
-        let mut shell = std::process::Command::new("sh");
-        shell.arg("-c").arg(command);
-        shell
     }
 }

@@ -25,7 +25,8 @@ fn value(data_type: DataType, raw: u64, text: &str) -> Option<Value> {
     Some(match data_type.class()? {
         DataClass::VisibleString => {
             let latin_1: Vec<u8> = string?.chars().filter_map(|letter| u8::try_from(letter).ok()).collect();
-            Value::VisibleString(Some(latin_1).filter(|bytes| !bytes.is_empty() && bytes.trim_ascii() == bytes)?)
+            let stays = |bytes: &[u8]| !matches!(bytes, [] | [b';', ..]) && bytes.trim_ascii() == bytes;
+            Value::VisibleString(Some(latin_1).filter(|bytes| stays(bytes))?)
         }
         DataClass::UnicodeString => Value::UnicodeString(string?.encode_utf16().collect()),
         DataClass::OctetString => Value::OctetString(raw.to_le_bytes().to_vec()),

@@ -204,7 +204,7 @@ fn what_a_pdo_can_carry() {
 fn an_application_object_serves() {
     let known = |rows: Vec<Row>| with_bench(dictionary(rows), |bench| bench.application_scratch().unwrap());
     let area = row(0x6402, 0, &[0; 4]);
-    assert_eq!(known(vec![area.clone()]), Some(scratch(0x6402, 0, &[0; 4], &[0xE8, 3, 0, 0])));
+    assert_eq!(known(vec![area]), Some(scratch(0x6402, 0, &[0; 4], &[0xE8, 3, 0, 0])));
     assert_eq!(
         known(vec![row(0x6402, 1, &[0xE8, 3, 0, 0])]),
         Some(scratch(0x6402, 1, &[0xE8, 3, 0, 0], &[0xD0, 7, 0, 0]))
