@@ -1,6 +1,6 @@
 //! How fast canvass is, beside its peers, measured in the same run on the same frames.
 
-use crate::measure::{Cost, TIME, cost, machine, release};
+use crate::measure::{Cost, RUNS, TIME, best, best_of, machine, release};
 use crate::packages::{Package, install};
 use crate::peers::{PYTHON, install_all};
 use crate::run::run;
@@ -12,7 +12,6 @@ use std::process::{Command, Stdio};
 const FRAMES: u32 = 1_000_000;
 /// Python is given the first of them only, as it is slow.
 const FRAMES_FOR_PYTHON: u32 = 100_000;
-pub const RUNS: usize = 3;
 const READING_RUNS: &str = "15";
 /// tshark's JSON takes most of a minute.
 const SLOW_RUNS: usize = 1;
@@ -272,21 +271,6 @@ fn reported(command: &mut Command) -> Result<f64> {
         [frames, 0.0, nanos] if frames > 0.0 => Ok(frames / nanos * 1e3),
         _ => bail!("{command:?} says {text}"),
     }
-}
-
-/// The cheapest of several runs.
-pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
-    best_of(RUNS, command, input)
-}
-
-fn best_of(runs: usize, command: &[&str], input: Option<&str>) -> Result<Cost> {
-    let mut best: Option<Cost> = None;
-    for _ in 0..runs {
-        let input = input.map(File::open).transpose()?.map_or_else(Stdio::null, Stdio::from);
-        let cost = cost(command, input)?;
-        best = Some(best.filter(|best| best.cpu <= cost.cpu).unwrap_or(cost));
-    }
-    best.context("no run")
 }
 
 fn compare(name: &str, ours: f64, reference: f64) {

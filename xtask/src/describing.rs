@@ -2,7 +2,7 @@
 
 mod editor;
 
-use crate::bench::best;
+use crate::measure::best;
 use crate::measure::release;
 use crate::run::run;
 use anyhow::{Context, Result};

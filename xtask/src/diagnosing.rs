@@ -1,7 +1,7 @@
 //! How long a diagnosis takes: beside decoding the same frames, and of hours of a healthy bus.
 
-use crate::bench::{best, capture};
-use crate::measure::{cost, release};
+use crate::bench::capture;
+use crate::measure::{best, cost, release};
 use anyhow::{Result, ensure};
 use std::fs::File;
 use std::process::{Command, Stdio};

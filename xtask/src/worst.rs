@@ -1,7 +1,7 @@
 //! What traffic costs that costs as much as any: beside the usual one, in time for each frame and in memory.
 
-use crate::bench::{best, build};
-use crate::measure::{TIME, machine, release};
+use crate::bench::build;
+use crate::measure::{TIME, best, machine, release};
 use crate::packages::install;
 use anyhow::{Result, ensure};
 use std::fs::{self, File};

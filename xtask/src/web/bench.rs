@@ -2,8 +2,9 @@
 //! asserted: times depend on what else the machine does.
 
 use super::browser::{Browser, Opened, Screen};
-use crate::bench::{RUNS, capture, make};
+use crate::bench::{capture, make};
 use crate::browser;
+use crate::measure::RUNS;
 use crate::measure::{TIME, cost, machine, release};
 use crate::packages::install;
 use anyhow::{Context, Result};
