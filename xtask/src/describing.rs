@@ -2,8 +2,7 @@
 
 mod editor;
 
-use crate::measure::best;
-use crate::measure::release;
+use crate::measure::{best, release};
 use crate::run::run;
 use anyhow::{Context, Result};
 use editor::Editor;
