@@ -147,12 +147,10 @@ impl Browser {
         self.run(&format!(
             "document.querySelector('{selector}').scrollIntoView({{ block: 'center', behavior: 'instant' }})"
         ));
-        let bounds = self.run(&format!(
-            "const box = document.querySelector('{selector}').getBoundingClientRect(); \
-             return [box.left, box.top + box.height / 2, box.width]"
-        ));
-        let [left, middle, width] = [0, 1, 2].map(|at| bounds[at].as_f64().unwrap());
-        let moved = |part: f64| json!({ "type": "pointerMove", "duration": 50, "x": (left + width * part) as i64, "y": middle as i64 });
+        let width = self.number(&format!("return document.querySelector('{selector}').getBoundingClientRect().width"));
+        // From its middle: counted from the window's corner, a frame within the page would be somewhere else.
+        let origin = json!({ ELEMENT: self.find(selector) });
+        let moved = |part: f64| json!({ "type": "pointerMove", "duration": 50, "origin": origin, "x": (width * (part - 0.5)) as i64, "y": 0 });
         let pause = json!({ "type": "pause" });
         let key = |kind: &str| if with_shift { json!({ "type": kind, "value": "\u{E008}" }) } else { pause.clone() };
         let keys = json!([pause, key("keyDown"), pause, pause, pause, pause, key("keyUp")]);

@@ -138,7 +138,7 @@ function ofViolation(one) {
     facts([["Property", one.title], ["Rule", one.rule], ["Expected", one.expected], ["Found", one.actual], ["Confirmed", one.confirmed ? "whenever it is repeated" : "no, it was seen once"]]),
     frames("The shortest sequence", one.frames),
     frames("On the bus", one.evidence),
-    element("h3", {}, "To be sent again, as a candump log"),
+    element("h2", {}, "To be sent again, as a candump log"),
     element("pre", {}, one.log ?? ""),
   ];
 }
@@ -147,7 +147,7 @@ function frames(title, rows) {
   if (list(rows).length === 0) return null;
   const id = (one) => (typeof one.id === "number" ? one.id.toString(16).toUpperCase().padStart(3, "0") : one.id);
   const seconds = (one) => (typeof one.t === "number" ? (one.t / 1e9).toFixed(6) : "");
-  return element("div", {}, element("h3", {}, title), table(["Time [s]", "", "CAN-ID", "Data", "Meaning"], rows.map((one) => [seconds(one), one.direction, id(one), one.data, one.text]), { class: "evidence" }));
+  return element("div", {}, element("h2", {}, title), table(["Time [s]", "Direction", "CAN-ID", "Data", "Meaning"], rows.map((one) => [seconds(one), one.direction, id(one), one.data, one.text]), { class: "evidence" }));
 }
 
 /** What it says in full is made when it is opened. */

@@ -106,7 +106,7 @@ export function signalsView(app, root) {
     if (columns !== chosen || at.some((seconds, n) => seconds !== marks[n])) return;
     const cell = (value) => element("td", { class: "number" }, value === null ? "" : String(rounded(value)));
     const row = (name, [a, b]) => element("tr", {}, element("th", { scope: "row" }, name), cell(a), cell(b), cell(a === null || b === null ? null : b - a));
-    const head = element("tr", {}, ["", "A", "B", "B − A"].map((name) => element("th", { scope: "col" }, name)));
+    const head = element("tr", {}, ["Signal", "A", "B", "B − A"].map((name) => element("th", { scope: "col" }, name)));
     const rows = columns.map((n, index) => row(known.columns[n].name, values[index]));
     readings.replaceChildren(element("thead", {}, head), element("tbody", {}, row("time [s]", at), ...rows));
   }
