@@ -192,9 +192,9 @@ mod tests {
 
     #[test]
     fn numbers_stand_before_the_endings() {
-        let shown = |path: &str, number| numbered(Path::new(path), number).display().to_string();
-        assert_eq!(shown("x/out.log.gz", 1), "x/out-0001.log.gz");
-        assert_eq!(shown("out", 12_345), "out-12345");
-        assert_eq!(shown(".hidden.log", 2), ".hidden-0002.log");
+        let of = |path: &str, number| numbered(Path::new(path), number);
+        assert_eq!(of("x/out.log.gz", 1), Path::new("x/out-0001.log.gz"));
+        assert_eq!(of("out", 12_345), Path::new("out-12345"));
+        assert_eq!(of(".hidden.log", 2), Path::new(".hidden-0002.log"));
     }
 }
