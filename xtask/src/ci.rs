@@ -6,7 +6,7 @@ use crate::consent;
 use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
-use crate::vcan;
+use crate::{vcan, web, windows};
 use anyhow::{Result, bail};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check"
 const BUILD: CiStep = CiStep { name: "build", alone: "cargo build --workspace --locked", run: build };
 const TESTS: CiStep = CiStep { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
 
-const STEPS: [CiStep; 11] = [
+const STEPS: [CiStep; 13] = [
     FORMAT,
     BUILD,
     TESTS,
@@ -42,8 +42,10 @@ const STEPS: [CiStep; 11] = [
     CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
+    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: web::step },
+    CiStep { name: "Windows", alone: "cargo xtask windows", run: windows::step },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
-    CiStep { name: "attack", alone: "cargo xtask attack --for 90s", run: attacked },
+    CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
     CiStep { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
 ];
 
@@ -132,7 +134,7 @@ fn on_vcan() -> Result<()> {
 }
 
 fn attacked() -> Result<()> {
-    attack(&["--for".to_owned(), "90s".to_owned()])
+    attack(&["--for".to_owned(), "45s".to_owned()])
 }
 
 /// All cases and properties against all faults and liberties, and the fuzzer against all faults. The tests try a part of it.

@@ -8,10 +8,10 @@ use std::process::Command;
 use std::sync::Mutex;
 
 /// How long each target runs, in seconds.
-const SECONDS: u32 = 30;
+const SECONDS: u32 = 15;
 
 /// A description has many more paths than the others.
-const LONG: (&str, u32) = ("description", 60);
+const LONG: (&str, u32) = ("description", 30);
 
 /// The largest piece of memory, in MiB, that any input may make a target ask for: a length that is believed before it is
 /// looked at asks for more. A container or chunk of a capture may have 32, in a buffer that grows to 64.
