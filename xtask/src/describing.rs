@@ -74,7 +74,7 @@ fn edit(path: &str) -> Result<()> {
     editor.measured("edits of a place", |editor| editor.ask_actions(middle))?;
     editor.measured("outline", Editor::ask_outline)?;
     // A section that is being written.
-    editor.change(middle, "[10")?;
+    editor.write(middle, "[10")?;
     editor.measured("completion of an object", |editor| editor.ask_at("textDocument/completion", (middle, 3)))?;
     editor.end()
 }

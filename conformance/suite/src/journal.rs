@@ -57,9 +57,7 @@ impl Journal {
         let _ = writeln!(text, "operational {}", if head.operational { "yes" } else { "no" });
         head.dictionary.iter().for_each(|(multiplexer, value)| value_line(&mut text, *multiplexer, value));
         text.push_str("begun\n");
-        let mut file = File::options().write(true).create_new(true).open(path)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
+        let file = begin(path, text.as_bytes())?;
         let known = head.dictionary.iter().map(|(multiplexer, _)| *multiplexer).collect();
         Ok(Self { path: path.to_owned(), file, known, open: false, stores: false })
     }
@@ -104,6 +102,29 @@ impl Journal {
     fn append(&mut self, lines: &str) -> io::Result<()> {
         self.file.write_all(lines.as_bytes())?;
         self.file.sync_data()
+    }
+}
+
+/// A file that is there with these bytes or not at all, whenever the run is killed; not in place of another.
+fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let new = PathBuf::from(name);
+    let mut file = File::create(&new)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    let linked = fs::hard_link(&new, path);
+    fs::remove_file(&new)?;
+    match linked {
+        Ok(()) => Ok(file),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
+        // Not every file system gives a file two names.
+        Err(_) => {
+            let mut file = File::options().write(true).create_new(true).open(path)?;
+            file.write_all(bytes)?;
+            file.sync_all()?;
+            Ok(file)
+        }
     }
 }
 
@@ -244,7 +265,10 @@ mod tests {
         for cut in FIRST_LINE.len() + 1..text.len() {
             assert!(Interrupted::read(&text[..cut]).is_ok(), "cut at {cut}");
         }
+        // A run that was killed before its journal had its name.
+        fs::write(folder.path().join("journal.new"), "canvass").unwrap();
         assert!(Journal::create(&path, &head(&[])).is_err(), "an earlier run's is kept");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
         journal.remove().unwrap();
         assert!(!path.exists());
     }

@@ -56,10 +56,15 @@ impl Editor {
         Ok(())
     }
 
-    /// Writes another line in place of one; until the findings of that are there.
+    /// Writes a line that was not there before in place of one; until the findings of that are there.
     pub fn change(&mut self, line: usize, text: &str) -> Result<()> {
+        self.write(line, &format!("{text} {}", self.version + 1))
+    }
+
+    /// Writes another line in place of one; until the findings of that are there.
+    pub fn write(&mut self, line: usize, text: &str) -> Result<()> {
         self.version += 1;
-        let text = format!("{text} {}\n", self.version);
+        let text = format!("{text}\n");
         let range = json!({ "start": { "line": line, "character": 0 }, "end": { "line": line + 1, "character": 0 } });
         let document = json!({ "uri": URI, "version": self.version });
         let changes = json!([{ "range": range, "text": text }]);
