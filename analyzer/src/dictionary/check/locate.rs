@@ -6,7 +6,7 @@ use crate::dictionary::problem::EdsProblem;
 use crate::dictionary::rules;
 use std::ops::Range;
 
-pub(super) use crate::dictionary::eds::canonical;
+pub(super) use crate::dictionary::eds::is_same;
 
 /// The problem with its place.
 pub(super) fn locate(problem: EdsProblem, source: &Source<'_>) -> Finding {
@@ -31,11 +31,10 @@ fn span(problem: &EdsProblem, source: &Source<'_>) -> Option<Range<usize>> {
     if problem.field.is_empty() {
         return Some(source.line(line));
     }
-    let name = canonical(&problem.field);
     let lines = std::iter::once(line).chain(source.section_lines(line).take_while(|_| source.is_section(line)));
     for candidate in lines {
         let Some(field) = source.field(candidate) else { continue };
-        if canonical(source.get(&field.name)) == name {
+        if is_same(source.get(&field.name), &problem.field) {
             let is_about_name = ABOUT_NAMES.contains(&problem.rule) || field.value.is_empty();
             return Some(if is_about_name { field.name } else { field.value });
         }

@@ -66,20 +66,19 @@ impl<'a> Source<'a> {
     /// The range without blanks at both ends; its beginning if there is nothing else.
     pub(in crate::dictionary) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
         let text = self.get(&range);
-        let is_blank = |character: char| character.is_whitespace() || character == '\0';
-        if text.chars().all(is_blank) {
+        let rest = text.trim_start_matches(is_blank);
+        if rest.is_empty() {
             return range.start..range.start;
         }
-        let begin = range.start + (text.len() - text.trim_start_matches(is_blank).len());
-        let length = text.trim_matches(is_blank).len();
-        begin..begin + length
+        let begin = range.start + (text.len() - rest.len());
+        begin..begin + rest.trim_end_matches(is_blank).len()
     }
 
     /// Name and value of a line, if it is a field.
     pub(in crate::dictionary) fn field(&self, number: u32) -> Option<FieldSpans> {
         let line = self.line(number);
         let text = self.get(&line);
-        if text.starts_with([';', '[', '#']) {
+        if matches!(text.as_bytes(), [b';' | b'[' | b'#', ..]) {
             return None;
         }
         let equals = line.start + text.find('=')?;
@@ -88,7 +87,7 @@ impl<'a> Source<'a> {
 
     /// Whether a line begins a section.
     pub(in crate::dictionary) fn is_section(&self, number: u32) -> bool {
-        self.get(&self.line(number)).starts_with('[')
+        self.get(&self.whole_line(number)).trim_start_matches(is_blank).as_bytes().first() == Some(&b'[')
     }
 
     /// The lines of the section that begins in that line, without that line.
@@ -96,13 +95,13 @@ impl<'a> Source<'a> {
         (header + 1..=self.lines()).take_while(|&line| !self.is_section(line))
     }
 
-    /// The line in which the section of that name begins, the names as [`super::locate::canonical`] has them.
+    /// The line in which the section of that name begins, the names as [`super::locate::is_same`] has them.
     pub(super) fn section(&self, name: &str) -> Option<u32> {
-        let wanted = super::locate::canonical(name);
         (1..=self.lines()).find(|&line| {
-            let text = self.get(&self.line(line));
-            let name = text.strip_prefix('[').and_then(|rest| rest.split(']').next());
-            name.is_some_and(|name| super::locate::canonical(name) == wanted)
+            let text = self.get(&self.whole_line(line)).trim_start_matches(is_blank);
+            let is_header = text.as_bytes().first() == Some(&b'[');
+            let begun = text.get(1..).filter(|_| is_header).and_then(|rest| rest.split([']', '\r', '\n']).next());
+            begun.is_some_and(|begun| super::locate::is_same(begun, name))
         })
     }
 
@@ -118,4 +117,9 @@ impl<'a> Source<'a> {
         let start = line.checked_sub(1).and_then(|line| self.starts.get(line)).copied().unwrap_or(0);
         (line as u32, self.get(&(start..at)).chars().count() as u32 + 1)
     }
+}
+
+/// What stands around a line or a field and is not meant.
+fn is_blank(character: char) -> bool {
+    character.is_whitespace() || character == '\0'
 }

@@ -31,7 +31,7 @@ impl<'s> Fields<'s, '_> {
 
     /// A number from 0 to `most`, in any of the allowed forms; `None` if the field is missing, empty or wrong.
     pub fn number(&mut self, field: &str, most: u32) -> Option<u32> {
-        let text = self.optional_text(field).filter(|text| !text.is_empty() && !text.starts_with(';'))?;
+        let text = self.optional_text(field).filter(|text| !is_nothing(text))?;
         let Some(number) = number::parse(text).filter(|number| !number.plus_node_id) else {
             self.report(field, &number_rules::UNREADABLE, "a number", text);
             return None;
@@ -63,8 +63,9 @@ impl<'s> Fields<'s, '_> {
 
     /// A value of that data type, or a formula; `None` if the field is missing, empty or wrong.
     pub fn setting(&mut self, field: &str, data_type: DataType) -> Option<Setting> {
-        let text = self.optional_text(field)?;
-        setting(text, data_type, self.section.place(field), self.problems)
+        let found = self.section.field(field)?;
+        let place = Place { line: found.line, section: self.section.name, field };
+        setting(found.value, data_type, place, self.problems)
     }
 
     /// Reports fields that the section should not have.
@@ -80,6 +81,11 @@ impl<'s> Fields<'s, '_> {
     }
 }
 
+/// Nothing, or only a comment.
+fn is_nothing(text: &str) -> bool {
+    matches!(text.as_bytes(), [] | [b';', ..])
+}
+
 /// The text as a value of that data type, or a formula; `None` if it is empty or wrong.
 pub(in crate::dictionary) fn setting(
     text: &str,
@@ -88,7 +94,7 @@ pub(in crate::dictionary) fn setting(
     problems: &mut Problems,
 ) -> Option<Setting> {
     let text = text.trim();
-    if text.is_empty() || text.starts_with(';') {
+    if is_nothing(text) {
         return None;
     }
     let value = match data_type.class()? {

@@ -30,8 +30,12 @@ pub(super) struct Section<'a> {
     pub name: &'a str,
     pub line: u32,
     pub fields: Vec<Field<'a>>,
+    /// Once there are more than [`FEW`]; fewer are looked through one by one, which is faster.
     by_name: HashMap<String, usize>,
 }
+
+/// A section that describes an object has no more fields.
+const FEW: usize = 16;
 
 /// `name=value`.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +57,25 @@ impl<'a> Document<'a> {
 impl<'a> Section<'a> {
     /// The field of that name, in any case.
     pub fn field(&self, name: &str) -> Option<Field<'a>> {
+        if self.fields.len() <= FEW {
+            return self.fields.iter().find(|field| is_same(field.name, name)).copied();
+        }
         self.fields.get(*self.by_name.get(&canonical(name))?).copied()
+    }
+
+    /// Takes a field; gives the first one of that name if there is one.
+    fn add(&mut self, field: Field<'a>) -> Option<Field<'a>> {
+        if let Some(first) = self.field(field.name) {
+            return Some(first);
+        }
+        if self.fields.len() == FEW {
+            self.by_name = self.fields.iter().enumerate().map(|(at, field)| (canonical(field.name), at)).collect();
+        }
+        if self.fields.len() >= FEW {
+            self.by_name.insert(canonical(field.name), self.fields.len());
+        }
+        self.fields.push(field);
+        None
     }
 
     /// Where a field stands, or would stand.
@@ -65,7 +87,26 @@ impl<'a> Section<'a> {
 
 /// Names are compared in lower case and without blanks.
 pub(in crate::dictionary) fn canonical(name: &str) -> String {
+    if name.is_ascii() {
+        let mut same: String = name.chars().filter(|character| !character.is_whitespace()).collect();
+        same.make_ascii_lowercase();
+        return same;
+    }
     name.chars().filter(|character| !character.is_whitespace()).flat_map(char::to_lowercase).collect()
+}
+
+/// Whether two names are [`canonical`]ly the same. Nearly all names have neither blanks nor other letters.
+pub(in crate::dictionary) fn is_same(one: &str, other: &str) -> bool {
+    // Most names differ in their first letter.
+    if let ([first, ..], [second, ..]) = (one.as_bytes(), other.as_bytes())
+        && first.is_ascii_graphic()
+        && second.is_ascii_graphic()
+        && !first.eq_ignore_ascii_case(second)
+    {
+        return false;
+    }
+    let is_plain = |name: &str| name.bytes().all(|byte| byte.is_ascii_graphic());
+    one.eq_ignore_ascii_case(other) || !(is_plain(one) && is_plain(other)) && canonical(one) == canonical(other)
 }
 
 /// All sections of the text.
@@ -94,20 +135,21 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
             problems.report(place, &rules::text::CONTROL, "no control characters", line);
         }
         let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
-        if line.is_empty() || line.starts_with(';') {
+        let Some(&first) = line.as_bytes().first() else { continue };
+        if first == b';' {
             continue;
         }
-        if line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ") {
+        if matches!(first, b'<' | b'>') && (line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ")) {
             let place = Place { line: number, ..Place::default() };
             problems.report(place, &rules::text::CONFLICT, "one side of the merge conflict", line);
             continue;
         }
         used += 1;
-        if let Some(rest) = line.strip_prefix('[') {
+        if let (b'[', Some(rest)) = (first, line.get(1..)) {
             current = begin_section(&mut document, rest, number, problems);
             continue;
         }
-        if line.starts_with('#') || line.starts_with("//") {
+        if first == b'#' || first == b'/' && line.starts_with("//") {
             let place = Place { line: number, ..Place::default() };
             problems.report(place, &rules::text::COMMENT, "a comment to begin with ;", line);
             continue;
@@ -180,16 +222,10 @@ fn field<'a>(section: Option<&mut Section<'a>>, text: &'a str, line: u32, proble
     let (name, value) = (name.trim(), value.trim());
     // The fields of a section that occurs again have been reported with the section.
     let Some(section) = section else { return };
-    match section.by_name.entry(canonical(name)) {
-        Entry::Occupied(first) => {
-            let place = Place { line, section: section.name, field: name };
-            let same = section.fields.get(*first.get()).is_some_and(|first| first.value == value);
-            let rule = if same { &rules::field::REPEATED } else { &rules::field::TWICE };
-            problems.report(place, rule, "a field once; the first counts", value);
-        }
-        Entry::Vacant(vacant) => {
-            vacant.insert(section.fields.len());
-            section.fields.push(Field { name, value, line });
-        }
+    let field = Field { name, value, line };
+    if let Some(first) = section.add(field) {
+        let place = Place { line, section: section.name, field: name };
+        let rule = if first.value == value { &rules::field::REPEATED } else { &rules::field::TWICE };
+        problems.report(place, rule, "a field once; the first counts", value);
     }
 }

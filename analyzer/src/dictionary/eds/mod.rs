@@ -17,7 +17,7 @@ mod unkept;
 mod write;
 
 pub(super) use fields::setting;
-pub(super) use lexer::canonical;
+pub(super) use lexer::is_same;
 pub(super) use lists::list_of;
 pub(super) use objects::access_of_habit;
 use section_name::SectionName;
