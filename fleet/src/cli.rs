@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use crate::commands::{executor, ingest, scheduler, schema, sql};
+use crate::commands::{executor, ingest, report, scheduler, schema, sql};
 use crate::status::{Failure, Status};
 use canvass_fleet::cluster::codec::absolute;
 use canvass_fleet::cluster::{ClusterError, client};
@@ -25,6 +25,7 @@ pub struct Cli {
 enum Command {
     Sql(sql::Args),
     Ingest(ingest::Args),
+    Report(report::Args),
     Schema(schema::Args),
     Scheduler(scheduler::Args),
     Executor(executor::Args),
@@ -36,6 +37,7 @@ impl Cli {
         match self.command {
             Command::Sql(args) => args.run().await,
             Command::Ingest(args) => args.run().await,
+            Command::Report(args) => args.run().await,
             Command::Schema(args) => args.run(),
             Command::Scheduler(args) => args.run().await,
             Command::Executor(args) => args.run().await,

@@ -6,6 +6,7 @@
 //! - [`filter`]: what is asked before a row is made;
 //! - [`lake`]: captures and results as Parquet;
 //! - [`render`]: answers as tables, JSON, CSV, Parquet and Arrow;
+//! - [`report`]: what a lake tells, for a page;
 //! - [`scan`]: captures as tables of the query engine;
 //! - [`devices`]: which device a node is;
 //! - [`stores`]: object stores;
@@ -20,6 +21,7 @@ pub mod devices;
 pub mod filter;
 pub mod lake;
 pub mod render;
+pub mod report;
 pub mod scan;
 pub mod session;
 pub mod stores;

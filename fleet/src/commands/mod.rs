@@ -2,6 +2,7 @@
 
 pub mod executor;
 pub mod ingest;
+pub mod report;
 pub mod scheduler;
 pub mod schema;
 pub mod server;

@@ -1,7 +1,7 @@
 //! A run: which files are new, what they give, and commits on the way.
 
 use super::plan::{IngestSpec, IngestTable};
-use super::{Entry, LakeError, Location, Snapshot, rules};
+use super::{Entry, LakeError, Location, Snapshot, leftovers, rules};
 use crate::capture::{Access, CaptureFile, find};
 use crate::devices::Devices;
 use crate::scan::{ScanError, partitions};
@@ -79,7 +79,7 @@ impl Ingest {
         files.dedup_by(|one, other| one.name == other.name);
         let location = Location::of(&self.lake, &runtime)?;
         let mut run = Run::begin(location, rules(&self.devices)).await?;
-        run.forget_strays().await?;
+        leftovers::delete(&run.location, run.snapshot.entries.values()).await?;
         let access = Access::new(runtime, Handle::current());
         let todo = run.plan(files, &access, self.rehash).await?;
         run.execute(self, session, todo, tell).await?;
@@ -103,25 +103,6 @@ impl Run {
         snapshot.begin(&location).await?;
         let (summary, waiting) = (Summary::default(), Vec::new());
         Ok(Self { location, snapshot, rules, summary, waiting, waiting_since: Instant::now() })
-    }
-
-    /// Deletes what a run that was killed has left: files that no entry tells of.
-    async fn forget_strays(&self) -> Result<()> {
-        let parts = self.snapshot.entries.values().flat_map(|entry| &entry.parts);
-        let known: BTreeSet<String> = parts.map(|part| self.location.path(&part.path()).to_string()).collect();
-        for table in crate::table::Table::ALL {
-            let folder = self.location.path(table.name());
-            let listed = self.location.store.list(Some(&folder));
-            let strays = listed.try_filter(|object| {
-                let is_stray = !known.contains(object.location.as_ref());
-                async move { is_stray }
-            });
-            let strays: Vec<_> = strays.try_collect().await.map_err(LakeError::from)?;
-            for stray in strays {
-                self.location.store.delete(&stray.location).await.map_err(LakeError::from)?;
-            }
-        }
-        Ok(())
     }
 
     /// The files that have to be read. What is known is counted, copies are noted.

@@ -6,7 +6,7 @@ use datafusion::execution::object_store::ObjectStoreUrl;
 use datafusion::execution::runtime_env::RuntimeEnv;
 use object_store::ObjectStore;
 use object_store::path::Path as ObjectPath;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use url::Url;
 
@@ -37,6 +37,11 @@ impl Location {
         let store = runtime.object_store_registry.get_store(&url).map_err(|error| wrong(error.to_string()))?;
         let root = ObjectPath::from_url_path(url.path()).map_err(|error| wrong(error.to_string()))?;
         Ok(Self { url, store, root })
+    }
+
+    /// Its folder, where it is one of this computer.
+    pub fn folder(&self) -> Option<PathBuf> {
+        if self.url.scheme() == "file" { self.url.to_file_path().ok() } else { None }
     }
 
     /// A path in the lake.

@@ -32,7 +32,8 @@ pub struct Snapshot {
     pub entries: BTreeMap<String, Entry>,
 }
 
-const FOLDER: &str = "log";
+/// Where the commits are.
+pub const FOLDER: &str = "log";
 
 fn name(version: u64) -> String {
     format!("{FOLDER}/{version:020}.json")

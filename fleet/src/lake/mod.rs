@@ -2,6 +2,7 @@
 
 mod entry;
 mod ingest;
+mod leftovers;
 mod location;
 mod log;
 mod one_file;
@@ -46,6 +47,14 @@ pub enum LakeError {
     /// Somebody else writes.
     #[error("the lake at {0} changes too quickly to be read: try again")]
     Changing(String),
+    /// A folder of the lake can't be read or written.
+    #[error("can't clear away in {folder}: {source}", folder = folder.display())]
+    Folder {
+        /// The folder.
+        folder: std::path::PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
     /// The store gave an error.
     #[error("the lake's store: {0}")]
     Store(#[from] object_store::Error),

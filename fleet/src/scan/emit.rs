@@ -32,6 +32,13 @@ pub struct Wanted<'a> {
     pub batch_rows: usize,
 }
 
+impl Wanted<'_> {
+    /// Whether a column's value matters: it is wanted, or tested.
+    pub fn asks<R: Rows>(&self, name: &str) -> bool {
+        R::asks(self.columns, name) || self.tests.iter().any(|test| test.column == name)
+    }
+}
+
 /// Takes the rows of a table.
 pub struct Emitter<'a, R: Rows> {
     builder: BatchBuilder<R>,

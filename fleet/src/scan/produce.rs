@@ -7,7 +7,6 @@ use crate::capture::{Access, CaptureFile, Reading, Seen, Unreadable};
 use crate::devices::Devices;
 use crate::table::Table;
 use crate::table::captures::{CaptureRow, Captures};
-use crate::table::column::Rows as _;
 use crate::table::events::Events;
 use crate::table::frames::{FrameRow, Frames};
 use crate::table::messages::Messages;
@@ -57,8 +56,9 @@ fn capture(
     wanted: Wanted<'_>,
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
+    let hashes = wanted.asks::<Captures>("sha256");
     let mut emitter = Emitter::<Captures>::new(wanted, outlet);
-    let opened = Reading::open(source.access, file, Captures::asks(wanted.columns, "sha256"))?;
+    let opened = Reading::open(source.access, file, hashes)?;
     let mut reading = match opened {
         Ok(reading) => reading,
         Err(unreadable) => {
