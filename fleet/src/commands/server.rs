@@ -8,8 +8,12 @@ use log::{LevelFilter, Log, Metadata, Record};
 #[derive(clap::Args)]
 pub struct Logging {
     /// How much is told on standard error: off, error, warn, info, debug or trace
-    #[arg(long, value_name = "LEVEL", default_value = "info")]
+    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = parse_level)]
     log: LevelFilter,
+}
+
+fn parse_level(text: &str) -> Result<LevelFilter, String> {
+    text.parse().map_err(|_| "expected off, error, warn, info, debug or trace".to_owned())
 }
 
 struct Lines;
