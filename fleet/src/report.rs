@@ -2,10 +2,10 @@
 
 use crate::views::VIEWS;
 use canvass_reports::fleet::{Fleet, Line, Plot, Question};
+use datafusion::arrow::array::AsArray as _;
 use datafusion::arrow::array::{Array, ArrayRef, RecordBatch};
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use datafusion::arrow::array::AsArray as _;
 use datafusion::arrow::error::ArrowError;
 use datafusion::arrow::util::display::{ArrayFormatter, FormatOptions};
 use datafusion::error::Result;
@@ -16,7 +16,10 @@ const TOTALS: [(&str, &str); 6] = [
     ("Captures", "SELECT count(*) FROM captures"),
     ("not readable to their end", "SELECT count(*) FROM captures WHERE reason IS NOT NULL"),
     ("Frames", "SELECT coalesce(sum(frames), 0) FROM captures"),
-    ("Devices with an identity", "SELECT count(*) FROM (SELECT DISTINCT vendor_id, product_code, serial_number FROM nodes WHERE serial_number IS NOT NULL)"),
+    (
+        "Devices with an identity",
+        "SELECT count(*) FROM (SELECT DISTINCT vendor_id, product_code, serial_number FROM nodes WHERE serial_number IS NOT NULL)",
+    ),
     ("Findings", "SELECT count(*) FROM findings"),
     ("Test runs", "SELECT count(*) FROM runs"),
 ];
@@ -96,7 +99,9 @@ async fn rows(session: &SessionContext, statement: &str) -> Result<Rows> {
     let mut rows = Vec::new();
     for batch in answer.collect().await? {
         let texts = batch.columns().iter().map(texts).collect::<Result<Vec<_>, _>>()?;
-        rows.extend((0..batch.num_rows()).map(|row| texts.iter().map(|column| column[row].clone()).collect::<Vec<_>>()));
+        rows.extend(
+            (0..batch.num_rows()).map(|row| texts.iter().map(|column| column[row].clone()).collect::<Vec<_>>()),
+        );
     }
     Ok((columns, rows))
 }

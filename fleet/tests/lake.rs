@@ -84,6 +84,14 @@ fn fill(folder: &Path) {
     }
 }
 
+/// A capture of a format that tells the bit rate.
+fn with_bit_rate() -> String {
+    let head = "ASCII Trace IXXAT MiniMon V3  Version: 1.1.4.4533\nDate: 28.01.2025\nStart time: 10:47:15\nStop time: \
+                23:00:00\nOverruns: 0\nBaudrate: 250 kbit/s\n\"Time\";\"Identifier (hex)\";\"Format\";\"Flags\";\"Data (hex)\"\n";
+    let frame = |n: u32| format!("\"10:47:15.{n:03}\";\"185\";\"Std\";\"\";\"01 02 03 04 05 06 07 08 \"\n");
+    head.to_owned() + &(0..100).map(frame).collect::<String>()
+}
+
 fn result(verdict: &str, version: &str) -> String {
     let month = if version == "1.0" { 1 } else { 2 };
     serde_json::json!({
@@ -201,6 +209,7 @@ async fn two_runs_at_a_time_do_not_mix() {
 async fn the_usual_questions_are_answered() {
     let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     fill(source.path());
+    std::fs::write(source.path().join("bit-rate.csv"), with_bit_rate()).unwrap();
     ingest(source.path(), lake.path()).await;
     let session = open(lake.path()).await;
     for view in views::VIEWS {
@@ -210,8 +219,14 @@ async fn the_usual_questions_are_answered() {
     assert_eq!((first_bad.len(), &first_bad[0]["first_bad"]), (1, &"2.0".into()), "{first_bad:?}");
     let aborts = rows(&session, "SELECT * FROM sdo_aborts").await;
     assert!(aborts.iter().any(|row| row["abort_code"] == 0x0602_0000), "{aborts:?}");
-    let load = rows(&session, "SELECT * FROM bus_load WHERE load_percent > 0").await;
-    assert!(!load.is_empty());
+    let load = rows(&session, "SELECT * FROM bus_load WHERE load_percent IS NOT NULL").await;
+    assert_eq!(
+        (load.len(), &load[0]["bit_rate"]),
+        (1, &250_000.into()),
+        "no other capture tells its bit rate: {load:?}"
+    );
+    let percent = load[0]["load_percent"].as_f64().unwrap();
+    assert!((40.0..60.0).contains(&percent), "a frame of 111 to 135 bits each millisecond: {percent}");
 }
 
 #[tokio::test(flavor = "multi_thread")]

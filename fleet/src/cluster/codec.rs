@@ -3,7 +3,7 @@
 use crate::capture::{CaptureFile, is_url};
 use crate::devices::Devices;
 use crate::lake::{IngestScan, IngestSpec, IngestTable, LakeSpec, LakeTable};
-use crate::scan::{CaptureScan, CaptureTable, Files, ScanSpec};
+use crate::scan::{CaptureScan, CaptureTable, Files, ScanSpec, files};
 use crate::table::{SCHEMA_VERSION, Table};
 use ballista_core::serde::{BallistaLogicalExtensionCodec, BallistaPhysicalExtensionCodec};
 use datafusion::arrow::datatypes::SchemaRef;
@@ -47,10 +47,15 @@ pub enum SentTable {
     /// One of a lake.
     Lake(LakeSpec),
     /// An ingest.
-    Ingest(IngestSpec),
+    Ingest {
+        /// What is done.
+        spec: IngestSpec,
+        /// The files of each partition.
+        partitions: Vec<Vec<CaptureFile>>,
+    },
 }
 
-/// A plan on its way to an executor.
+/// A plan on its way to an executor; the files that it reads are its input.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum SentPlan {
     /// Captures are read.
@@ -74,7 +79,8 @@ impl SentTable {
         if let Some(table) = table.downcast_ref::<LakeTable>() {
             return Ok(Some(Self::Lake(table.spec())));
         }
-        Ok(table.downcast_ref::<IngestTable>().map(|table| Self::Ingest(table.spec().clone())))
+        let ingest = table.downcast_ref::<IngestTable>();
+        Ok(ingest.map(|table| Self::Ingest { spec: table.spec().clone(), partitions: table.partitions().to_vec() }))
     }
 
     fn table(self, context: &TaskContext) -> Result<Arc<dyn TableProvider>> {
@@ -83,7 +89,7 @@ impl SentTable {
                 Arc::new(CaptureTable::of_devices(table, files, devices, push_down))
             }
             Self::Lake(spec) => Arc::new(LakeTable::of_spec(spec, &context.runtime_env())?),
-            Self::Ingest(spec) => Arc::new(IngestTable::new(spec)),
+            Self::Ingest { spec, partitions } => Arc::new(IngestTable::new(spec, partitions)),
         })
     }
 }
@@ -217,8 +223,10 @@ impl PhysicalExtensionCodec for PhysicalCodec {
         converter: &dyn PhysicalProtoConverterExtension,
     ) -> Result<Arc<dyn ExecutionPlan>> {
         match read::<SentPlan>(bytes)? {
-            Some(SentPlan::Scan(spec)) => Ok(Arc::new(CaptureScan::new(spec)?.at(self.host.clone()))),
-            Some(SentPlan::Ingest(spec)) => Ok(Arc::new(IngestScan::new(spec))),
+            Some(SentPlan::Scan(spec)) => {
+                Ok(Arc::new(CaptureScan::new(spec, files::only(inputs.to_vec())?)?.at(self.host.clone())))
+            }
+            Some(SentPlan::Ingest(spec)) => Ok(Arc::new(IngestScan::new(spec, files::only(inputs.to_vec())?))),
             None => self.ballista.try_decode(bytes, inputs, context, converter),
         }
     }

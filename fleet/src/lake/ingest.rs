@@ -214,8 +214,9 @@ impl Run {
         let lake = self.location.url.to_string();
         let partitions = partitions(todo, session.state_ref().read().config().target_partitions());
         if !partitions.is_empty() {
-            let spec = IngestSpec { lake, partitions, devices: ingest.devices.clone() };
-            let mut entries = session.read_table(Arc::new(IngestTable::new(spec)))?.execute_stream().await?;
+            let spec = IngestSpec { lake, devices: ingest.devices.clone() };
+            let mut entries =
+                session.read_table(Arc::new(IngestTable::new(spec, partitions)))?.execute_stream().await?;
             while let Some(batch) = entries.next().await {
                 for entry in read(&batch?)? {
                     progress.files += 1;

@@ -5,7 +5,7 @@ use super::one_file::Ingester;
 use super::{Location, rules};
 use crate::capture::{Access, CaptureFile};
 use crate::devices::Devices;
-use crate::scan::{Source, leaf};
+use crate::scan::{Source, files};
 use async_trait::async_trait;
 use datafusion::arrow::array::{ArrayRef, RecordBatch, StringArray};
 use datafusion::arrow::datatypes::{DataType, Field, Schema, SchemaRef};
@@ -29,8 +29,6 @@ use tokio::sync::mpsc::Sender;
 pub struct IngestSpec {
     /// The lake: a path or a URL.
     pub lake: String,
-    /// The files of each partition.
-    pub partitions: Vec<Vec<CaptureFile>>,
     /// What is known of the devices.
     pub devices: Devices,
 }
@@ -40,18 +38,20 @@ fn schema() -> SchemaRef {
     Arc::new(Schema::new(vec![Field::new("entry", DataType::Utf8, false)]))
 }
 
-/// Puts files into a lake. What it gives are entries; they belong to the lake when they are committed.
+/// Puts the files that its input names into a lake. What it gives are entries; they belong to the lake when they are
+/// committed.
 #[derive(Debug)]
 pub struct IngestScan {
     spec: Arc<IngestSpec>,
+    input: Arc<dyn ExecutionPlan>,
     properties: Arc<PlanProperties>,
 }
 
 impl IngestScan {
-    /// A plan that does this.
-    pub fn new(spec: IngestSpec) -> Self {
-        let properties = leaf::properties(&schema(), spec.partitions.len());
-        Self { spec: Arc::new(spec), properties }
+    /// A plan that does this with the files of a [`files::plan`].
+    pub fn new(spec: IngestSpec, input: Arc<dyn ExecutionPlan>) -> Self {
+        let properties = files::properties(&schema(), &input);
+        Self { spec: Arc::new(spec), input, properties }
     }
 
     /// What it does.
@@ -63,7 +63,7 @@ impl IngestScan {
 /// Puts the files of a partition into the lake, one after the other.
 fn run(
     spec: &IngestSpec,
-    partition: usize,
+    input: SendableRecordBatchStream,
     runtime: Arc<RuntimeEnv>,
     handle: &Handle,
     sender: &Sender<Result<RecordBatch>>,
@@ -72,7 +72,7 @@ fn run(
     let access = Access::new(runtime, handle.clone());
     let source = Source { access: &access, devices: &spec.devices };
     let ingester = Ingester { source, location: &location, rules: &rules(&spec.devices), handle: handle.clone() };
-    for file in spec.partitions.get(partition).into_iter().flatten() {
+    for file in &files::listed(input, handle)? {
         if sender.is_closed() {
             break;
         }
@@ -89,8 +89,7 @@ fn run(
 
 impl DisplayAs for IngestScan {
     fn fmt_as(&self, _: DisplayFormatType, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let files: usize = self.spec.partitions.iter().map(Vec::len).sum();
-        write!(f, "IngestScan: files={files}, lake={}", self.spec.lake)
+        write!(f, "IngestScan: lake={}", self.spec.lake)
     }
 }
 
@@ -104,7 +103,12 @@ impl ExecutionPlan for IngestScan {
     }
 
     fn children(&self) -> Vec<&Arc<dyn ExecutionPlan>> {
-        Vec::new()
+        vec![&self.input]
+    }
+
+    /// The files are shared out already.
+    fn benefits_from_input_partitioning(&self) -> Vec<bool> {
+        vec![false]
     }
 
     fn apply_expressions(
@@ -116,10 +120,10 @@ impl ExecutionPlan for IngestScan {
 
     fn replace_children(
         self: Arc<Self>,
-        _: Vec<Arc<dyn ExecutionPlan>>,
+        children: Vec<Arc<dyn ExecutionPlan>>,
         _: ReplaceChildrenOptions,
     ) -> Result<Arc<dyn ExecutionPlan>> {
-        Ok(self)
+        Ok(Arc::new(Self::new(IngestSpec::clone(&self.spec), files::only(children)?)))
     }
 
     fn with_new_children(self: Arc<Self>, children: Vec<Arc<dyn ExecutionPlan>>) -> Result<Arc<dyn ExecutionPlan>> {
@@ -128,7 +132,8 @@ impl ExecutionPlan for IngestScan {
 
     fn execute(&self, partition: usize, context: Arc<TaskContext>) -> Result<SendableRecordBatchStream> {
         let (spec, runtime) = (Arc::clone(&self.spec), context.runtime_env());
-        Ok(leaf::stream(schema(), move |handle, sender| run(&spec, partition, runtime, handle, &sender)))
+        let input = self.input.execute(partition, context)?;
+        Ok(files::stream(schema(), move |handle, sender| run(&spec, input, runtime, handle, &sender)))
     }
 }
 
@@ -136,12 +141,18 @@ impl ExecutionPlan for IngestScan {
 #[derive(Debug)]
 pub struct IngestTable {
     spec: IngestSpec,
+    partitions: Vec<Vec<CaptureFile>>,
 }
 
 impl IngestTable {
-    /// The ingest that does this.
-    pub const fn new(spec: IngestSpec) -> Self {
-        Self { spec }
+    /// The ingest that does this with these files.
+    pub const fn new(spec: IngestSpec, partitions: Vec<Vec<CaptureFile>>) -> Self {
+        Self { spec, partitions }
+    }
+
+    /// The files of each partition.
+    pub fn partitions(&self) -> &[Vec<CaptureFile>] {
+        &self.partitions
     }
 
     /// What it does.
@@ -167,6 +178,6 @@ impl TableProvider for IngestTable {
         _: &[Expr],
         _: Option<usize>,
     ) -> Result<Arc<dyn ExecutionPlan>> {
-        Ok(Arc::new(IngestScan::new(self.spec.clone())))
+        Ok(Arc::new(IngestScan::new(self.spec.clone(), files::plan(&self.partitions)?)))
     }
 }

@@ -2,8 +2,8 @@
 
 pub mod diagnosed;
 pub mod emit;
+pub mod files;
 mod functions;
-pub mod leaf;
 mod options;
 mod plan;
 mod produce;

@@ -1,8 +1,8 @@
 //! The execution plan of a scan: a partition for each capture, or for several where there are very many.
 
 use super::emit::{Outlet, Wanted};
-use super::{Source, leaf, produce};
-use crate::capture::{Access, CaptureFile};
+use super::{Source, files, produce};
+use crate::capture::Access;
 use crate::devices::Devices;
 use crate::filter::Test;
 use crate::table::Table;
@@ -28,8 +28,6 @@ use tokio::sync::mpsc::Sender;
 pub struct ScanSpec {
     /// The table.
     pub table: Table,
-    /// The files of each partition.
-    pub partitions: Vec<Vec<CaptureFile>>,
     /// The columns, by their places in the table.
     pub columns: Vec<usize>,
     /// What must hold of a row.
@@ -40,10 +38,11 @@ pub struct ScanSpec {
     pub devices: Devices,
 }
 
-/// Reads captures.
+/// Reads captures: the files that its input names.
 #[derive(Debug)]
 pub struct CaptureScan {
     spec: Arc<ScanSpec>,
+    input: Arc<dyn ExecutionPlan>,
     schema: SchemaRef,
     properties: Arc<PlanProperties>,
     metrics: ExecutionPlanMetricsSet,
@@ -55,14 +54,14 @@ impl CaptureScan {
     /// The name of the counter of files that are no captures.
     pub const UNREADABLE: &'static str = "unreadable_files";
 
-    /// A scan that does this.
+    /// A scan that does this, of the files of a [`files::plan`].
     ///
     /// # Errors
     /// If a column is asked for that the table has not.
-    pub fn new(spec: ScanSpec) -> Result<Self> {
+    pub fn new(spec: ScanSpec, input: Arc<dyn ExecutionPlan>) -> Result<Self> {
         let schema: SchemaRef = Arc::new(spec.table.schema().project(&spec.columns)?);
-        let properties = leaf::properties(&schema, spec.partitions.len());
-        Ok(Self { spec: Arc::new(spec), schema, properties, metrics: ExecutionPlanMetricsSet::new(), host: None })
+        let (spec, properties) = (Arc::new(spec), files::properties(&schema, &input));
+        Ok(Self { spec, input, schema, properties, metrics: ExecutionPlanMetricsSet::new(), host: None })
     }
 
     /// The same on a computer, whose name is told with every error.
@@ -76,11 +75,15 @@ impl CaptureScan {
         &self.spec
     }
 
+    /// How many files there are, where that is known.
+    fn files(&self, partition: Option<usize>) -> Option<usize> {
+        files::count(&self.input, partition)
+    }
+
     fn task(&self, partition: usize, context: &TaskContext) -> Task {
         Task {
             spec: Arc::clone(&self.spec),
             schema: SchemaRef::clone(&self.schema),
-            partition,
             batch_rows: context.session_config().batch_size(),
             runtime: context.runtime_env(),
             metrics: BaselineMetrics::new(&self.metrics, partition),
@@ -93,7 +96,6 @@ impl CaptureScan {
 struct Task {
     spec: Arc<ScanSpec>,
     schema: SchemaRef,
-    partition: usize,
     batch_rows: usize,
     runtime: Arc<datafusion::execution::runtime_env::RuntimeEnv>,
     metrics: BaselineMetrics,
@@ -102,11 +104,11 @@ struct Task {
 
 impl Task {
     /// Reads the files of the partition; runs where waiting is allowed.
-    fn run(self, handle: &Handle, sender: Sender<Result<RecordBatch>>) -> Result<()> {
+    fn run(self, input: SendableRecordBatchStream, handle: &Handle, sender: Sender<Result<RecordBatch>>) -> Result<()> {
         let access = Access::new(self.runtime, handle.clone());
         let source = Source { access: &access, devices: &self.spec.devices };
         let mut outlet = Channel { sender, metrics: self.metrics, left: self.spec.fetch };
-        for file in self.spec.partitions.get(self.partition).into_iter().flatten() {
+        for file in &files::listed(input, handle)? {
             if outlet.left == Some(0) || !outlet.is_wanted() {
                 break;
             }
@@ -150,10 +152,10 @@ impl Outlet for Channel {
 
 impl DisplayAs for CaptureScan {
     fn fmt_as(&self, _: DisplayFormatType, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ScanSpec { table, partitions, tests, fetch, .. } = &*self.spec;
-        let files: usize = partitions.iter().map(Vec::len).sum();
+        let ScanSpec { table, tests, fetch, .. } = &*self.spec;
+        let files = self.files(None).map_or(String::new(), |files| format!(", files={files}"));
         let columns: Vec<&str> = self.schema.fields().iter().map(|field| field.name().as_str()).collect();
-        write!(f, "CaptureScan: table={}, files={files}, columns=[{}]", table.name(), columns.join(", "))?;
+        write!(f, "CaptureScan: table={}{files}, columns=[{}]", table.name(), columns.join(", "))?;
         if !tests.is_empty() {
             let tested: Vec<&str> = tests.iter().map(|test| test.column.as_str()).collect();
             write!(f, ", tests=[{}]", tested.join(", "))?;
@@ -172,7 +174,12 @@ impl ExecutionPlan for CaptureScan {
     }
 
     fn children(&self) -> Vec<&Arc<dyn ExecutionPlan>> {
-        Vec::new()
+        vec![&self.input]
+    }
+
+    /// The files are shared out already.
+    fn benefits_from_input_partitioning(&self) -> Vec<bool> {
+        vec![false]
     }
 
     fn apply_expressions(
@@ -184,10 +191,11 @@ impl ExecutionPlan for CaptureScan {
 
     fn replace_children(
         self: Arc<Self>,
-        _: Vec<Arc<dyn ExecutionPlan>>,
+        children: Vec<Arc<dyn ExecutionPlan>>,
         _: ReplaceChildrenOptions,
     ) -> Result<Arc<dyn ExecutionPlan>> {
-        Ok(self)
+        let input = files::only(children)?;
+        Ok(Arc::new(Self::new(ScanSpec::clone(&self.spec), input)?.at(self.host.clone())))
     }
 
     fn with_new_children(self: Arc<Self>, children: Vec<Arc<dyn ExecutionPlan>>) -> Result<Arc<dyn ExecutionPlan>> {
@@ -196,12 +204,13 @@ impl ExecutionPlan for CaptureScan {
 
     fn execute(&self, partition: usize, context: Arc<TaskContext>) -> Result<SendableRecordBatchStream> {
         let (task, host) = (self.task(partition, &context), self.host.clone());
+        let input = self.input.execute(partition, context)?;
         let on_host = move |error| match host {
             Some(host) => DataFusionError::Execution(format!("{host}: {error}")),
             None => error,
         };
-        let work = move |handle: &Handle, sender| task.run(handle, sender).map_err(on_host);
-        Ok(leaf::stream(SchemaRef::clone(&self.schema), work))
+        let work = move |handle: &Handle, sender| task.run(input, handle, sender).map_err(on_host);
+        Ok(files::stream(SchemaRef::clone(&self.schema), work))
     }
 
     fn metrics(&self) -> Option<MetricsSet> {
@@ -210,13 +219,9 @@ impl ExecutionPlan for CaptureScan {
 
     fn partition_statistics(&self, partition: Option<usize>) -> Result<Arc<Statistics>> {
         let mut statistics = Statistics::new_unknown(&self.schema);
-        let files = match partition {
-            Some(partition) => self.spec.partitions.get(partition).map_or(0, Vec::len),
-            None => self.spec.partitions.iter().map(Vec::len).sum(),
-        };
         // Each file is one row, read or not.
         if self.spec.table == Table::Captures && self.spec.tests.is_empty() && self.spec.fetch.is_none() {
-            statistics.num_rows = Precision::Exact(files);
+            statistics.num_rows = self.files(partition).map_or(Precision::Absent, Precision::Exact);
         }
         Ok(Arc::new(statistics))
     }
@@ -226,8 +231,8 @@ impl ExecutionPlan for CaptureScan {
     }
 
     fn with_fetch(&self, limit: Option<usize>) -> Option<Arc<dyn ExecutionPlan>> {
-        let spec = ScanSpec { fetch: limit, ..ScanSpec::clone(&self.spec) };
-        Some(Arc::new(Self::new(spec).ok()?.at(self.host.clone())))
+        let (spec, input) = (ScanSpec { fetch: limit, ..ScanSpec::clone(&self.spec) }, Arc::clone(&self.input));
+        Some(Arc::new(Self::new(spec, input).ok()?.at(self.host.clone())))
     }
 
     fn fetch(&self) -> Option<usize> {

@@ -120,8 +120,8 @@ impl TableProvider for CaptureTable {
         let most = state.config().target_partitions().saturating_mul(PARTITIONS);
         let fetch = limit.filter(|_| self.push_down);
         let (table, devices) = (self.table, self.devices.clone());
-        let spec = ScanSpec { table, partitions: partitions(files, most), columns, tests, fetch, devices };
-        Ok(Arc::new(CaptureScan::new(spec)?))
+        let spec = ScanSpec { table, columns, tests, fetch, devices };
+        Ok(Arc::new(CaptureScan::new(spec, super::files::plan(&partitions(files, most))?)?))
     }
 }
 

@@ -42,37 +42,37 @@ fn scans() -> impl Strategy<Value = ScanSpec> {
     let columns = prop::collection::vec(0_usize..4, 0..6);
     let tests = (".*", conditions()).prop_map(|(column, condition)| Test { column, condition });
     let (tables, tests) = (prop::sample::select(Table::ALL.to_vec()), prop::collection::vec(tests, 0..3));
-    let partitions = prop::collection::vec(files(), 0..4);
-    (tables, partitions, columns, tests, prop::option::of(any::<usize>()), devices()).prop_map(
-        |(table, partitions, columns, tests, fetch, devices)| ScanSpec {
-            table,
-            partitions,
-            columns,
-            tests,
-            fetch,
-            devices,
-        },
-    )
+    (tables, columns, tests, prop::option::of(any::<usize>()), devices())
+        .prop_map(|(table, columns, tests, fetch, devices)| ScanSpec { table, columns, tests, fetch, devices })
 }
 
 fn physical(plan: Arc<dyn ExecutionPlan>) -> Result<Arc<dyn ExecutionPlan>> {
     let (codec, converter, mut bytes) = (PhysicalCodec::default(), DefaultPhysicalProtoConverter {}, Vec::new());
+    let inputs: Vec<_> = plan.children().into_iter().cloned().collect();
     codec.try_encode(plan, &mut bytes, &converter)?;
-    codec.try_decode(&bytes, &[], &TaskContext::default(), &converter)
+    codec.try_decode(&bytes, &inputs, &TaskContext::default(), &converter)
+}
+
+/// A plan of no files.
+fn no_files() -> Arc<dyn ExecutionPlan> {
+    crate::scan::files::plan(&[]).unwrap()
 }
 
 proptest! {
     #[test]
     fn scans_are_the_same(spec in scans()) {
-        let read = physical(Arc::new(CaptureScan::new(spec.clone()).unwrap())).unwrap();
+        let read = physical(Arc::new(CaptureScan::new(spec.clone(), no_files()).unwrap())).unwrap();
         prop_assert_eq!(read.downcast_ref::<CaptureScan>().unwrap().spec(), &spec);
     }
 
     #[test]
     fn ingests_are_the_same(lake in ".*", partitions in prop::collection::vec(files(), 0..4), devices in devices()) {
-        let spec = IngestSpec { lake, partitions, devices };
-        let read = physical(Arc::new(IngestScan::new(spec.clone()))).unwrap();
+        let spec = IngestSpec { lake, devices };
+        let read = physical(Arc::new(IngestScan::new(spec.clone(), no_files()))).unwrap();
         prop_assert_eq!(read.downcast_ref::<IngestScan>().unwrap().spec(), &spec);
+        let sent = SentTable::Ingest { spec, partitions };
+        let table = sent.clone().table(&TaskContext::default()).unwrap();
+        prop_assert_eq!(SentTable::of(table.as_ref()).unwrap(), Some(sent));
     }
 
     #[test]
@@ -100,7 +100,7 @@ proptest! {
         let place = at.index(bytes.len());
         bytes[place] = byte;
         let converter = DefaultPhysicalProtoConverter {};
-        drop(PhysicalCodec::default().try_decode(&bytes, &[], &TaskContext::default(), &converter));
+        drop(PhysicalCodec::default().try_decode(&bytes, &[no_files()], &TaskContext::default(), &converter));
         drop(LogicalCodec::default().try_decode_table_provider(
             &bytes, &TableReference::bare("t"), Table::Frames.schema(), &TaskContext::default()));
     }
@@ -110,7 +110,6 @@ proptest! {
 fn columns_that_there_are_not_and_other_versions_are_errors() {
     let spec = ScanSpec {
         table: Table::Frames,
-        partitions: Vec::new(),
         columns: vec![1000],
         tests: Vec::new(),
         fetch: None,
@@ -119,7 +118,8 @@ fn columns_that_there_are_not_and_other_versions_are_errors() {
     let mut bytes = Vec::new();
     write(SentPlan::Scan(spec), &mut bytes).unwrap();
     let converter = DefaultPhysicalProtoConverter {};
-    let decode = |bytes: &[u8]| PhysicalCodec::default().try_decode(bytes, &[], &TaskContext::default(), &converter);
+    let decode =
+        |bytes: &[u8]| PhysicalCodec::default().try_decode(bytes, &[no_files()], &TaskContext::default(), &converter);
     assert!(decode(&bytes).is_err());
     let newer = [MARK, br#"{"schema":1000,"what":{"Unheard":{}}}"#].concat();
     assert!(decode(&newer).unwrap_err().to_string().contains("same canvass-fleet on all computers"));
