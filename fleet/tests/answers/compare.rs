@@ -1,7 +1,7 @@
 //! Row by row, what SQL answers and what `canvass` prints.
 
 use crate::engine::Engine;
-use crate::program::{document, lines};
+use crate::program::{document, lines, written};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -279,7 +279,7 @@ fn statistics(engine: &Engine, capture: &Path, told: &Value) {
 }
 
 fn quality(engine: &Engine, capture: &Path) {
-    let told = document(&["decode", "--node", "127", "--quality", "json", "--quality-out", "-"], capture);
+    let told = written(&["decode", "--quality", "json", "--quality-out"], capture);
     let (rows, source) = (engine.table("captures", capture), &told["sources"][0]);
     assert_eq!(rows.len(), 1);
     let row = &rows[0];

@@ -31,3 +31,11 @@ pub fn lines(arguments: &[&str], capture: &Path) -> Vec<Value> {
 pub fn document(arguments: &[&str], capture: &Path) -> Value {
     serde_json::from_str(&output(arguments, capture)).unwrap()
 }
+
+/// The document that it writes into a file, whose name is the last argument.
+pub fn written(arguments: &[&str], capture: &Path) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("document.json");
+    output(&[arguments, &[file.to_str().unwrap()]].concat(), capture);
+    serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
+}
