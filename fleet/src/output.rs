@@ -58,7 +58,12 @@ impl WholeFile {
     /// If the folder can't be written.
     pub fn create(path: &Path) -> io::Result<Self> {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let file = NamedTempFile::new_in(folder)
+        let mut builder = tempfile::Builder::new();
+        // As any new file: what the user's mask leaves.
+        #[cfg(unix)]
+        builder.permissions(<std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
+        let file = builder
+            .tempfile_in(folder)
             .map_err(|error| io::Error::new(error.kind(), format!("can't write {}: {error}", path.display())))?;
         Ok(Self { file, path: path.to_owned() })
     }

@@ -24,18 +24,29 @@ const TOTALS: [(&str, &str); 6] = [
     ("Test runs", "SELECT count(*) FROM runs"),
 ];
 
-/// Three columns: what stands below, the line and the value; in the order in which they are shown.
+/// Three columns: what stands below, the line and the value; in the order in which they are shown. What has no date is in the
+/// folder of 1970.
 const PLOTS: [(&str, &str); 6] = [
-    ("Captures by day", "SELECT date, '' AS line, count(*) AS value FROM captures GROUP BY date ORDER BY date"),
-    ("Frames by day", "SELECT date, '' AS line, sum(frames) AS value FROM captures GROUP BY date ORDER BY date"),
+    (
+        "Captures by day",
+        "SELECT date, '' AS line, count(*) AS value FROM captures WHERE date > DATE '1970-01-01' \
+         GROUP BY date ORDER BY date",
+    ),
+    (
+        "Frames by day",
+        "SELECT date, '' AS line, sum(frames) AS value FROM captures WHERE date > DATE '1970-01-01' \
+         GROUP BY date ORDER BY date",
+    ),
     (
         "Errors and warnings by day",
         "SELECT date, severity AS line, count(*) AS value FROM findings WHERE severity IN ('error', 'warning') \
+         AND date > DATE '1970-01-01' \
          GROUP BY date, severity ORDER BY date, severity",
     ),
     (
         "EMCY messages by day",
         "SELECT date, '' AS line, count(*) AS value FROM events WHERE event = 'emcy' AND emcy_state = 'raised' \
+         AND date > DATE '1970-01-01' \
          GROUP BY date ORDER BY date",
     ),
     (
@@ -45,14 +56,15 @@ const PLOTS: [(&str, &str); 6] = [
          coalesce(concat('product ', arrow_cast(n.product_code, 'Utf8')), 'unknown product') AS product, \
          approx_percentile_cont(0.99) WITHIN GROUP (ORDER BY e.duration_ns) AS p99_ns \
          FROM events e LEFT JOIN nodes n ON n.capture = e.capture AND n.channel = e.channel AND n.node = e.node \
-         WHERE e.event = 'sdo' AND e.outcome = 'complete' \
+         WHERE e.event = 'sdo' AND e.outcome = 'complete' AND e.date > DATE '1970-01-01' \
          GROUP BY date_trunc('month', e.started), \
          coalesce(concat('product ', arrow_cast(n.product_code, 'Utf8')), 'unknown product')) \
          GROUP BY month, product ORDER BY month, product",
     ),
     (
         "Failed cases by day",
-        "SELECT date, '' AS line, sum(fail) AS value FROM runs WHERE kind = 'test' GROUP BY date ORDER BY date",
+        "SELECT date, '' AS line, sum(fail) AS value FROM runs WHERE kind = 'test' AND date > DATE '1970-01-01' \
+         GROUP BY date ORDER BY date",
     ),
 ];
 

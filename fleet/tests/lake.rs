@@ -4,6 +4,7 @@ use canvass_fleet::capture::{CaptureFile, find};
 use canvass_fleet::devices::Devices;
 use canvass_fleet::lake::{self, Ingest, Location, Snapshot, Summary};
 use canvass_fleet::render::{Format, answer};
+use canvass_fleet::report;
 use canvass_fleet::scan::register_files;
 use canvass_fleet::session::{self, Settings};
 use canvass_fleet::table::Table;
@@ -227,6 +228,28 @@ async fn the_usual_questions_are_answered() {
     );
     let percent = load[0]["load_percent"].as_f64().unwrap();
     assert!((40.0..60.0).contains(&percent), "a frame of 111 to 135 bits each millisecond: {percent}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_page_shows_totals_plots_and_all_questions() {
+    let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    fill(source.path());
+    ingest(source.path(), lake.path()).await;
+    let fleet = report::ask(&open(lake.path()).await, "<lake>", 1).await.unwrap();
+    let total = |name| fleet.totals.iter().find(|total| total.0 == name).map(|total| &*total.1);
+    assert_eq!((total("Captures"), total("Test runs")), (Some("6"), Some("2")), "{:?}", fleet.totals);
+    let by_day = fleet.plots.iter().find(|plot| plot.title == "Captures by day").unwrap();
+    assert_eq!(
+        (&by_day.labels[..], &by_day.lines[0].values),
+        (&["2023-11-14".to_owned(), "2025-01-28".to_owned()][..], &vec![Some(3.0), Some(1.0)])
+    );
+    let names: Vec<&str> = fleet.questions.iter().map(|question| question.name).collect();
+    assert_eq!(names, views::VIEWS.iter().map(|view| view.name).collect::<Vec<_>>());
+    let load = fleet.questions.iter().find(|question| question.name == "bus_load").unwrap();
+    assert_eq!((load.rows.len(), load.is_cut, &*load.columns[0]), (1, true, "capture"));
+    let mut page = Vec::new();
+    canvass_reports::fleet::render(&fleet, &mut page).unwrap();
+    assert!(String::from_utf8(page).unwrap().contains("<h1>&lt;lake&gt;</h1>"));
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -10,13 +10,17 @@
     return getComputedStyle(probe).color;
   };
   const colors = ['--accent', '--bad', '--good', '--doubt', '--odd', '--faint'];
-  JSON.parse(document.getElementById('data').textContent).forEach(({ title, labels, lines }) => {
+  // All places are there before the first plot takes its width.
+  const places = JSON.parse(document.getElementById('data').textContent).map(({ title, ...plot }) => {
     const figure = document.createElement('figure');
     figure.className = 'card plot';
     const caption = figure.appendChild(document.createElement('figcaption'));
     caption.textContent = title;
     const place = figure.appendChild(document.createElement('div'));
     box.append(figure);
+    return { place, ...plot };
+  });
+  places.forEach(({ place, labels, lines }) => {
     const at = labels.map((_, n) => n);
     const axis = { stroke: () => color('--soft'), grid: { stroke: () => color('--line'), width: 1 } };
     new uPlot({
