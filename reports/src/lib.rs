@@ -9,6 +9,7 @@
 //! - [`diagnosis`]: what was wrong in a capture;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
+//! - [`fleet`]: what a lake of captures and results tells;
 //! - [`fuzz`]: the reports of a run of the fuzzer;
 //! - [`history`]: which case was how in which release;
 //! - [`provenance`]: where a result comes from;
@@ -28,6 +29,7 @@ pub mod descriptions;
 pub mod diagnosis;
 pub mod escape;
 pub mod events;
+pub mod fleet;
 pub mod fuzz;
 pub mod history;
 mod junit;

@@ -123,7 +123,7 @@ fn place(name: Option<&str>, at: Sighting) -> String {
 }
 
 /// What to be careful with.
-fn warnings(quality: &Quality) -> Vec<String> {
+pub fn warnings(quality: &Quality) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(resolution) = quality.resolution.get()
         && quality.resolution.is_coarse()
@@ -194,7 +194,8 @@ fn sighting(at: Sighting) -> Value {
     json!({ "t": at.time.nanos(), "number": at.place.number, "offset": at.place.offset })
 }
 
-const fn time_base(base: TimeBase) -> &'static str {
+/// What times count from, in JSON.
+pub const fn time_base(base: TimeBase) -> &'static str {
     match base {
         TimeBase::Utc => "utc",
         TimeBase::Local => "local",

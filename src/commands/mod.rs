@@ -10,6 +10,7 @@ pub mod diagnose;
 pub mod doctor;
 pub mod eds;
 pub mod explain;
+pub mod fleet;
 pub mod fuzz;
 pub mod help;
 pub mod history;

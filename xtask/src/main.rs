@@ -1,6 +1,6 @@
 //! `cargo xtask test`: what is worth running after each change. `cargo xtask ci`: everything that must pass; with
 //! `--install` it installs what is missing for that, as do all others. `cargo xtask peers`: of these, the tests that
-//! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
+//! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
 //! device. `cargo xtask attack`: changed files and rogue adapters, through every command. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only. `cargo xtask
@@ -22,6 +22,7 @@ mod describing;
 mod diagnosing;
 mod dist;
 mod flaky;
+mod fleet;
 mod fuzz;
 mod incidents;
 mod measure;
@@ -36,6 +37,7 @@ mod simulation;
 mod storm;
 mod target;
 mod vcan;
+mod venv;
 mod web;
 mod windows;
 mod worst;
@@ -44,11 +46,11 @@ use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci
-    peers | browser | vcan [WORDS...] | vcan-load
+    peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
-    bench [--instructions | --descriptions] | memory | worst | incidents
+    bench [--instructions | --descriptions | --fleet] | memory | worst | incidents
     rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
 
 fn main() -> Result<()> {
@@ -68,9 +70,11 @@ fn main() -> Result<()> {
         Some("browser") => browser::test(),
         Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),
         Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
+        Some("bench") if more.first().is_some_and(|word| word == "--fleet") => fleet::bench::bench(),
         Some("bench") => bench::bench(),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
+        Some("fleet") => fleet::test(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(),

@@ -2,25 +2,25 @@
 
 use crate::consent;
 use crate::packages::{Package, install};
-use crate::run::{is_there, run};
+use crate::run::run;
+use crate::venv::Venv;
 use anyhow::Result;
 use std::fs;
 
 /// Where the Python libraries are; the tests know this place.
 pub const PYTHON: &str = "target/peers-venv/bin/python";
-const VENV: &str = "target/peers-venv";
-const REQUIREMENTS: &str = "tests/peers/requirements.txt";
-/// The requirements that the environment was made for.
-const INSTALLED: &str = "target/peers-venv/requirements.txt";
+const VENV: Venv = Venv {
+    folder: "target/peers-venv",
+    python: PYTHON,
+    requirements: "tests/peers/requirements.txt",
+    probe: "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools, pytest_lsp",
+};
 
 const TSHARK: Package = Package { program: "tshark", probe: &["--version"], package: "tshark" };
 /// It reads its standard input, which is empty here.
 const CAN_UTILS: Package = Package { program: "log2long", probe: &[], package: "can-utils" };
 /// Holds XML against a schema.
 const XMLLINT: Package = Package { program: "xmllint", probe: &["--version"], package: "libxml2-utils" };
-/// Debian's Python has neither venv nor pip by itself.
-const VENV_MODULE: Package =
-    Package { program: "python3", probe: &["-c", "import ensurepip, venv"], package: "python3-venv" };
 
 const NODE: Package = Package { program: "node", probe: &["--version"], package: "nodejs" };
 const NPM: Package = Package { program: "npm", probe: &["--version"], package: "npm" };
@@ -31,7 +31,7 @@ const EXTENSION: &str = "editors/vscode";
 pub fn install_all() -> Result<()> {
     install(&[TSHARK, CAN_UTILS, XMLLINT, NODE, NPM])?;
     extension()?;
-    python()
+    VENV.install()
 }
 
 /// Installs what the lock file of the extension names.
@@ -46,23 +46,6 @@ fn extension() -> Result<()> {
     let npm = ["--prefix", EXTENSION, "ci", "--no-audit", "--no-fund"];
     consent::ask(&format!("what {EXTENSION} needs"), &format!("npm {}", npm.join(" ")))?;
     run("npm", &npm)
-}
-
-fn python() -> Result<()> {
-    let wanted = fs::read_to_string(REQUIREMENTS)?;
-    let is_installed = fs::read_to_string(INSTALLED).is_ok_and(|installed| installed == wanted);
-    if is_installed
-        && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools, pytest_lsp"])
-    {
-        return Ok(());
-    }
-    install(&[VENV_MODULE])?;
-    let pip = format!("pip install --requirement {REQUIREMENTS}");
-    consent::ask("a Python environment in target/peers-venv", &pip)?;
-    run("python3", &["-m", "venv", "--clear", VENV])?;
-    run(PYTHON, &["-m", "pip", "install", "--quiet", "--requirement", REQUIREMENTS])?;
-    fs::write(INSTALLED, wanted)?;
-    Ok(())
 }
 
 /// Runs the tests that need them.

@@ -72,6 +72,17 @@ pub enum Cause {
     ErrorControl,
 }
 
+impl Cause {
+    /// The name in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Command => "command",
+            Self::BootUp => "boot-up",
+            Self::ErrorControl => "error-control",
+        }
+    }
+}
+
 impl Node {
     /// What the trace has shown, or else the description says, as the value of a communication parameter.
     pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {

@@ -21,6 +21,8 @@ pub struct Candidate {
     pub facts: Vec<(Multiplexer, Fact)>,
     /// What is then known of the node.
     pub device: Arc<KnownDevice>,
+    /// Whether the user has said so: all its facts must have been seen, and models that nobody named stand back.
+    pub is_said: bool,
 }
 
 /// The models that nodes can be recognised as: worked out when they are first needed, as that may cost more than a short
@@ -111,7 +113,12 @@ impl Candidate {
             Some((object, fact))
         };
         let facts = [DEVICE_TYPE, NAME, VENDOR, PRODUCT].into_iter().filter_map(fact).collect();
-        Self { id: id.into(), facts, device }
+        Self { id: id.into(), facts, device, is_said: false }
+    }
+
+    /// What the user says that a node is which shows all of this.
+    pub fn said(id: &str, facts: Vec<(Multiplexer, Fact)>, device: Arc<KnownDevice>) -> Self {
+        Self { id: id.into(), facts, device, is_said: true }
     }
 
     /// Replaces or adds a fact.
@@ -132,6 +139,9 @@ impl Candidate {
             }
         }
         seen.sort_unstable();
+        if self.is_said {
+            return (seen.len() == self.facts.len()).then_some(seen);
+        }
         let both = |a, b| seen.contains(&a) && seen.contains(&b);
         (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
     }
@@ -166,7 +176,9 @@ pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usiz
     let all = candidates.iter().enumerate();
     let mut fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?)));
     let (place, first, by) = fitting.next()?;
-    let others: Vec<_> = fitting.map(|(_, candidate, _)| candidate).collect();
+    // Who says what a node is need not rule out the models that nobody named.
+    let others: Vec<_> =
+        fitting.map(|(_, candidate, _)| candidate).filter(|other| other.is_said || !first.is_said).collect();
     others.iter().all(|other| first.has_pdos_of(other)).then(|| {
         let or = others.into_iter().map(|other| Arc::clone(&other.id)).collect();
         (place, Recognition { model: Arc::clone(&first.id), or, by })
@@ -217,6 +229,19 @@ mod tests {
         assert_eq!(recognised(&[candidate("a", 0x185, "Sendix"), candidate("b", 0x285, "Send")], &shown), None);
         let told = [candidate("a", 0x185, "Other"), candidate("b", 0x285, "Send")];
         assert_eq!(&*recognised(&told, &shown).unwrap().model, "b");
+    }
+
+    #[test]
+    fn what_the_user_says_needs_all_that_was_named_and_no_more() {
+        let built_in = candidate("a", 0x185, "Sendix");
+        let facts = vec![(PRODUCT, Fact::Number(vec![0x5868_2001]))];
+        let said = Candidate::said("mine", facts.clone(), Arc::clone(&candidate("b", 0x285, "").device));
+        let all = [said, built_in];
+        let product: (Multiplexer, &[u8]) = (PRODUCT, &[0x01, 0x20, 0x68, 0x58]);
+        let found = recognised(&all, &[product, TYPE, (NAME, b"Sendix Encoder")]).unwrap();
+        assert_eq!((&*found.model, found.or.len(), &found.by[..]), ("mine", 0, &[PRODUCT][..]));
+        assert_eq!(&*recognised(&all, &[TYPE, (NAME, b"Sendix Encoder")]).unwrap().model, "a");
+        assert_eq!(recognised(&all, &[(PRODUCT, &[2, 0, 0, 0])]), None);
     }
 
     #[test]

@@ -9,8 +9,8 @@ mod text;
 
 pub use crate::time::TimeStyle;
 pub use csv::CsvLines;
-pub use json::JsonLines;
-pub(crate) use json::{push_number, push_schema, push_violation, source_name};
+pub use json::{JsonLines, source_name};
+pub(crate) use json::{push_number, push_schema, push_violation};
 pub use table::TableLines;
 pub use text::TextLines;
 pub(crate) use text::push_node;

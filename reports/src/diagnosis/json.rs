@@ -7,7 +7,6 @@ use super::Diagnosed;
 use crate::escape::JsonText;
 use crate::{provenance, quality};
 use canvass_analyzer::findings::{Consequence, Exhibit, Finding, Severity, Story};
-use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::{
     BusStatistics, CaseName, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase,
 };
@@ -100,8 +99,13 @@ fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
         "title": finding.rule.title,
         "message": finding.message,
         "advice": finding.rule.advice,
-        "evidence": finding.evidence.iter().map(|shown| exhibit(diagnosed, shown)).collect::<Vec<_>>(),
+        "evidence": evidence(diagnosed, finding),
     })
+}
+
+/// The frames that prove a finding, an object each.
+pub fn evidence(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
+    finding.evidence.iter().map(|shown| exhibit(diagnosed, shown)).collect()
 }
 
 fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> Value {
@@ -129,7 +133,7 @@ fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> Value {
 
 fn node(id: NodeId, channel: &str, node: &NodeStatistics, bus: &BusStatistics) -> Value {
     let identity = &node.identity;
-    let state = |change: &canvass_analyzer::statistics::StateChange| json!({ "t": change.time.nanos(), "state": change.state.to_string(), "cause": cause(change.cause) });
+    let state = |change: &canvass_analyzer::statistics::StateChange| json!({ "t": change.time.nanos(), "state": change.state.to_string(), "cause": change.cause.name() });
     json!({
         "node": id.raw(),
         "channel": channel,
@@ -207,15 +211,6 @@ fn loads(bus: &BusStatistics) -> Value {
         (service.name().to_owned(), load)
     };
     Value::Object(services.map(load).collect())
-}
-
-/// How a state is known.
-pub(super) const fn cause(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Command => "command",
-        Cause::BootUp => "boot-up",
-        Cause::ErrorControl => "error-control",
-    }
 }
 
 fn response_times(times: &Histogram) -> Value {

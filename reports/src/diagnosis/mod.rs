@@ -10,7 +10,7 @@ mod rules;
 mod story;
 mod terminal;
 
-pub use json::render as json;
+pub use json::{evidence, render as json};
 pub use junit::render as junit;
 pub use markdown::render as markdown;
 pub use reading::Reading;

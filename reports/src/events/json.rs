@@ -4,7 +4,7 @@ use super::{Events, Scene, StateName, UseName, outcome_name};
 use crate::decode::{push_schema, push_violation, source_name};
 use crate::push::{push_decimal, push_hex, push_json_string, push_text};
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
-use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move};
+use canvass_analyzer::network::{Change, Emergency, Event, Exchange, Move};
 use canvass_analyzer::{EmcyText, NodeId, PdoNumber, TransferText};
 
 /// The JSON rendering of `decode --events`.
@@ -20,6 +20,11 @@ impl JsonEvents {
     /// A rendering that has written nothing yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A rendering of single events, none of which names the schema.
+    pub const fn without_schema() -> Self {
+        Self { begun: true }
     }
 
     fn begin(&mut self, scene: &Scene<'_>, kind: &str, node: Option<NodeId>, out: &mut Vec<u8>) {
@@ -57,7 +62,7 @@ impl JsonEvents {
         }
         if let Outcome::Aborted(side, code) = transfer.outcome {
             push_text(out, format_args!(",\"abort\":{{\"code\":{},\"by\":\"{side}\",\"text\":", code.0));
-            push_json_string(out, code.name().or_else(|| code.cal_name()).unwrap_or("unknown abort code"));
+            push_json_string(out, code.text());
             out.push(b'}');
         }
         if let Some(violation) = transfer.violation {
@@ -79,48 +84,30 @@ impl Events for JsonEvents {
         if let Some((server, transfer)) = scene.transfer(event) {
             return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);
         }
-        let node = scene.node(event);
+        // Of one whose channel is not known there is nothing to say.
+        if matches!(event, Event::TransferEnded | Event::TransferLeft(_)) {
+            return;
+        }
+        self.begin(scene, scene.kind(event), scene.node(event), out);
         match *event {
-            // Its channel is known: it was answered above.
-            Event::TransferEnded | Event::TransferLeft(_) => return,
-            Event::StateChanged(_, change) => {
-                let kind = if change.cause == Cause::BootUp { "boot-up" } else { "state" };
-                self.begin(scene, kind, node, out);
-                push_change(change, out);
-            }
-            Event::Emergency(source, emergency) => {
-                self.begin(scene, "emcy", node, out);
-                push_emergency(scene, source, emergency, out);
-            }
-            Event::LayerSetting(exchange) => {
-                self.begin(scene, scene.layer_setting(), node, out);
-                push_exchange(scene, exchange, out);
-            }
+            Event::TransferEnded | Event::TransferLeft(_) => {}
+            Event::StateChanged(_, change) => push_change(change, out),
+            Event::Emergency(source, emergency) => push_emergency(scene, source, emergency, out),
+            Event::LayerSetting(exchange) => push_exchange(scene, exchange, out),
             Event::NodeIdChanged { from, to, object } => {
-                self.begin(scene, "node-id", node, out);
                 push_optional(out, "from", from.map(|from| u64::from(from.raw())));
                 push_text(out, format_args!(",\"to\":{to}"));
                 if let Some(object) = object {
                     push_text(out, format_args!(",\"index\":{},\"sub\":{}", object.index.0, object.sub.0));
                 }
             }
-            Event::Recognised(id) => {
-                self.begin(scene, "device", node, out);
-                push_recognition(scene, id, out);
-            }
+            Event::Recognised(id) => push_recognition(scene, id, out),
             Event::BitRateChanged { bit_rate, delay, .. } => {
-                self.begin(scene, "bit-rate", node, out);
                 push_optional(out, "bit_rate", bit_rate.map(u64::from));
                 push_text(out, format_args!(",\"delay_ns\":{}", delay.nanos()));
             }
-            Event::CobIdMoved(moved) => {
-                self.begin(scene, "cob-id", node, out);
-                push_move(moved, out);
-            }
-            Event::MappingChanged(id, pdo) => {
-                self.begin(scene, "mapping", node, out);
-                push_mapping(scene, id, pdo, out);
-            }
+            Event::CobIdMoved(moved) => push_move(moved, out),
+            Event::MappingChanged(id, pdo) => push_mapping(scene, id, pdo, out),
         }
         out.extend_from_slice(b"}\n");
     }
@@ -147,12 +134,7 @@ fn push_change(change: Change, out: &mut Vec<u8>) {
     }
     out.extend_from_slice(b",\"to\":");
     push_json_string(out, StateName(change.to));
-    let cause = match change.cause {
-        Cause::Command => "command",
-        Cause::BootUp => "boot-up",
-        Cause::ErrorControl => "error-control",
-    };
-    push_text(out, format_args!(",\"cause\":\"{cause}\""));
+    push_text(out, format_args!(",\"cause\":\"{}\"", change.cause.name()));
 }
 
 fn push_emergency(scene: &Scene<'_>, node: NodeId, emergency: Emergency, out: &mut Vec<u8>) {

@@ -7,7 +7,7 @@ pub use json::JsonEvents;
 pub use text::TextEvents;
 
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
-use canvass_analyzer::network::{Bus, Event, Use};
+use canvass_analyzer::network::{Bus, Cause, Event, Use};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::srdo::Half;
 use canvass_analyzer::{Meaning, NodeId, network::Decoded};
@@ -56,8 +56,24 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// What kind of event it is, in JSON.
+    pub fn kind(&self, event: &Event) -> &'static str {
+        match event {
+            Event::TransferEnded | Event::TransferLeft(_) => "sdo",
+            Event::StateChanged(_, change) if change.cause == Cause::BootUp => "boot-up",
+            Event::StateChanged(..) => "state",
+            Event::Emergency(..) => "emcy",
+            Event::LayerSetting(_) => self.layer_setting(),
+            Event::NodeIdChanged { .. } => "node-id",
+            Event::BitRateChanged { .. } => "bit-rate",
+            Event::CobIdMoved(_) => "cob-id",
+            Event::Recognised(_) => "device",
+            Event::MappingChanged(..) => "mapping",
+        }
+    }
+
     /// The transfer of an event, with its server.
-    fn transfer(&self, event: &Event) -> Option<(NodeId, &'a Transfer)> {
+    pub fn transfer(&self, event: &Event) -> Option<(NodeId, &'a Transfer)> {
         let (channel, transfer) = match *event {
             Event::TransferEnded => {
                 let channel = self.frame?.1.channel?;
@@ -70,18 +86,18 @@ impl<'a> Scene<'a> {
     }
 
     /// What the frame says.
-    fn meaning(&self) -> Option<Meaning<'a>> {
+    pub fn meaning(&self) -> Option<Meaning<'a>> {
         self.frame.map(|(record, decoded)| Meaning::new(record, decoded, self.bus))
     }
 
     /// `lss` or `lmt`.
-    fn layer_setting(&self) -> &'static str {
+    pub fn layer_setting(&self) -> &'static str {
         self.frame.map_or("lss", |(_, decoded)| decoded.service.name())
     }
 }
 
 /// How a transfer ended. One that was left open was ended by a reset of its server.
-const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
+pub const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
     match outcome {
         Outcome::Complete => "complete",
         Outcome::Aborted(..) => "aborted",
@@ -92,7 +108,7 @@ const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
 }
 
 /// An NMT state; after a reset command a node is initialising until its boot-up.
-struct StateName(State);
+pub struct StateName(pub State);
 
 impl fmt::Display for StateName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -104,7 +120,7 @@ impl fmt::Display for StateName {
 }
 
 /// The use of a CAN-ID: `TPDO 1`, `SDO request`.
-struct UseName(Use);
+pub struct UseName(pub Use);
 
 impl fmt::Display for UseName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -152,6 +152,11 @@ impl AbortCode {
         let find = |code| CAL_ERRORS.iter().find(|row| (row.0, row.1) == (class, code)).map(|row| row.2);
         find(code).or_else(|| find(lowest).filter(|_| self.0 & 0x00FF_FF00 == 0))
     }
+
+    /// What it says, by CiA 301 or CAL, or that it is none of theirs.
+    pub fn text(self) -> &'static str {
+        self.name().or_else(|| self.cal_name()).unwrap_or("unknown abort code")
+    }
 }
 
 impl Wire for Abort {

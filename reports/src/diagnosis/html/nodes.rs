@@ -179,7 +179,7 @@ fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
                     tr {
                         td.number { (diagnosed.since_start(change.time)) }
                         td { (lane::name(change)) }
-                        td { (crate::diagnosis::json::cause(change.cause)) }
+                        td { (change.cause.name()) }
                     }
                 }
                 @if more > 0 { tr { td.gap colspan="3" { (more) " more" } } }

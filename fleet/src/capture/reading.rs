@@ -1,0 +1,170 @@
+//! A capture, read record by record, with its quality.
+
+use super::access::Notes;
+use super::{Access, AccessError, CaptureFile};
+use canvass_traces::{
+    Capture, ChannelId, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Record, Source,
+    TimeBase, Timestamp,
+};
+
+/// A capture that is read.
+pub struct Reading {
+    name: String,
+    merge: Merge,
+    notes: Notes,
+    quality: Quality,
+    record: Record,
+    /// Why it could not be read to its end.
+    stopped: Option<String>,
+}
+
+/// What has come out of a capture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// A record.
+    Record,
+    /// What makes sense of a frame that contradicts itself.
+    Salvaged,
+    /// Something could not be read: frames may be missing here.
+    Damage,
+}
+
+/// A file that is no capture that can be read.
+pub struct Unreadable {
+    /// Why not.
+    pub reason: String,
+    /// Its SHA-256 in hexadecimal, if it was asked for.
+    pub sha256: Option<String>,
+}
+
+impl Reading {
+    /// Opens a capture; with `hashes`, its SHA-256 is made on the way.
+    ///
+    /// # Errors
+    /// [`AccessError`] if the file can't be read; what is in it is never an error, but [`Unreadable`].
+    pub fn open(access: &Access, file: &CaptureFile, hashes: bool) -> Result<Result<Self, Unreadable>, AccessError> {
+        let (reader, notes) = access.open(file, hashes)?;
+        let capture = Capture::from_source(&file.name, Source::new(reader), &ReadOptions::default());
+        let failed = |reason: String| AccessError::Read { name: file.name.clone(), reason };
+        match capture {
+            Ok(capture) => Ok(Ok(Self::of(file, capture, notes))),
+            Err(error) => match notes.failure() {
+                Some(reason) => Err(failed(reason)),
+                None => {
+                    let sha256 = if hashes { Some(access.hash(file)?) } else { None };
+                    Ok(Err(Unreadable { reason: reason(&error), sha256 }))
+                }
+            },
+        }
+    }
+
+    fn of(file: &CaptureFile, capture: Capture, notes: Notes) -> Self {
+        let frame = Frame::full(canvass_traces::CanId::standard_masked(0), [0; 8]);
+        Self {
+            name: file.name.clone(),
+            merge: Merge::new(vec![capture], Naming::BySource),
+            notes,
+            quality: Quality::default(),
+            record: Record::new(Timestamp(0), ChannelId(0), frame),
+            stopped: None,
+        }
+    }
+
+    /// Goes on to what comes next; `None` at the end.
+    ///
+    /// # Errors
+    /// [`AccessError`] if the file can't be read further.
+    #[inline]
+    pub fn advance(&mut self) -> Result<Option<Seen>, AccessError> {
+        match self.merge.next() {
+            Some((_, Ok(record))) => {
+                self.record = record;
+                self.quality.record(&self.record);
+                Ok(Some(Seen::Record))
+            }
+            Some((_, Err(damage))) => self.damaged(damage).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    #[cold]
+    fn damaged(&mut self, damage: Damage) -> Result<Seen, AccessError> {
+        if let Some(reason) = self.notes.failure() {
+            return Err(AccessError::Read { name: self.name.clone(), reason });
+        }
+        self.quality.damage(&damage);
+        if damage.kind.is_fatal() {
+            self.stopped.get_or_insert_with(|| format!("at {}: {damage}", damage.place.number));
+        }
+        Ok(match damage.salvaged {
+            Some(record) => {
+                self.record = *record;
+                Seen::Salvaged
+            }
+            None => Seen::Damage,
+        })
+    }
+
+    /// What came out last.
+    pub const fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Hands over what came out last to a diagnosis.
+    ///
+    /// # Errors
+    /// What a diagnosis that collects for a page may write.
+    pub fn hand_over(&mut self, diagnosis: &mut canvass_reports::diagnosis::Reading) -> std::io::Result<()> {
+        diagnosis.record(&mut self.record, &self.merge)
+    }
+
+    /// The capture as the readers of several captures know it.
+    pub const fn merge(&self) -> &Merge {
+        &self.merge
+    }
+
+    /// What was seen so far.
+    pub const fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
+    /// Its format.
+    pub fn format(&self) -> Option<Format> {
+        self.merge.sources().next().map(Capture::format)
+    }
+
+    /// What its times count from, as far as it has shown.
+    pub fn time_base(&self) -> TimeBase {
+        self.merge.sources().next().map_or(TimeBase::None, canvass_traces::Reader::time_base)
+    }
+
+    /// Why it could not be read to its end.
+    pub fn stopped(&self) -> Option<&str> {
+        self.stopped.as_deref()
+    }
+
+    /// The SHA-256 in hexadecimal, if it was asked for. To be asked at the end: what a reader did not want to see is
+    /// hashed too.
+    ///
+    /// # Errors
+    /// [`AccessError`] if the file can't be read once more.
+    pub fn sha256(&self, access: &Access, file: &CaptureFile) -> Result<Option<String>, AccessError> {
+        match self.notes.sha256() {
+            Some((hashed, _)) if hashed < file.size => access.hash(file).map(Some),
+            known => Ok(known.map(|(_, sha256)| sha256)),
+        }
+    }
+}
+
+/// Why a file is no capture, without its name, which the reader knows.
+fn reason(error: &OpenError) -> String {
+    match error {
+        OpenError::Io { source, .. } => source.to_string(),
+        OpenError::Source { source, .. } => source.to_string(),
+        OpenError::Empty(_) => "empty: expected a capture".to_owned(),
+        OpenError::Unknown { .. } => {
+            let known: Vec<&str> = Format::all().map(Format::id).collect();
+            format!("of no known format: expected one of {}", known.join(", "))
+        }
+    }
+}

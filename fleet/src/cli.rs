@@ -1,0 +1,128 @@
+//! What can be typed.
+
+use crate::commands::{executor, ingest, report, scheduler, schema, sql};
+use crate::status::{Failure, Status};
+use canvass_fleet::cluster::codec::absolute;
+use canvass_fleet::cluster::{ClusterError, client};
+use canvass_fleet::devices::{Devices, Rule};
+use canvass_fleet::scan::Options;
+use canvass_fleet::session::{self, Settings};
+use clap::Parser;
+use datafusion::prelude::SessionContext;
+
+/// Ask thousands of captures and results of test runs in SQL
+///
+/// Captures of any format that canvass reads are tables: events('field/**/*.log'), messages(...), signals(...) and so
+/// on. `canvass-fleet schema` shows all tables and columns.
+#[derive(Parser)]
+#[command(name = "canvass-fleet", version, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Sql(sql::Args),
+    Ingest(ingest::Args),
+    Report(report::Args),
+    Schema(schema::Args),
+    Scheduler(scheduler::Args),
+    Executor(executor::Args),
+}
+
+impl Cli {
+    /// Does what was typed.
+    pub async fn run(self) -> Result<Status, Failure> {
+        match self.command {
+            Command::Sql(args) => args.run().await,
+            Command::Ingest(args) => args.run().await,
+            Command::Report(args) => args.run().await,
+            Command::Schema(args) => args.run(),
+            Command::Scheduler(args) => args.run().await,
+            Command::Executor(args) => args.run().await,
+        }
+    }
+}
+
+/// Where and how queries run.
+#[derive(clap::Args)]
+pub struct Engine {
+    /// Which device nodes are, by node-ID or by the identity that they show: 5=motor.eds, product:0x2011=encoder.eds,
+    /// vendor:19,product:0x2011=encoder.eds; a file or a built-in model
+    #[arg(long, value_name = "WHO=FILE")]
+    device: Vec<String>,
+    /// How many parts of a query run at a time; without it, as many as there are processors
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// How much memory queries may take before they use the disk, such as 512M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    memory: Option<usize>,
+    /// Run queries on a cluster, whose scheduler is there; captures have to be reachable from all its computers
+    #[arg(long, value_name = "df://HOST:PORT", env = "CANVASS_CLUSTER")]
+    cluster: Option<String>,
+}
+
+impl Engine {
+    /// The rules which device a node is.
+    pub fn devices(&self) -> Result<Devices, Failure> {
+        let rules: Result<Vec<Rule>, _> = self.device.iter().map(|rule| rule.parse::<Rule>()).collect();
+        Ok(Devices::new(rules?))
+    }
+
+    /// A session in which queries run.
+    pub async fn session(&self) -> Result<SessionContext, Failure> {
+        // A mistake is told before anything is read.
+        self.devices()?;
+        let mut scan = Options::default();
+        scan.devices = self.device.join("\n");
+        let settings = Settings { scan, partitions: self.jobs.map(usize::from), memory: self.memory };
+        match &self.cluster {
+            None => Ok(session::local(&settings)?),
+            Some(address) => Ok(client::connect(address, &settings).await.map_err(|error| match error {
+                ClusterError::Unreachable { .. } => Failure::unreachable(error),
+                other => other.into(),
+            })?),
+        }
+    }
+
+    /// Files and patterns, as they mean the same on all computers that read them.
+    pub fn sources(&self, given: Vec<String>) -> Result<Vec<String>, Failure> {
+        match &self.cluster {
+            None => Ok(given),
+            Some(_) => Ok(given.iter().map(|name| absolute(name)).collect::<Result<_, _>>()?),
+        }
+    }
+}
+
+/// Bytes as typed, with K, M, G or T.
+pub fn parse_size(text: &str) -> Result<usize, String> {
+    let (digits, shift) = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&text[..at], 10),
+        Some((at, 'm' | 'M')) => (&text[..at], 20),
+        Some((at, 'g' | 'G')) => (&text[..at], 30),
+        Some((at, 't' | 'T')) => (&text[..at], 40),
+        _ => (text, 0),
+    };
+    let size = digits.parse::<usize>().ok().and_then(|number| number.checked_mul(1 << shift));
+    size.filter(|size| *size >= 16 << 20).ok_or_else(|| "expected at least 16M, such as 512M or 4G".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_as_typed() {
+        assert_eq!(parse_size("512M"), Ok(512 << 20));
+        assert_eq!(parse_size("33554432"), Ok(32 << 20));
+        for wrong in ["", "M", "1K", "x", "-1G", "99999999999T"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! `canvass-fleet executor`: the process that decodes captures and works on their rows.
+
+use super::server;
+use crate::cli::parse_size;
+use crate::status::{Failure, Status};
+use canvass_fleet::cluster::client::PORT;
+use canvass_fleet::cluster::executor::Executor;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Run an executor of a cluster
+///
+/// It has to see the captures under the same paths as the scheduler: a shared folder, or an object store. Ctrl-C ends it when the
+/// tasks that it has begun are done.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The scheduler
+    #[arg(long, value_name = "HOST:PORT", value_parser = parse_scheduler)]
+    scheduler: (String, u16),
+    /// Where others fetch the results of its tasks; it takes tasks at the next port. Port 0: two that are free
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:50051")]
+    bind: SocketAddr,
+    /// How others reach it, if not by the address that it calls the scheduler from
+    #[arg(long, value_name = "HOST")]
+    advertise: Option<String>,
+    /// Where the results of tasks are kept; without it, a folder that is gone with the process
+    #[arg(long, value_name = "DIR")]
+    work_dir: Option<PathBuf>,
+    /// How many tasks run at a time; without it, as many as there are processors
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    tasks: Option<u16>,
+    /// How much memory all tasks together may take, such as 4G; without it, seven tenths of what there is
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    memory: Option<usize>,
+    #[command(flatten)]
+    logging: server::Logging,
+}
+
+impl Args {
+    pub async fn run(self) -> Result<Status, Failure> {
+        self.logging.begin()?;
+        let Self { scheduler, bind, advertise, work_dir, tasks, memory, .. } = self;
+        let tasks = tasks.map(usize::from);
+        Executor { scheduler, bind, advertise, work_dir, tasks, memory }.run().await?;
+        Ok(Status::Good)
+    }
+}
+
+fn parse_scheduler(text: &str) -> Result<(String, u16), String> {
+    let text = text.strip_prefix("df://").unwrap_or(text).trim_end_matches('/');
+    let (host, port) = match text.rsplit_once(':') {
+        Some((host, port)) => (host, port.parse().map_err(|_| "expected HOST:PORT, such as localhost:50050")?),
+        None => (text, PORT),
+    };
+    match host {
+        "" => Err("expected HOST:PORT, such as localhost:50050".to_owned()),
+        host => Ok((host.to_owned(), port)),
+    }
+}

@@ -1,0 +1,157 @@
+//! `canvass-fleet sql`: statements, or a shell.
+
+use super::shell;
+use crate::cli::Engine;
+use crate::output::{self, WholeFile, diagnostic};
+use crate::status::{Failure, Status};
+use anyhow::anyhow;
+use canvass_fleet::lake;
+use canvass_fleet::render::{self, Format};
+use canvass_fleet::scan::{CaptureScan, register_files};
+use canvass_fleet::views;
+use datafusion::physical_plan::{ExecutionPlan, execute_stream};
+use datafusion::prelude::SessionContext;
+use datafusion::sql::parser::{DFParser, Statement};
+use futures::StreamExt as _;
+use std::io::{IsTerminal as _, Read as _, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Ask captures, results and lakes in SQL
+///
+/// Without a statement a shell is opened on a terminal; else the statements are read from standard input.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Statements, separated by semicolons, such as "SELECT count(*) FROM events('field/*.log')"
+    #[arg(value_name = "STATEMENT")]
+    statement: Option<String>,
+    /// A lake, whose tables are there by their names
+    #[arg(long, value_name = "LAKE")]
+    lake: Option<String>,
+    /// Files, folders and patterns, here or as s3://BUCKET/..., whose tables are there by their names, decoded on the fly
+    #[arg(long, value_name = "SOURCE", conflicts_with = "lake")]
+    over: Vec<String>,
+    /// How to print answers
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Write the answer to a file instead of standard output
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How many rows a table shows, at most; other formats have all rows
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    max_rows: usize,
+    #[command(flatten)]
+    engine: Engine,
+}
+
+impl Args {
+    pub async fn run(self) -> Result<Status, Failure> {
+        if self.format.is_binary() && self.output.is_none() && output::is_terminal() {
+            return Err(anyhow!("the format is not for a terminal: give --output FILE, or redirect the output").into());
+        }
+        let session = self.engine.session().await?;
+        if let Some(lake) = &self.lake {
+            lake::register(&session, lake).await?;
+        }
+        if !self.over.is_empty() {
+            register_files(&session, &self.over)?;
+        }
+        if self.lake.is_some() || !self.over.is_empty() {
+            views::register(&session).await?;
+        }
+        let answers = Answers { session, format: self.format, max_rows: self.max_rows };
+        let statement = match self.statement {
+            Some(statement) => statement,
+            None if std::io::stdin().is_terminal() => return shell::run(answers).await,
+            None => {
+                let mut text = String::new();
+                std::io::stdin().read_to_string(&mut text)?;
+                text
+            }
+        };
+        match &self.output {
+            Some(path) => {
+                let file = WholeFile::create(path)?;
+                answers.all(&statement, || Ok(file.writer()?)).await?;
+                file.complete()?;
+            }
+            None => answers.all(&statement, || Ok(output::raw())).await?,
+        }
+        Ok(Status::Good)
+    }
+}
+
+/// Answers statements.
+pub struct Answers {
+    session: SessionContext,
+    format: Format,
+    max_rows: usize,
+}
+
+impl Answers {
+    /// Answers all statements of a text, one after the other.
+    pub async fn all(
+        &self,
+        text: &str,
+        out: impl Fn() -> Result<Box<dyn Write + Send>, Failure>,
+    ) -> Result<(), Failure> {
+        let statements = DFParser::parse_sql(text)?;
+        if statements.is_empty() {
+            return Err(anyhow!("there is no statement: expected SQL, such as SELECT * FROM events('a.log')").into());
+        }
+        for statement in statements {
+            self.one(statement, out()?).await?;
+        }
+        Ok(())
+    }
+
+    async fn one(&self, statement: Statement, out: Box<dyn Write + Send>) -> Result<(), Failure> {
+        let plan = self.session.state().statement_to_plan(statement).await?;
+        let is_told = !plan.schema().fields().is_empty();
+        let answer = self.session.execute_logical_plan(plan).await?;
+        let plan = answer.create_physical_plan().await?;
+        let mut batches = execute_stream(Arc::clone(&plan), self.session.task_ctx())?;
+        let mut rendered = render::answer(self.format, &batches.schema(), out)?;
+        let mut left = if self.format == Format::Table { self.max_rows } else { usize::MAX };
+        while let Some(batch) = batches.next().await {
+            let batch = batch?;
+            rendered.batch(&batch.slice(0, batch.num_rows().min(left)))?;
+            if batch.num_rows() > left {
+                diagnostic(&format!("canvass-fleet: only the first {} rows are shown (--max-rows)", self.max_rows));
+                break;
+            }
+            left -= batch.num_rows();
+        }
+        if is_told {
+            rendered.finish()?;
+        }
+        tell_unreadable(&plan);
+        Ok(())
+    }
+
+    /// What a shell asks the session for itself.
+    pub const fn session(&self) -> &SessionContext {
+        &self.session
+    }
+}
+
+/// Says how many files were no captures.
+fn tell_unreadable(plan: &Arc<dyn ExecutionPlan>) {
+    let unreadable = unreadable(plan);
+    if unreadable > 0 {
+        let files = if unreadable == 1 { "1 file was" } else { &format!("{unreadable} files were") };
+        diagnostic(&format!(
+            "canvass-fleet: {files} passed over, as nothing could be read there: SELECT capture, reason FROM \
+             captures('…') WHERE reason IS NOT NULL tells which and why"
+        ));
+    }
+}
+
+fn unreadable(plan: &Arc<dyn ExecutionPlan>) -> usize {
+    let own = plan
+        .downcast_ref::<CaptureScan>()
+        .and_then(CaptureScan::metrics)
+        .and_then(|metrics| metrics.sum_by_name(CaptureScan::UNREADABLE))
+        .map_or(0, |count| count.as_usize());
+    own + plan.children().into_iter().map(unreadable).sum::<usize>()
+}

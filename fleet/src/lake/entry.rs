@@ -1,0 +1,116 @@
+//! What a lake knows of each file that it was made from: plain data, which travel back from where a file was read.
+
+use crate::capture::CaptureFile;
+use crate::devices::Devices;
+use crate::table::{SCHEMA_VERSION, Table};
+use canvass_traces::Timestamp;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// A capture or result, and the files of the lake that its rows are in.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Entry {
+    /// The file that it was made from.
+    pub file: CaptureFile,
+    /// The rules by which it was read: [`rules`].
+    pub rules: String,
+    /// Its SHA-256 in hexadecimal; empty where it could not be read: it is tried again.
+    pub sha256: String,
+    /// The first and the last moment of its rows in nanoseconds; nothing where they are not known.
+    pub span: Option<(i64, i64)>,
+    /// The other file with the same content, whose rows stand for both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub copy_of: Option<String>,
+    /// Why it could not be read, or not to its end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Its files in the lake.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<Part>,
+}
+
+/// A Parquet file of a lake.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Part {
+    /// The table.
+    pub table: Table,
+    /// The day of the first frame: `2025-01-28`.
+    pub date: String,
+    /// Its name, without the folder.
+    pub name: String,
+    /// Its rows.
+    pub rows: u64,
+    /// Its length in bytes.
+    pub bytes: u64,
+}
+
+impl Part {
+    /// Its path in the lake: `messages/date=2025-01-28/….parquet`.
+    pub fn path(&self) -> String {
+        format!("{}/date={}/{}", self.table.name(), self.date, self.name)
+    }
+}
+
+impl Entry {
+    /// Whether its rows are those of its content, read by these rules.
+    pub fn stands(&self, rules: &str) -> bool {
+        self.copy_of.is_none() && self.rules == rules && !self.sha256.is_empty()
+    }
+
+    /// Whether the file is as it was when it was read, and would be read in the same way.
+    pub fn is_of(&self, file: &CaptureFile, rules: &str) -> bool {
+        self.file == *file && self.rules == rules && !self.sha256.is_empty()
+    }
+}
+
+/// What tells apart by which rules captures were read: the devices, and the version of the tables.
+pub fn rules(devices: &Devices) -> String {
+    let mut digest = Sha256::new();
+    digest.update(SCHEMA_VERSION.to_le_bytes());
+    digest.update(serde_json::to_vec(devices).unwrap_or_default());
+    short(&digest.finalize())
+}
+
+/// The name of the Parquet files of a capture: the same for the same file and rules, so that what is made twice is there
+/// once.
+pub fn part_name(file: &CaptureFile, rules: &str) -> String {
+    let mut digest = Sha256::new();
+    digest.update(file.name.as_bytes());
+    digest.update([0]);
+    digest.update(file.size.to_le_bytes());
+    digest.update(file.modified.to_le_bytes());
+    digest.update(rules);
+    format!("{}.parquet", short(&digest.finalize()))
+}
+
+fn short(digest: &[u8]) -> String {
+    digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The day of a moment, in UTC; that of 1970 where there is none.
+pub fn day(time: Option<Timestamp>) -> String {
+    let nanos = i128::from(time.unwrap_or_default().nanos());
+    let moment = jiff::Timestamp::from_nanosecond(nanos).unwrap_or(jiff::Timestamp::UNIX_EPOCH);
+    moment.to_zoned(jiff::tz::TimeZone::UTC).date().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_day_is_that_of_utc() {
+        assert_eq!(day(None), "1970-01-01");
+        assert_eq!(day(Some(Timestamp(1_738_061_235_000_000_000))), "2025-01-28");
+        assert_eq!(day(Some(Timestamp(u64::MAX))), "2554-07-21");
+    }
+
+    #[test]
+    fn a_name_tells_the_file_and_how_it_was_read() {
+        let file = CaptureFile { name: "a.log".into(), size: 5, modified: 7 };
+        let name = part_name(&file, "x");
+        assert_eq!(name, part_name(&file.clone(), "x"));
+        let changed = CaptureFile { modified: 8, ..file.clone() };
+        assert!(name != part_name(&file, "y") && name != part_name(&changed, "x"));
+    }
+}

@@ -1,0 +1,145 @@
+//! The log of a lake: which files belong to it. What is not in the log is not there.
+//!
+//! A commit is one object, written whole or not at all, and its number is free only once: a run that was killed leaves
+//! what it has committed, and of two runs at a time the second one to commit a number is refused.
+
+use super::{Entry, LakeError, Location};
+use bytes::Bytes;
+use futures::TryStreamExt;
+use object_store::{ObjectStoreExt as _, PutMode, PutOptions, PutPayload};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The contract's name and version.
+pub const SCHEMA: &str = "canvass/lake/1";
+
+/// A commit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Commit {
+    schema: String,
+    /// Whether it holds all entries: those before it are not needed any more.
+    complete: bool,
+    /// Entries that are new, or replace those of the same files.
+    entries: Vec<Entry>,
+}
+
+/// What a lake holds at a moment.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// The number of the last commit; 0: there is no lake yet.
+    pub version: u64,
+    /// By the name of the file that each was made from.
+    pub entries: BTreeMap<String, Entry>,
+}
+
+/// Where the commits are.
+pub const FOLDER: &str = "log";
+
+fn name(version: u64) -> String {
+    format!("{FOLDER}/{version:020}.json")
+}
+
+impl Snapshot {
+    /// What a lake holds; nothing where there is none.
+    ///
+    /// # Errors
+    /// [`LakeError`] if the log can't be read.
+    pub async fn read(location: &Location) -> Result<Self, LakeError> {
+        // Somebody may just clear away the commits that a later one replaces.
+        for _ in 0..3 {
+            if let Some(snapshot) = Self::try_read(location).await? {
+                return Ok(snapshot);
+            }
+        }
+        Err(LakeError::Changing(location.url.to_string()))
+    }
+
+    async fn try_read(location: &Location) -> Result<Option<Self>, LakeError> {
+        let versions = versions(location).await?;
+        let mut commits = Vec::new();
+        for version in versions.into_iter().rev() {
+            let content = match location.store.get(&location.path(&name(version))).await {
+                Ok(found) => found.bytes().await?,
+                Err(object_store::Error::NotFound { .. }) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            };
+            let commit = parse(&content, version)?;
+            let is_complete = commit.complete;
+            commits.push((version, commit));
+            if is_complete {
+                break;
+            }
+        }
+        let mut snapshot = Self::default();
+        for (version, commit) in commits.into_iter().rev() {
+            snapshot.version = version;
+            snapshot.add(commit.entries);
+        }
+        Ok(Some(snapshot))
+    }
+
+    fn add(&mut self, entries: Vec<Entry>) {
+        self.entries.extend(entries.into_iter().map(|entry| (entry.file.name.clone(), entry)));
+    }
+
+    /// Commits entries; gives back those that they replace.
+    ///
+    /// # Errors
+    /// [`LakeError::Conflict`] if somebody else has committed meanwhile.
+    pub async fn commit(&mut self, location: &Location, entries: Vec<Entry>) -> Result<Vec<Entry>, LakeError> {
+        self.put(location, false, entries.clone()).await?;
+        let replaced = entries.iter().filter_map(|entry| self.entries.get(&entry.file.name).cloned()).collect();
+        self.add(entries);
+        Ok(replaced)
+    }
+
+    /// Begins a run: from now on the commits of others are refused. What was committed before becomes one commit.
+    ///
+    /// # Errors
+    /// As [`Snapshot::commit`].
+    pub async fn begin(&mut self, location: &Location) -> Result<(), LakeError> {
+        self.put(location, true, self.entries.values().cloned().collect()).await?;
+        for version in versions(location).await?.into_iter().filter(|&version| version < self.version) {
+            location.store.delete(&location.path(&name(version))).await?;
+        }
+        Ok(())
+    }
+
+    async fn put(&mut self, location: &Location, complete: bool, entries: Vec<Entry>) -> Result<(), LakeError> {
+        let version = self.version + 1;
+        let commit = Commit { schema: SCHEMA.to_owned(), complete, entries };
+        let content =
+            serde_json::to_vec(&commit).map_err(|error| LakeError::Log { version, reason: error.to_string() })?;
+        let options = PutOptions { mode: PutMode::Create, ..PutOptions::default() };
+        let payload = PutPayload::from_bytes(Bytes::from(content));
+        match location.store.put_opts(&location.path(&name(version)), payload, options).await {
+            Ok(_) => {
+                self.version = version;
+                Ok(())
+            }
+            Err(object_store::Error::AlreadyExists { .. } | object_store::Error::Precondition { .. }) => {
+                Err(LakeError::Conflict(location.url.to_string()))
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+fn parse(content: &[u8], version: u64) -> Result<Commit, LakeError> {
+    let commit: Commit =
+        serde_json::from_slice(content).map_err(|error| LakeError::Log { version, reason: error.to_string() })?;
+    if commit.schema == SCHEMA {
+        return Ok(commit);
+    }
+    Err(LakeError::Log { version, reason: format!("expected {SCHEMA}, found {}", commit.schema) })
+}
+
+/// The numbers of all commits, rising.
+async fn versions(location: &Location) -> Result<Vec<u64>, LakeError> {
+    let listed = location.store.list(Some(&location.path(FOLDER)));
+    let objects: Vec<_> = listed.try_collect().await?;
+    let number = |object: &object_store::ObjectMeta| object.location.filename()?.strip_suffix(".json")?.parse().ok();
+    let mut versions: Vec<u64> = objects.iter().filter_map(number).collect();
+    versions.sort_unstable();
+    Ok(versions)
+}

@@ -1,0 +1,86 @@
+//! Standard output and standard error: what came out of captures acts on nobody's terminal.
+
+use canvass_reports::escape::Visible;
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal as _, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Whether standard output is a terminal.
+pub fn is_terminal() -> bool {
+    io::stdout().is_terminal()
+}
+
+/// Standard output, whose bytes stay as they are: renderers of answers let nothing act.
+#[allow(clippy::disallowed_methods)]
+pub fn raw() -> Box<dyn Write + Send> {
+    Box::new(BufWriter::new(io::stdout()))
+}
+
+/// Prints text that people read.
+///
+/// # Errors
+/// If standard output can't be written.
+#[allow(clippy::disallowed_methods)]
+pub fn print(text: &str) -> io::Result<()> {
+    let mut out = Visible::new(io::stdout(), false);
+    out.write_all(text.as_bytes())?;
+    out.write_all(b"\n")?;
+    out.flush()
+}
+
+/// Says something on standard error.
+#[allow(clippy::disallowed_methods)]
+pub fn diagnostic(text: &str) {
+    let mut out = Visible::new(io::stderr(), false);
+    // Nobody can be told that nobody can be told.
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush());
+}
+
+/// Shows how far something is, on a terminal only.
+#[allow(clippy::disallowed_methods)]
+pub fn progress(text: &str) {
+    if io::stderr().is_terminal() {
+        let _ = write!(io::stderr(), "\r\x1b[K{text}");
+    }
+}
+
+/// A file that is there when it is complete, or not at all.
+pub struct WholeFile {
+    file: NamedTempFile,
+    path: std::path::PathBuf,
+}
+
+impl WholeFile {
+    /// Begins a file beside its place.
+    ///
+    /// # Errors
+    /// If the folder can't be written.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        // As any new file: what the user's mask leaves.
+        #[cfg(unix)]
+        builder.permissions(<std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
+        let file = builder
+            .tempfile_in(folder)
+            .map_err(|error| io::Error::new(error.kind(), format!("can't write {}: {error}", path.display())))?;
+        Ok(Self { file, path: path.to_owned() })
+    }
+
+    /// Where to write.
+    ///
+    /// # Errors
+    /// If the file can't be opened once more.
+    pub fn writer(&self) -> io::Result<Box<dyn Write + Send>> {
+        Ok(Box::new(BufWriter::new(File::options().write(true).open(self.file.path())?)))
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// If it can't be moved there.
+    pub fn complete(self) -> io::Result<()> {
+        self.file.persist(&self.path).map(|_| ()).map_err(|error| error.error)
+    }
+}

@@ -1,0 +1,118 @@
+//! Rows on their way out: those that pass become batches, until no more are wanted.
+
+use super::ScanError;
+use crate::filter::{Filter, Test};
+use crate::table::builder::BatchBuilder;
+use crate::table::column::Rows;
+use datafusion::arrow::array::RecordBatch;
+use datafusion::arrow::datatypes::SchemaRef;
+use std::ops::ControlFlow;
+
+/// Takes batches.
+pub trait Outlet {
+    /// Takes a batch; `Break` where no more are wanted.
+    fn give(&mut self, batch: RecordBatch) -> ControlFlow<()>;
+
+    /// Whether anybody still waits for batches.
+    fn is_wanted(&self) -> bool;
+}
+
+/// What is wanted of a table.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// The columns, by their places in the table.
+    pub columns: &'a [usize],
+    /// Their schema.
+    pub schema: &'a SchemaRef,
+    /// What must hold of a row.
+    pub tests: &'a [Test],
+    /// How many rows, at most.
+    pub fetch: Option<usize>,
+    /// How many rows a batch has, at most.
+    pub batch_rows: usize,
+}
+
+impl Wanted<'_> {
+    /// Whether a column's value matters: it is wanted, or tested.
+    pub fn asks<R: Rows>(&self, name: &str) -> bool {
+        R::asks(self.columns, name) || self.tests.iter().any(|test| test.column == name)
+    }
+}
+
+/// Takes the rows of a table.
+pub struct Emitter<'a, R: Rows> {
+    builder: BatchBuilder<R>,
+    filter: Filter<R>,
+    left: Option<usize>,
+    batch_rows: usize,
+    /// Rows since somebody looked whether they are still wanted.
+    unlooked: usize,
+    outlet: &'a mut dyn Outlet,
+}
+
+impl<'a, R: Rows> Emitter<'a, R> {
+    /// So many rows that do not pass, and then it is asked whether anybody still waits.
+    const LOOK: usize = 8192;
+
+    /// Gives what is wanted to an outlet.
+    pub fn new(wanted: Wanted<'_>, outlet: &'a mut dyn Outlet) -> Self {
+        Self {
+            builder: BatchBuilder::new(SchemaRef::clone(wanted.schema), wanted.columns),
+            filter: Filter::new(wanted.tests),
+            left: wanted.fetch,
+            batch_rows: wanted.batch_rows,
+            unlooked: 0,
+            outlet,
+        }
+    }
+
+    /// Takes a row; `Break` where no more are wanted.
+    ///
+    /// # Errors
+    /// [`ScanError::Arrow`], which would be a mistake in here.
+    #[inline]
+    pub fn row(&mut self, row: &R::Row<'_>) -> Result<ControlFlow<()>, ScanError> {
+        if self.left == Some(0) {
+            return Ok(ControlFlow::Break(()));
+        }
+        if !self.filter.passes(row) {
+            return Ok(self.look());
+        }
+        self.builder.push(row);
+        if let Some(left) = &mut self.left {
+            *left -= 1;
+        }
+        if self.builder.is_full(self.batch_rows) || self.left == Some(0) {
+            return self.flush();
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Something was read that made no row; `Break` where nobody waits any more.
+    #[inline]
+    pub fn look(&mut self) -> ControlFlow<()> {
+        self.unlooked += 1;
+        if self.unlooked < Self::LOOK {
+            return ControlFlow::Continue(());
+        }
+        self.unlooked = 0;
+        if self.outlet.is_wanted() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    fn flush(&mut self) -> Result<ControlFlow<()>, ScanError> {
+        let given = self.outlet.give(self.builder.finish()?);
+        Ok(if self.left == Some(0) { ControlFlow::Break(()) } else { given })
+    }
+
+    /// Gives away what still waits.
+    ///
+    /// # Errors
+    /// As [`Emitter::row`].
+    pub fn finish(mut self) -> Result<(), ScanError> {
+        if self.builder.rows() > 0 {
+            // Whoever wants no more has what they want.
+            let _ = self.flush()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,123 @@
+//! What the plans that read files have in common: their input is a row for each file, and they work where waiting is
+//! allowed.
+//!
+//! The files are a plan of their own, as rows in memory: of such a plan Ballista gives each task only its partitions, of a
+//! plan that it does not know it would give every task all of them.
+
+use crate::capture::CaptureFile;
+use datafusion::arrow::array::{ArrayRef, AsArray as _, Int64Array, RecordBatch, StringArray, UInt64Array};
+use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef, UInt64Type};
+use datafusion::datasource::memory::MemorySourceConfig;
+use datafusion::datasource::source::DataSourceExec;
+use datafusion::error::{DataFusionError, Result};
+use datafusion::execution::SendableRecordBatchStream;
+use datafusion::physical_expr::EquivalenceProperties;
+use datafusion::physical_plan::execution_plan::{Boundedness, EmissionType, SchedulingType};
+use datafusion::physical_plan::stream::{RecordBatchReceiverStreamBuilder, RecordBatchStreamAdapter};
+use datafusion::physical_plan::{ExecutionPlan, Partitioning, PlanProperties};
+use futures::TryStreamExt;
+use std::any::Any;
+use std::sync::Arc;
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::Sender;
+
+/// So many batches wait for whoever takes them: memory is bounded.
+const AHEAD: usize = 2;
+
+fn schema() -> SchemaRef {
+    let column = |name, kind| Field::new(name, kind, false);
+    let columns = [("name", DataType::Utf8), ("size", DataType::UInt64), ("modified", DataType::Int64)];
+    Arc::new(Schema::new(columns.map(|(name, kind)| column(name, kind)).to_vec()))
+}
+
+/// Files as a plan: a partition for each list.
+///
+/// # Errors
+/// If Arrow refuses the rows, which would be a mistake in here.
+pub fn plan(partitions: &[Vec<CaptureFile>]) -> Result<Arc<dyn ExecutionPlan>> {
+    let mut batches = partitions.iter().map(|files| Ok(vec![batch(files)?])).collect::<Result<Vec<_>>>()?;
+    // A plan without partitions is none.
+    if batches.is_empty() {
+        batches.push(Vec::new());
+    }
+    Ok(DataSourceExec::from_data_source(MemorySourceConfig::try_new(&batches, schema(), None)?))
+}
+
+fn batch(files: &[CaptureFile]) -> Result<RecordBatch> {
+    let names: ArrayRef = Arc::new(files.iter().map(|file| Some(&*file.name)).collect::<StringArray>());
+    let sizes: ArrayRef = Arc::new(files.iter().map(|file| file.size).collect::<UInt64Array>());
+    let modified: ArrayRef = Arc::new(files.iter().map(|file| file.modified).collect::<Int64Array>());
+    Ok(RecordBatch::try_new(schema(), vec![names, sizes, modified])?)
+}
+
+/// The files that such a plan gives in one partition; to be called where waiting is allowed.
+///
+/// # Errors
+/// If the plan is another one.
+pub fn listed(input: SendableRecordBatchStream, handle: &Handle) -> Result<Vec<CaptureFile>> {
+    let batches: Vec<RecordBatch> = handle.block_on(input.try_collect())?;
+    let mut files = Vec::new();
+    for batch in &batches {
+        let other = || DataFusionError::Plan("expected a plan of files: their names, sizes and times".to_owned());
+        let columns = (batch.num_columns() == 3).then(|| [0, 1, 2].map(|at| batch.column(at))).ok_or_else(other)?;
+        let names = columns[0].as_string_opt::<i32>().ok_or_else(other)?;
+        let sizes = columns[1].as_primitive_opt::<UInt64Type>().ok_or_else(other)?;
+        let modified = columns[2].as_primitive_opt::<Int64Type>().ok_or_else(other)?;
+        let file = |row| CaptureFile {
+            name: names.value(row).to_owned(),
+            size: sizes.value(row),
+            modified: modified.value(row),
+        };
+        files.extend((0..batch.num_rows()).map(file));
+    }
+    Ok(files)
+}
+
+/// How many files such a plan names, whole or in one partition.
+pub fn count(plan: &Arc<dyn ExecutionPlan>, partition: Option<usize>) -> Option<usize> {
+    let source: &dyn Any = plan.downcast_ref::<DataSourceExec>()?.data_source().as_ref();
+    let partitions = source.downcast_ref::<MemorySourceConfig>()?.partitions();
+    let chosen = match partition {
+        Some(partition) => std::slice::from_ref(partitions.get(partition)?),
+        None => partitions,
+    };
+    Some(chosen.iter().flatten().map(RecordBatch::num_rows).sum())
+}
+
+/// The only input of a plan that reads files.
+///
+/// # Errors
+/// If there are more or none.
+pub fn only(inputs: Vec<Arc<dyn ExecutionPlan>>) -> Result<Arc<dyn ExecutionPlan>> {
+    <[_; 1]>::try_from(inputs)
+        .map(|[input]| input)
+        .map_err(|inputs| DataFusionError::Plan(format!("expected one plan of files, found {}", inputs.len())))
+}
+
+/// The properties of a plan that reads the files of another one.
+pub fn properties(schema: &SchemaRef, input: &Arc<dyn ExecutionPlan>) -> Arc<PlanProperties> {
+    let partitions = input.properties().output_partitioning().partition_count();
+    let properties = PlanProperties::new(
+        EquivalenceProperties::new(SchemaRef::clone(schema)),
+        Partitioning::UnknownPartitioning(partitions),
+        EmissionType::Incremental,
+        Boundedness::Bounded,
+    );
+    Arc::new(properties.with_scheduling_type(SchedulingType::Cooperative))
+}
+
+/// The stream of a partition whose batches `work` sends. It begins when somebody asks for rows, and is told to end by its
+/// channel being closed when nobody does any more.
+pub fn stream(
+    schema: SchemaRef,
+    work: impl FnOnce(&Handle, Sender<Result<RecordBatch>>) -> Result<()> + Send + 'static,
+) -> SendableRecordBatchStream {
+    let of_stream = SchemaRef::clone(&schema);
+    let stream = futures::stream::once(async move {
+        let mut builder = RecordBatchReceiverStreamBuilder::new(of_stream, AHEAD);
+        let (sender, handle) = (builder.tx(), Handle::current());
+        builder.spawn_blocking(move || work(&handle, sender));
+        Ok::<_, DataFusionError>(builder.build())
+    });
+    Box::pin(RecordBatchStreamAdapter::new(schema, stream.try_flatten()))
+}

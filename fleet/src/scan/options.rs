@@ -1,0 +1,39 @@
+//! How scans work, as `SET canvass.… = …` and the command line say it.
+
+use crate::devices::{Devices, Rule};
+use datafusion::common::config::ConfigExtension;
+use datafusion::common::extensions_options;
+use datafusion::config::ConfigOptions;
+use datafusion::error::Result;
+
+extensions_options! {
+    /// How captures are scanned.
+    pub struct Options {
+        /// Whether filters and limits are asked before rows are made. Without it every row is made, and the query engine
+        /// filters: the same rows, later.
+        pub push_down: bool, default = true
+        /// The rules which device a node is, one a line: `5=motor.eds`, `product:0x2011=encoder.eds`.
+        pub devices: String, default = String::new()
+    }
+}
+
+impl ConfigExtension for Options {
+    const PREFIX: &'static str = "canvass";
+}
+
+impl Options {
+    /// Those of a session.
+    pub fn of(config: &ConfigOptions) -> Self {
+        config.extensions.get::<Self>().cloned().unwrap_or_default()
+    }
+
+    /// The rules, with the files that they name.
+    ///
+    /// # Errors
+    /// If a rule is not written as rules are, or its file can't be read.
+    pub fn devices(&self) -> Result<Devices> {
+        let rules = self.devices.lines().filter(|line| !line.trim().is_empty());
+        let read: Result<Vec<Rule>, _> = rules.map(|rule| rule.trim().parse::<Rule>()).collect();
+        Ok(Devices::new(read.map_err(super::ScanError::from)?))
+    }
+}

@@ -1,0 +1,178 @@
+//! Rows of one file: it is read once, and only as far as rows are wanted.
+
+use super::emit::{Emitter, Outlet, Wanted};
+use super::rows::{self, Happenings, Understood};
+use super::{ScanError, diagnosed, results};
+use crate::capture::{Access, CaptureFile, Reading, Seen, Unreadable};
+use crate::devices::Devices;
+use crate::table::Table;
+use crate::table::captures::{CaptureRow, Captures};
+use crate::table::events::Events;
+use crate::table::frames::{FrameRow, Frames};
+use crate::table::messages::Messages;
+use crate::table::signals::Signals;
+use canvass_analyzer::network::Network;
+use canvass_traces::Quality;
+use std::ops::ControlFlow;
+
+/// How files are read.
+pub struct Source<'a> {
+    /// Opens them.
+    pub access: &'a Access,
+    /// What is known of the devices.
+    pub devices: &'a Devices,
+}
+
+/// Gives the rows of a file; `false` where it is no capture or result that can be read.
+///
+/// # Errors
+/// [`ScanError`] if the file or a device description can't be read.
+pub fn produce(
+    source: &Source<'_>,
+    table: Table,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<bool, ScanError> {
+    match table {
+        Table::Captures => return capture(source, file, wanted, outlet).map(|()| true),
+        Table::Runs | Table::Verdicts => return results::produce(source.access, table, file, wanted, outlet),
+        _ => {}
+    }
+    let Ok(reading) = Reading::open(source.access, file, false)? else { return Ok(false) };
+    match table {
+        Table::Frames => frames(reading, file, wanted, outlet)?,
+        Table::Messages => messages(source, reading, file, wanted, outlet)?,
+        Table::Signals => signals(source, reading, file, wanted, outlet)?,
+        Table::Events => events(source, reading, file, wanted, outlet)?,
+        _ => diagnosed::produce(source, reading, table, file, wanted, outlet)?,
+    }
+    Ok(true)
+}
+
+fn capture(
+    source: &Source<'_>,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<(), ScanError> {
+    let hashes = wanted.asks::<Captures>("sha256");
+    let mut emitter = Emitter::<Captures>::new(wanted, outlet);
+    let opened = Reading::open(source.access, file, hashes)?;
+    let mut reading = match opened {
+        Ok(reading) => reading,
+        Err(unreadable) => {
+            let _ = unreadable_row(file, &unreadable, |row| emitter.row(row))?;
+            return emitter.finish();
+        }
+    };
+    while reading.advance()?.is_some() {
+        if emitter.look().is_break() {
+            return Ok(());
+        }
+    }
+    let sha256 = reading.sha256(source.access, file)?;
+    let _ = emitter.row(&capture_row(file, &reading, sha256.as_deref()))?;
+    emitter.finish()
+}
+
+/// The row of a capture that was read.
+pub fn capture_row<'a>(file: &'a CaptureFile, reading: &'a Reading, sha256: Option<&'a str>) -> CaptureRow<'a> {
+    CaptureRow {
+        capture: &file.name,
+        sha256,
+        size: file.size,
+        format: reading.format(),
+        time_base: Some(reading.time_base()),
+        quality: reading.quality(),
+        reason: reading.stopped(),
+    }
+}
+
+/// The row of a file that is no capture that can be read.
+pub fn unreadable_row<T>(file: &CaptureFile, unreadable: &Unreadable, take: impl FnOnce(&CaptureRow<'_>) -> T) -> T {
+    let (quality, size) = (&Quality::default(), file.size);
+    let (sha256, reason) = (unreadable.sha256.as_deref(), Some(&*unreadable.reason));
+    take(&CaptureRow { capture: &file.name, sha256, size, format: None, time_base: None, quality, reason })
+}
+
+fn frames(
+    mut reading: Reading,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<(), ScanError> {
+    let mut emitter = Emitter::<Frames>::new(wanted, outlet);
+    while let Some(seen) = reading.advance()? {
+        if seen == Seen::Damage {
+            continue;
+        }
+        let (record, channels) = (reading.record(), reading.merge().channels());
+        if emitter.row(&FrameRow { capture: &file.name, record, channels })?.is_break() {
+            break;
+        }
+    }
+    emitter.finish()
+}
+
+/// Decodes a capture and gives each frame to `take`, until no more are wanted.
+fn decode(
+    source: &Source<'_>,
+    reading: &mut Reading,
+    file: &CaptureFile,
+    mut take: impl FnMut(Understood<'_>) -> Result<ControlFlow<()>, ScanError>,
+) -> Result<ControlFlow<(), Network>, ScanError> {
+    let mut network = rows::network(source.devices)?;
+    while let Some(seen) = reading.advance()? {
+        if seen == Seen::Damage {
+            continue;
+        }
+        let (record, channels) = (reading.record(), reading.merge().channels());
+        let decoded = &network.handle(record);
+        let Some(bus) = network.bus(record.channel) else { continue };
+        if take(Understood { capture: &file.name, record, channels, decoded, bus })?.is_break() {
+            return Ok(ControlFlow::Break(()));
+        }
+    }
+    Ok(ControlFlow::Continue(network))
+}
+
+fn messages(
+    source: &Source<'_>,
+    mut reading: Reading,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<(), ScanError> {
+    let mut emitter = Emitter::<Messages>::new(wanted, outlet);
+    let _ = decode(source, &mut reading, file, |frame| rows::message(frame, &mut emitter))?;
+    emitter.finish()
+}
+
+fn signals(
+    source: &Source<'_>,
+    mut reading: Reading,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<(), ScanError> {
+    let mut emitter = Emitter::<Signals>::new(wanted, outlet);
+    let _ = decode(source, &mut reading, file, |frame| rows::signals(frame, &mut emitter))?;
+    emitter.finish()
+}
+
+fn events(
+    source: &Source<'_>,
+    mut reading: Reading,
+    file: &CaptureFile,
+    wanted: Wanted<'_>,
+    outlet: &mut dyn Outlet,
+) -> Result<(), ScanError> {
+    let mut emitter = Emitter::<Events>::new(wanted, outlet);
+    let mut happenings = Happenings::default();
+    let decoded = decode(source, &mut reading, file, |frame| happenings.frame(frame, &mut emitter))?;
+    if let ControlFlow::Continue(network) = decoded {
+        happenings.finish(&file.name, &reading, &network, &mut emitter)?;
+    }
+    emitter.finish()
+}

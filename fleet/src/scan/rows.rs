@@ -1,0 +1,130 @@
+//! What a decoded frame gives to each table.
+
+use super::ScanError;
+use super::emit::Emitter;
+use crate::capture::Reading;
+use crate::devices::Devices;
+use crate::table::events::{EventRow, Events, What};
+use crate::table::messages::{MessageRow, Messages};
+use crate::table::signals::{SignalRow, Signals};
+use canvass_analyzer::Meaning;
+use canvass_analyzer::network::{Bus, Decoded, Network};
+use canvass_reports::events::Scene;
+use canvass_traces::{ChannelId, Channels, Record, Timestamp};
+use std::ops::ControlFlow;
+
+/// A frame, understood.
+#[derive(Clone, Copy)]
+pub struct Understood<'a> {
+    /// The capture's name.
+    pub capture: &'a str,
+    /// The frame.
+    pub record: &'a Record,
+    /// Its channel's name is among these.
+    pub channels: &'a Channels,
+    /// What the network made of it.
+    pub decoded: &'a Decoded,
+    /// The bus, which has just taken it.
+    pub bus: &'a Bus,
+}
+
+/// A network that knows these devices.
+///
+/// # Errors
+/// If a description can't be read.
+pub fn network(devices: &Devices) -> Result<Network, ScanError> {
+    let mut network = Network::new();
+    let mut offered = None;
+    devices.tell(|node, known| network.describe(node, known), |candidates| offered = Some(candidates))?;
+    network.offer(offered.unwrap_or_default());
+    Ok(network)
+}
+
+/// Gives a frame to `messages`.
+#[inline]
+pub fn message(frame: Understood<'_>, emitter: &mut Emitter<'_, Messages>) -> Result<ControlFlow<()>, ScanError> {
+    let Understood { capture, record, channels, decoded, bus } = frame;
+    emitter.row(&MessageRow { capture, record, channels, decoded, bus })
+}
+
+/// Gives the values of a frame to `signals`.
+#[inline]
+pub fn signals(frame: Understood<'_>, emitter: &mut Emitter<'_, Signals>) -> Result<ControlFlow<()>, ScanError> {
+    let Understood { capture, record, channels, decoded, bus } = frame;
+    for signal in Meaning::new(record, decoded, bus).signals() {
+        let row = SignalRow { capture, record, channels, decoded, signal: &signal };
+        if emitter.row(&row)?.is_break() {
+            return Ok(ControlFlow::Break(()));
+        }
+    }
+    Ok(emitter.look())
+}
+
+/// Gives what frames brought about to `events`.
+#[derive(Default)]
+pub struct Happenings {
+    /// When the last frame was seen.
+    last: Option<Timestamp>,
+    /// What the capture says before the next event.
+    comment: String,
+}
+
+impl Happenings {
+    /// Gives what a frame brought about.
+    pub fn frame(
+        &mut self,
+        frame: Understood<'_>,
+        emitter: &mut Emitter<'_, Events>,
+    ) -> Result<ControlFlow<()>, ScanError> {
+        let Understood { capture, record, channels, decoded, bus } = frame;
+        if let Some(latest) = record.comment() {
+            self.comment.clear();
+            self.comment.push_str(latest);
+        }
+        self.last = Some(record.timestamp);
+        if bus.events().is_empty() {
+            return Ok(emitter.look());
+        }
+        let channel = channels.name(record.channel);
+        let scene = &Scene { time: record.timestamp, channel, bus, frame: Some((record, decoded)) };
+        for event in bus.events() {
+            if !self.comment.is_empty() {
+                let row = EventRow { capture, scene, what: What::Comment(&self.comment) };
+                if emitter.row(&row)?.is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
+                self.comment.clear();
+            }
+            let what = What::Event(event, scene.transfer(event));
+            // An end of a transfer whose channel is not known tells nothing.
+            if matches!(what, What::Event(event, None) if scene.kind(event) == "sdo") {
+                continue;
+            }
+            if emitter.row(&EventRow { capture, scene, what })?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Gives the transfers that had not ended when the capture did.
+    pub fn finish(
+        &self,
+        capture: &str,
+        reading: &Reading,
+        network: &Network,
+        emitter: &mut Emitter<'_, Events>,
+    ) -> Result<(), ScanError> {
+        let Some(time) = self.last else { return Ok(()) };
+        for (id, channel) in (0_u16..).zip(reading.merge().channels().names()) {
+            let Some(bus) = network.bus(ChannelId(id)) else { continue };
+            let scene = &Scene { time, channel, bus, frame: None };
+            for (server, transfer) in bus.open_transfers() {
+                if emitter.row(&EventRow { capture, scene, what: What::Open(server, transfer) })?.is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+}

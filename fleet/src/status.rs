@@ -1,0 +1,82 @@
+//! Exit statuses, as those of `canvass`.
+
+use crate::output::diagnostic;
+use std::process::ExitCode;
+
+/// How the program ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Status {
+    /// Everything as it should be.
+    Good = 0,
+    /// Wrong usage or unreadable input.
+    Usage = 2,
+    /// The cluster could not be reached.
+    Unreachable = 3,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        Self::from(status as u8)
+    }
+}
+
+/// An error with the status that it ends the program with.
+#[derive(Debug)]
+pub struct Failure {
+    status: Status,
+    error: anyhow::Error,
+}
+
+impl Failure {
+    /// The cluster could not be reached.
+    pub fn unreachable(error: impl Into<anyhow::Error>) -> Self {
+        Self { status: Status::Unreachable, error: error.into() }
+    }
+
+    /// Says what went wrong, unless it is only that nobody reads the output any more.
+    pub fn report(&self) -> Status {
+        if self.is_broken_pipe() {
+            return Status::Good;
+        }
+        diagnostic(&format!("canvass-fleet: {}", self.message()));
+        self.status
+    }
+
+    /// The error and its causes, without those that the words before them tell already.
+    pub fn message(&self) -> String {
+        let causes = self.error.chain().map(|cause| plain(&cause.to_string()));
+        causes.fold(String::new(), |message, cause| match message.as_str() {
+            "" => cause,
+            _ if message.contains(&cause) => message,
+            _ => format!("{message}: {cause}"),
+        })
+    }
+
+    fn is_broken_pipe(&self) -> bool {
+        let is_broken = |cause: &(dyn std::error::Error + 'static)| {
+            let broken = |error: &std::io::Error| error.kind() == std::io::ErrorKind::BrokenPipe;
+            cause.downcast_ref().is_some_and(broken)
+        };
+        let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(self.error.as_ref());
+        while let Some(this) = cause {
+            if is_broken(this) || this.to_string().contains("Broken pipe (os error 32)") {
+                return true;
+            }
+            cause = this.source();
+        }
+        false
+    }
+}
+
+/// What the engine says, without the words for where in it that arose.
+fn plain(message: &str) -> String {
+    let words = ["External error: ", "Error during planning: ", "SQL error: ", "Execution error: ", "IO error: "];
+    words.iter().fold(message.to_owned(), |message, word| message.replace(word, ""))
+}
+
+/// Errors that nothing else is said of come from what the user gave: arguments, statements or files.
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self { status: Status::Usage, error: error.into() }
+    }
+}

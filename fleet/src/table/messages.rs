@@ -1,0 +1,105 @@
+//! `messages`: every frame, understood in its context.
+
+use super::column::{Column, Rows, columns, write, write_str};
+use super::frames::{can_id, direction, is_extended, length};
+use canvass_analyzer::network::{Bus, Decoded};
+use canvass_analyzer::wire::sdo::{Request, Response};
+use canvass_analyzer::{Meaning, Message, NodeId, Service};
+use canvass_reports::decode::source_name;
+use canvass_reports::events::StateName;
+use canvass_traces::{Channels, Record};
+
+/// The rows of `messages`.
+pub struct Messages;
+
+/// A frame with what it means.
+pub struct MessageRow<'a> {
+    /// The capture's name.
+    pub capture: &'a str,
+    /// The frame.
+    pub record: &'a Record,
+    /// Its channel's name is among these.
+    pub channels: &'a Channels,
+    /// What the network made of it.
+    pub decoded: &'a Decoded,
+    /// The bus, which has just taken it.
+    pub bus: &'a Bus,
+}
+
+impl Rows for Messages {
+    type Row<'a> = MessageRow<'a>;
+    const COLUMNS: &'static [Column<Self>] = columns![Self:
+        "capture" name "the file" = |row, out| write_str(out, Some(row.capture));
+        "number" u64 "its line, packet or message in the file, from 1" = |row| Some(row.record.place.number);
+        "t" time "when it was seen" = |row| Some(row.record.timestamp);
+        "channel" name "the channel's name" = |row, out| write_str(out, Some(row.channels.name(row.record.channel)));
+        "can_id" u32 "the CAN-ID, 11 or 29 bits; of an error frame its class bits" = |row| Some(can_id(row.record));
+        "extended" flag "whether the CAN-ID has 29 bits" = |row| Some(is_extended(&row.record.frame));
+        "remote" flag "whether it is a remote frame" = |row| Some(row.record.frame.is_remote());
+        "error" flag "whether it is an error frame" = |row| Some(row.record.frame.is_error());
+        "fd" flag "whether it is a CAN FD frame" = |row| Some(row.record.frame.is_fd());
+        "xl" flag "whether it is a CAN XL frame" = |row| Some(row.record.frame.is_xl());
+        "length" u16 "bytes of payload; of a remote frame the length that it asks for" = |row| Some(length(row.record));
+        "direction" word "`rx` or `tx`, where the capture says it" = |row| direction(row.record);
+        "data" bytes "the payload" = |row| Some(row.record.data());
+        "service" word "the service, by its name in [json.md](json.md)" = |row| Some(row.decoded.service.name());
+        "source" word "how the use of the CAN-ID is known: `predefined`, `description`, `trace`" = |row| source(row.decoded);
+        "node" u8 "sender of its own messages, server of SDOs, node that an NMT command names" = |row| node(row.decoded);
+        "index" u16 "the object that it is about" = |row| row.decoded.object.map(|object| u64::from(object.index.0));
+        "sub" u8 "its sub-index" = |row| row.decoded.object.map(|object| u64::from(object.sub.0));
+        "object" name "the object's name" = |row, out| write(out, row.meaning().object_name());
+        "pdo" name "which PDO: `TPDO 1`" = |row, out| write(out, pdo(&row.decoded.message));
+        "abort_code" u32 "of an SDO abort" = |row| abort_code(&row.decoded.message);
+        "emcy_code" u16 "the error code of an EMCY" = |row| emcy_code(&row.decoded.message);
+        "state" name "the NMT state that a boot-up, heartbeat or guarding message tells" = |row, out| write(out, state(&row.decoded.message));
+        "violation" word "the rule of the SDO protocol that it breaks" = |row| row.decoded.violation.map(|broken| broken.name());
+        "meaning" text "the frame in words" = |row, out| write(out, Some(row.meaning()));
+        "comment" text "what the capture says before the frame" = |row, out| write_str(out, row.record.comment());
+    ];
+}
+
+impl MessageRow<'_> {
+    fn meaning(&self) -> Meaning<'_> {
+        Meaning::new(self.record, self.decoded, self.bus)
+    }
+}
+
+/// The node that a frame is about.
+pub fn node(decoded: &Decoded) -> Option<u64> {
+    decoded.node.map(NodeId::raw).map(u64::from)
+}
+
+/// How the use of the CAN-ID is known.
+fn source(decoded: &Decoded) -> Option<&'static str> {
+    (!matches!(decoded.service, Service::Unknown | Service::ErrorFrame)).then(|| source_name(decoded.source))
+}
+
+/// The PDO of a frame.
+pub const fn pdo(message: &Message) -> Option<canvass_analyzer::PdoNumber> {
+    match message {
+        Message::Pdo(pdo) | Message::Mpdo(pdo, _) | Message::PdoRequest(pdo) => Some(*pdo),
+        _ => None,
+    }
+}
+
+fn abort_code(message: &Message) -> Option<u64> {
+    let abort = match message {
+        Message::SdoRequest(Request::Abort(abort)) | Message::SdoResponse(Response::Abort(abort)) => abort,
+        _ => return None,
+    };
+    Some(u64::from(abort.code.0))
+}
+
+fn emcy_code(message: &Message) -> Option<u64> {
+    match message {
+        Message::Emcy(emcy) => emcy.code().map(|code| u64::from(code.0)),
+        _ => None,
+    }
+}
+
+const fn state(message: &Message) -> Option<StateName> {
+    match message {
+        Message::ErrorControl(told) => Some(StateName(told.state)),
+        _ => None,
+    }
+}

@@ -1,0 +1,71 @@
+//! `signals`: the values of process data, one row each.
+
+use super::column::{Column, Rows, columns, write, write_str};
+use super::messages::{node, pdo};
+use canvass_analyzer::network::Decoded;
+use canvass_analyzer::{Number, SignalValue};
+use canvass_traces::{Channels, Record};
+
+/// The rows of `signals`.
+pub struct Signals;
+
+/// A value in a PDO or SRDO.
+pub struct SignalRow<'a> {
+    /// The capture's name.
+    pub capture: &'a str,
+    /// The frame.
+    pub record: &'a Record,
+    /// Its channel's name is among these.
+    pub channels: &'a Channels,
+    /// What the network made of the frame.
+    pub decoded: &'a Decoded,
+    /// The value.
+    pub signal: &'a SignalValue<'a>,
+}
+
+impl Rows for Signals {
+    type Row<'a> = SignalRow<'a>;
+    const COLUMNS: &'static [Column<Self>] = columns![Self:
+        "capture" name "the file" = |row, out| write_str(out, Some(row.capture));
+        "number" u64 "the frame's line, packet or message in the file, from 1" = |row| Some(row.record.place.number);
+        "t" time "when the frame was seen" = |row| Some(row.record.timestamp);
+        "channel" name "the channel's name" = |row, out| write_str(out, Some(row.channels.name(row.record.channel)));
+        "can_id" u32 "the frame's CAN-ID" = |row| Some(super::frames::can_id(row.record));
+        "service" word "`pdo` or `srdo`" = |row| Some(row.decoded.service.name());
+        "node" u8 "the node whose process data they are" = |row| node(row.decoded);
+        "pdo" name "which PDO: `TPDO 1`" = |row, out| write(out, pdo(&row.decoded.message));
+        "index" u16 "the mapped object" = |row| Some(u64::from(row.signal.multiplexer().index.0));
+        "sub" u8 "its sub-index" = |row| Some(u64::from(row.signal.multiplexer().sub.0));
+        "name" name "the object's name" = |row, out| write(out, row.signal.name());
+        "type" word "what `raw` is: `boolean`, `integer`, `unsigned`, `real32`, `real64`" = |row| row.signal.raw.map(type_name);
+        "raw" i64 "the number in the frame; null of REAL32 and REAL64, whose number is `value`, and of UNSIGNED64 from 2^63" = |row| row.signal.raw.and_then(whole);
+        "value" f64 "the value in `unit`" = |row| row.signal.value().map(|(value, _)| value.as_f64());
+        "unit" name "the unit that the standard or the description gives" = |row, out| match row.signal.value() {
+            Some((_, unit)) => write_str(out, unit.as_ref().map(|unit| &*unit.symbol)),
+            None => false,
+        };
+        "scaled" f64 "the value in `scaled_unit`, where the device's configuration tells it" = |row| row.signal.scaled().map(|(value, _)| value.as_f64());
+        "scaled_unit" name "such as degrees" = |row, out| write_str(out, row.signal.scaled().map(|(_, unit)| &*unit.symbol));
+    ];
+}
+
+/// The kind of number.
+const fn type_name(number: Number) -> &'static str {
+    match number {
+        Number::Boolean(_) => "boolean",
+        Number::Integer(_) => "integer",
+        Number::Unsigned(_) => "unsigned",
+        Number::Real32(_) => "real32",
+        Number::Real64(_) => "real64",
+    }
+}
+
+/// The number, where it is whole and fits.
+fn whole(number: Number) -> Option<i64> {
+    match number {
+        Number::Boolean(value) => Some(i64::from(value)),
+        Number::Integer(value) => Some(value),
+        Number::Unsigned(value) => i64::try_from(value).ok(),
+        Number::Real32(_) | Number::Real64(_) => None,
+    }
+}

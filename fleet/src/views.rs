@@ -1,0 +1,74 @@
+//! The usual questions: views that ship as SQL files, each with its words in front.
+
+use datafusion::error::Result;
+use datafusion::prelude::SessionContext;
+
+/// A question.
+pub struct View {
+    /// What the view is called.
+    pub name: &'static str,
+    /// The file: comments, and the statement that makes the view.
+    pub sql: &'static str,
+}
+
+macro_rules! views {
+    ($($name:literal)*) => {
+        &[$(View { name: $name, sql: include_str!(concat!("../views/", $name, ".sql")) }),*]
+    };
+}
+
+/// All of them.
+pub const VIEWS: &[View] = views![
+    "heartbeat_losses"
+    "emcy_rates"
+    "emcy_after_heartbeat_loss"
+    "sdo_latencies"
+    "sdo_aborts"
+    "bus_load"
+    "position_drift"
+    "position_jumps"
+    "flaky_cases"
+    "first_bad_release"
+];
+
+impl View {
+    /// The words in front of the statement: the first line is the title.
+    fn words(&self) -> impl Iterator<Item = &'static str> {
+        self.sql.lines().map_while(|line| line.strip_prefix("--")).map(str::trim)
+    }
+
+    /// What it is about.
+    pub fn title(&self) -> &'static str {
+        self.words().next().unwrap_or(self.name)
+    }
+
+    /// What it says, and what to be careful with.
+    pub fn doc(&self) -> String {
+        self.words().skip(1).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// Makes the views known in a session that has the tables.
+///
+/// # Errors
+/// If a table is missing.
+pub async fn register(session: &SessionContext) -> Result<()> {
+    for view in VIEWS {
+        session.sql(view.sql).await?.collect().await?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_view_has_words_and_makes_what_its_file_is_called() {
+        for view in VIEWS {
+            assert!(!view.title().is_empty() && view.title() != view.name, "{}", view.name);
+            assert!(view.doc().len() > 40, "{}", view.name);
+            assert!(view.sql.contains(&format!("CREATE VIEW {} AS", view.name)), "{}", view.name);
+        }
+    }
+}

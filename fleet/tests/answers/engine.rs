@@ -1,0 +1,66 @@
+//! The engine under test: statements in, rows as JSON out.
+
+use canvass_fleet::render::{Format, answer};
+use canvass_fleet::scan::Options;
+use canvass_fleet::session::{self, Settings};
+use datafusion::prelude::SessionContext;
+use serde_json::Value;
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use tokio::runtime::Runtime;
+
+pub struct Engine {
+    runtime: Runtime,
+    session: SessionContext,
+}
+
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Engine {
+    pub fn new() -> Self {
+        Self::pushing(true)
+    }
+
+    /// With or without filters that are asked before rows are made.
+    pub fn pushing(push_down: bool) -> Self {
+        let mut scan = Options::default();
+        scan.push_down = push_down;
+        let settings = Settings { scan, ..Settings::default() };
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+        Self { session: session::local(&settings).unwrap(), runtime }
+    }
+
+    /// The rows of an answer.
+    pub fn rows(&self, statement: &str) -> Vec<Value> {
+        let batches = self.runtime.block_on(async {
+            let answered = self.session.sql(statement).await;
+            answered.unwrap_or_else(|error| panic!("{statement}: {error}")).collect().await
+        });
+        let batches = batches.unwrap_or_else(|error| panic!("{statement}: {error}"));
+        let Some(first) = batches.first() else { return Vec::new() };
+        let out = Shared::default();
+        let mut rendered = answer(Format::Json, &first.schema(), Box::new(out.clone())).unwrap();
+        batches.iter().for_each(|batch| rendered.batch(batch).unwrap());
+        rendered.finish().unwrap();
+        let text = String::from_utf8(out.0.lock().unwrap().clone()).unwrap();
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+
+    /// All rows of a table of one capture, in their order.
+    pub fn table(&self, table: &str, capture: &Path) -> Vec<Value> {
+        self.rows(&format!("SELECT * FROM {table}('{}')", capture.display()))
+    }
+}

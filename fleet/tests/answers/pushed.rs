@@ -1,0 +1,87 @@
+//! Filters that are asked before rows are made give the rows that the engine's own filters leave.
+
+use crate::engine::Engine;
+use crate::traffic::{self, Random};
+use canvass_fleet::table::Table;
+use canvass_traces::Format;
+use datafusion::arrow::datatypes::DataType;
+use serde_json::Value;
+
+/// A condition on a value that the column has, or might have.
+fn condition(random: &mut Random, column: &str, kind: &DataType, rows: &[Value]) -> Option<String> {
+    let value = rows.get(random.below(rows.len() as u64) as usize).map(|row| row[column].clone())?;
+    let literal = match (kind, &value) {
+        (_, Value::Null) => return Some(format!("\"{column}\" IS {}NULL", random.of(&["", "NOT "]))),
+        (DataType::Boolean, Value::Bool(_)) => return Some(format!("{}\"{column}\"", random.of(&["", "NOT "]))),
+        (DataType::Timestamp(..), Value::Number(nanos)) => {
+            format!("arrow_cast({nanos}, 'Timestamp(Nanosecond, Some(\"UTC\"))')")
+        }
+        (DataType::Dictionary(..) | DataType::Utf8, Value::String(text)) => format!("'{}'", text.replace('\'', "''")),
+        (_, Value::Number(number)) if !matches!(kind, DataType::Float64) => number.to_string(),
+        _ => return None,
+    };
+    let texts = matches!(kind, DataType::Dictionary(..) | DataType::Utf8);
+    Some(match random.below(if texts { 3 } else { 7 }) {
+        0 => format!("\"{column}\" = {literal}"),
+        1 => format!("\"{column}\" <> {literal}"),
+        2 => format!("\"{column}\" IN ({literal}, {literal})"),
+        3 => format!("\"{column}\" >= {literal}"),
+        4 => format!("{literal} > \"{column}\""),
+        5 => format!("\"{column}\" NOT IN ({literal})"),
+        _ => format!("\"{column}\" BETWEEN {literal} AND {literal}"),
+    })
+}
+
+fn statement(random: &mut Random, table: Table, file: &str, rows: &[Value]) -> String {
+    let columns = table.columns();
+    let names: Vec<&str> = columns.iter().map(|column| column.field.name().as_str()).collect();
+    let chosen: Vec<String> = (0..1 + random.below(5)).map(|_| format!("\"{}\"", random.of(&names))).collect();
+    let mut chosen = chosen;
+    chosen.sort();
+    chosen.dedup();
+    let conditions: Vec<String> = (0..random.below(4))
+        .filter_map(|_| {
+            let column = &columns[random.below(columns.len() as u64) as usize].field;
+            condition(random, column.name(), column.data_type(), rows)
+        })
+        .collect();
+    let word = random.of(&[" AND ", " AND ", " OR "]);
+    let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(word)) };
+    match random.below(5) {
+        0 => format!("SELECT count(*) AS rows FROM {}('{file}'){filter}", table.name()),
+        1 => format!("SELECT {} FROM {}('{file}'){filter} LIMIT {}", chosen.join(", "), table.name(), random.below(20)),
+        _ => format!("SELECT {} FROM {}('{file}'){filter}", chosen.join(", "), table.name()),
+    }
+}
+
+#[test]
+fn random_projections_and_filters() {
+    let (pushing, plain) = (Engine::pushing(true), Engine::pushing(false));
+    let folder = tempfile::tempdir().unwrap();
+    let tables: Vec<Table> = Table::ALL.into_iter().filter(|table| !table.is_of_results()).collect();
+    for seed in 0..24_u64 {
+        let formats: Vec<Format> = Format::all().collect();
+        let file = traffic::write(folder.path(), formats[seed as usize % formats.len()], seed);
+        let mut random = Random::new(seed + 1000);
+        for table in &tables {
+            let rows = pushing.table(table.name(), &file);
+            for _ in 0..6 {
+                let statement = statement(&mut random, *table, &file.display().to_string(), &rows);
+                assert_eq!(pushing.rows(&statement), plain.rows(&statement), "{statement}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_limit_stops_reading() {
+    let engine = Engine::new();
+    let folder = tempfile::tempdir().unwrap();
+    let file = traffic::write(folder.path(), Format::Candump, 1);
+    let rows = engine.rows(&format!("SELECT t FROM frames('{}') LIMIT 3", file.display()));
+    assert_eq!(rows.len(), 3);
+    let plan = engine.rows(&format!("EXPLAIN SELECT t FROM frames('{}') WHERE can_id = 5 LIMIT 3", file.display()));
+    let text = serde_json::to_string(&plan).unwrap();
+    assert!(text.contains("CaptureScan") && text.contains("fetch=3") && text.contains("tests=[can_id]"), "{text}");
+    assert!(!text.contains("FilterExec"), "{text}");
+}

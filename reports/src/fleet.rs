@@ -1,0 +1,172 @@
+//! What a lake of captures and results tells, as one self-contained page: plots over days and months, and a table for each
+//! question.
+
+use crate::escape::printable;
+use crate::page::{self, Page};
+use maud::{Markup, html};
+use serde::Serialize;
+use std::io::{self, Write};
+
+const STYLES: [&str; 2] = [include_str!("../assets/uplot/uPlot.min.css"), include_str!("../assets/fleet.css")];
+const SCRIPTS: [&str; 2] = [include_str!("../assets/uplot/uPlot.iife.min.js"), include_str!("../assets/fleet.js")];
+const UPLOT_LICENSE: &str = include_str!("../assets/uplot/LICENSE");
+
+/// What the page shows.
+#[derive(Clone, Debug, Default)]
+pub struct Fleet {
+    /// The lake, as it was named.
+    pub lake: String,
+    /// What there is: a name and a figure each.
+    pub totals: Vec<(&'static str, String)>,
+    /// How something went.
+    pub plots: Vec<Plot>,
+    /// The questions with their answers.
+    pub questions: Vec<Question>,
+    /// The program that made it.
+    pub made_by: String,
+}
+
+/// Values over days, months or releases.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Plot {
+    /// What is shown, with its unit.
+    pub title: String,
+    /// What stands below, in this order.
+    pub labels: Vec<String>,
+    /// A line each.
+    pub lines: Vec<Line>,
+}
+
+/// A line of a plot.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Line {
+    /// What it is called; empty where it is the only one.
+    pub name: String,
+    /// A value for each label, where there is one.
+    pub values: Vec<Option<f64>>,
+}
+
+/// A question and its answer.
+#[derive(Clone, Debug, Default)]
+pub struct Question {
+    /// The name of its view.
+    pub name: &'static str,
+    /// What is asked.
+    pub title: &'static str,
+    /// What the answer says, and what to be careful with.
+    pub doc: String,
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    /// Rows of as many cells; nothing where a value is missing.
+    pub rows: Vec<Vec<Option<String>>>,
+    /// Whether there are more rows than these.
+    pub is_cut: bool,
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(fleet: &Fleet, out: &mut dyn Write) -> io::Result<()> {
+    let questions = fleet.questions.iter().map(|question| (question.name, question.title));
+    let sections: Vec<(&str, &str)> = std::iter::once(("course", "Over time")).chain(questions).collect();
+    let page = Page {
+        title: "Fleet",
+        styles: &STYLES,
+        scripts: &SCRIPTS,
+        header: html! {
+            p.kicker { "CANopen captures and test runs" }
+            h1 { (printable(&fleet.lake)) }
+        },
+        sections: &sections,
+        footer: html! {
+            p { "Made by " (printable(&fleet.made_by)) "." }
+            details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } }
+        },
+    };
+    page::write(&page, out, |out| {
+        page::put(out, course(fleet))?;
+        for question in &fleet.questions {
+            page::put(out, answer(question))?;
+        }
+        page::put_data(out, "data", &fleet.plots)
+    })
+}
+
+fn course(fleet: &Fleet) -> Markup {
+    html! {
+        section {
+            h2 #course { "Over time" }
+            dl.facts { @for (name, figure) in &fleet.totals { div { dt { (name) } dd { (printable(figure)) } } } }
+            div #plots {}
+            noscript { p { "The plots need JavaScript, which runs in this page only." } }
+        }
+    }
+}
+
+fn answer(question: &Question) -> Markup {
+    html! {
+        section {
+            h2 id=(question.name) { (question.title) }
+            p.hint { (printable(&question.doc)) }
+            @if question.rows.is_empty() { p { "Nothing." } } @else {
+                div.card.scroll { table.answer {
+                    thead { tr { @for column in &question.columns { th scope="col" { (printable(column)) } } } }
+                    tbody { @for row in &question.rows {
+                        tr { @for cell in row { td { @if let Some(text) = cell { (printable(text)) } } } }
+                    } }
+                } }
+            }
+            @if question.is_cut {
+                p.hint { "These are the first rows. All: " code { "SELECT * FROM " (question.name) } }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\u{202e}\u{1b}[2J";
+
+    fn rendered(fleet: &Fleet) -> String {
+        let mut page = Vec::new();
+        render(fleet, &mut page).unwrap();
+        String::from_utf8(page).unwrap()
+    }
+
+    #[test]
+    fn names_out_of_captures_are_no_markup() {
+        let (text, cell) = (HOSTILE.to_owned(), Some(HOSTILE.to_owned()));
+        let question = Question {
+            name: "bus_load",
+            title: "Bus load",
+            doc: text.clone(),
+            columns: vec![text.clone()],
+            rows: vec![vec![cell]],
+            is_cut: true,
+        };
+        let line = Line { name: text.clone(), values: vec![Some(1.0), None] };
+        let plot = Plot { title: text.clone(), labels: vec![text.clone(), "2025-01-28".to_owned()], lines: vec![line] };
+        let page = rendered(&Fleet {
+            lake: text.clone(),
+            totals: vec![("captures", text.clone())],
+            plots: vec![plot],
+            questions: vec![question],
+            made_by: text,
+        });
+        assert!(!page.contains("<img") && !page.contains(['\u{202e}', '\u{1b}']));
+        assert_eq!(page.matches("&lt;img").count(), 6, "lake, figure, doc, column, cell and program");
+        let data = page.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
+        let plots: serde_json::Value = serde_json::from_str(data).unwrap();
+        assert_eq!((&plots[0]["labels"][0], &plots[0]["lines"][0]["name"]), (&HOSTILE.into(), &HOSTILE.into()));
+    }
+
+    #[test]
+    fn an_answer_without_rows_says_so() {
+        let question = Question { name: "bus_load", title: "Bus load", ..Question::default() };
+        let page = rendered(&Fleet { questions: vec![question], ..Fleet::default() });
+        assert!(page.contains("<p>Nothing.</p>") && !page.contains("first rows"));
+    }
+}

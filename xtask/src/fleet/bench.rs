@@ -1,0 +1,169 @@
+//! `cargo xtask bench --fleet`: how fast captures and lakes are asked, beside the program, DuckDB and python-can with pandas.
+
+use super::MANIFEST;
+use super::readers::{PYTHON, VENV};
+use crate::bench::{best, build, make};
+use crate::measure::{TIME, machine, release};
+use crate::packages::install;
+use crate::run::run;
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+const FLEET: &str = "fleet/target/release/canvass-fleet";
+/// Frames of each capture.
+const FRAMES: u32 = 1_000_000;
+/// python-can is given one capture, as it is slow.
+const CAPTURES: u32 = 4;
+const FOLDER: &str = "target/bench/fleet";
+/// How many short captures are asked, to see how the cost grows.
+const MANY: [u32; 3] = [10, 100, 1000];
+const FRAMES_OF_SHORT: u32 = 1000;
+
+/// A question that a lake answers, for canvass-fleet and for DuckDB.
+const QUESTIONS: [(&str, &str); 4] = [
+    ("frames by service", "SELECT service, count(*) FROM messages GROUP BY service"),
+    ("frames of a node", "SELECT count(*) FROM messages WHERE node = 5 AND service = 'pdo'"),
+    ("mean by signal", "SELECT node, name, avg(value), max(value) FROM signals GROUP BY node, name"),
+    ("slowest transfers", "SELECT node, max(duration_ns) FROM events WHERE event = 'sdo' GROUP BY node ORDER BY node"),
+];
+
+const DUCKDB: &str = "import sys, duckdb
+for table in ('messages', 'signals', 'events'):
+    duckdb.sql(f\"CREATE VIEW {table} AS SELECT * FROM read_parquet('{sys.argv[1]}/{table}/*/*.parquet', hive_partitioning=true)\")
+duckdb.sql(sys.argv[2]).fetchall()";
+
+/// What people do today: read the frames, keep them in a data frame, ask that.
+const PANDAS: &str = "import sys, can, pandas
+frames = pandas.DataFrame([(m.timestamp, m.arbitration_id, bytes(m.data)) for m in can.CanutilsLogReader(sys.argv[1])],
+    columns=['t', 'id', 'data'])
+print(frames[frames.id == 0x185].groupby('id').size())";
+
+/// Measures and prints; nothing is asserted.
+///
+/// # Errors
+/// If something is missing or fails.
+pub fn bench() -> Result<()> {
+    install(&[TIME])?;
+    VENV.install()?;
+    build()?;
+    run("cargo", &["build", "--release", "--locked", "--manifest-path", MANIFEST, "--target-dir", super::TARGET])?;
+    fs::create_dir_all(format!("{FOLDER}/long"))?;
+    for n in 0..CAPTURES {
+        make("candump", FRAMES, &format!("{FOLDER}/long/{n}.log"))?;
+    }
+    println!("machine: {}", machine());
+    println!(
+        "{CAPTURES} candump logs of {FRAMES} frames each; processor time where nothing else is said, best of 3 runs"
+    );
+    scanning()?;
+    pushing()?;
+    lake()?;
+    growing()
+}
+
+fn one() -> String {
+    format!("{FOLDER}/long/0.log")
+}
+
+fn sql(statement: &str, more: &[&str]) -> Result<f64> {
+    let words = [&[FLEET, "sql", statement, "--format", "csv"], more].concat();
+    Ok(best(&words, None)?.cpu)
+}
+
+/// Frames per second of a core, beside the program.
+fn scanning() -> Result<()> {
+    let million = f64::from(FRAMES) / 1e6;
+    let decode = million / best(&[&release("canvass"), "decode", "--format", "text", &one()], None)?.cpu;
+    println!("\ncanvass decode --format text           {decode:>6.2} M frames/s");
+    for (name, statement) in [
+        ("frames, counted", "SELECT count(can_id) FROM frames"),
+        ("messages, counted", "SELECT count(service) FROM messages"),
+        (
+            "messages, all columns but data",
+            "SELECT max(meaning), max(service), max(node), max(index), max(t) FROM messages",
+        ),
+    ] {
+        let rate = million / sql(statement, &["--over", &one(), "--jobs", "1"])?;
+        println!("{name:38} {rate:>6.2} M frames/s, {:.0} % of decode", rate / decode * 100.0);
+    }
+    Ok(())
+}
+
+/// What it brings to ask before a row is made.
+fn pushing() -> Result<()> {
+    let filter = "SELECT t, meaning FROM messages WHERE node = 5 AND index = 4120";
+    let over = one();
+    let asked = sql(filter, &["--over", &over, "--jobs", "1"])?;
+    let unasked = sql(
+        &format!(
+            "SET canvass.push_down = false; SELECT t, meaning FROM messages('{over}') WHERE node = 5 AND index = 4120"
+        ),
+        &["--jobs", "1"],
+    )?;
+    println!(
+        "\na node and an object                   {asked:>6.2} s, without push-down {unasked:.2} s: {:.1} times",
+        unasked / asked
+    );
+    Ok(())
+}
+
+/// Beside DuckDB on the same Parquet, and pandas on the captures.
+fn lake() -> Result<()> {
+    let lake = format!("{FOLDER}/lake");
+    drop(fs::remove_dir_all(&lake));
+    let source = format!("{FOLDER}/long");
+    let began = Instant::now();
+    let ended = Command::new(FLEET).args(["ingest", &source, "--into", &lake]).stdout(Stdio::null()).status()?;
+    ensure!(ended.success(), "ingest ended with {ended}");
+    let seconds = began.elapsed().as_secs_f64();
+    println!(
+        "\ningest                                 {:>6.2} M frames/s of the clock",
+        f64::from(FRAMES * CAPTURES) / 1e6 / seconds
+    );
+    println!("of {} bytes of captures the lake has {}", size(&source)?, size(&lake)?);
+    for (name, statement) in QUESTIONS {
+        let ours = sql(statement, &["--lake", &lake])?;
+        let theirs = best(&[PYTHON, "-c", DUCKDB, &lake, statement], None)?.cpu;
+        println!("{name:38} {ours:>6.2} s, DuckDB {theirs:.2} s: {:.2} times", ours / theirs);
+    }
+    let pandas = best(&[PYTHON, "-c", PANDAS, &one()], None)?.cpu * f64::from(CAPTURES);
+    let ours = sql("SELECT can_id, count(*) FROM messages WHERE can_id = 389 GROUP BY can_id", &["--lake", &lake])?;
+    println!(
+        "frames of a CAN-ID                     {ours:>6.2} s, python-can and pandas {pandas:.2} s: {:.0} times as fast",
+        pandas / ours
+    );
+    Ok(())
+}
+
+/// How the cost grows with the number of captures.
+fn growing() -> Result<()> {
+    println!("\n{FRAMES_OF_SHORT} frames a capture");
+    let short = format!("{FOLDER}/short.log");
+    make("candump", FRAMES_OF_SHORT, &short)?;
+    for many in MANY {
+        let folder = format!("{FOLDER}/{many}");
+        fs::create_dir_all(&folder)?;
+        for n in 0..many {
+            fs::copy(&short, format!("{folder}/{n}.log")).with_context(|| format!("can't fill {folder}"))?;
+        }
+        let seconds = sql("SELECT node, count(*) FROM messages GROUP BY node", &["--over", &folder])?;
+        println!(
+            "{many:>5} captures                          {seconds:>6.2} s, {:.2} ms each",
+            seconds / f64::from(many) * 1e3
+        );
+    }
+    Ok(())
+}
+
+/// All bytes in a folder.
+fn size(folder: &str) -> Result<u64> {
+    let mut sum = 0;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let path = entry.path();
+        sum += if path.is_dir() { size(&path.to_string_lossy())? } else { entry.metadata()?.len() };
+    }
+    Ok(sum)
+}

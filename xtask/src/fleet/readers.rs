@@ -1,0 +1,53 @@
+//! The examples of other programs that read a lake: they find what canvass-fleet itself answers.
+
+use super::TARGET;
+use crate::run::run;
+use crate::venv::Venv;
+use anyhow::{Context, Result, ensure};
+use std::process::Command;
+
+/// Where the Python libraries are.
+pub const PYTHON: &str = "target/fleet-venv/bin/python";
+/// What is installed there.
+pub const VENV: Venv = Venv {
+    folder: "target/fleet-venv",
+    python: PYTHON,
+    requirements: "fleet/requirements.txt",
+    probe: "import can, duckdb, pandas, polars, pyarrow",
+};
+
+/// The examples, each of which prints what the statement below gives.
+const EXAMPLES: [&str; 3] =
+    ["docs/examples/fleet-duckdb.py", "docs/examples/fleet-polars.py", "docs/examples/fleet-pandas.py"];
+const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*) AS frames FROM messages \
+                         GROUP BY service ORDER BY service";
+
+/// Makes a lake and has all of them read it.
+///
+/// # Errors
+/// If something can't be installed, or one of them finds something else.
+pub fn read() -> Result<()> {
+    VENV.install()?;
+    let folder = tempfile::tempdir()?;
+    let lake = folder.path().join("lake").display().to_string();
+    let fleet = format!("{TARGET}/debug/canvass-fleet");
+    run(&fleet, &["ingest", "traces/samples", "docs/examples", "--into", &lake])?;
+    let expected = output(&fleet, &["sql", STATEMENT, "--lake", &lake, "--format", "csv"])?;
+    ensure!(expected.lines().count() > 5, "the lake has only {expected}");
+    for example in EXAMPLES {
+        let found = output(PYTHON, &[example, &lake])?;
+        ensure!(found == expected, "{example} finds\n{found}and canvass-fleet\n{expected}");
+        eprintln!("{example}: the same {} rows", expected.lines().count() - 1);
+    }
+    Ok(())
+}
+
+/// What a program prints.
+fn output(program: &str, words: &[&str]) -> Result<String> {
+    eprintln!("$ {program} {}", words.join(" "));
+    let ended = Command::new(program).args(words).output().with_context(|| format!("can't run {program}"))?;
+    let told = String::from_utf8_lossy(&ended.stderr);
+    ensure!(ended.status.success(), "{program} ended with {}: {told}", ended.status);
+    // A library of Python for Windows ends lines in its own way.
+    Ok(String::from_utf8(ended.stdout)?.replace("\r\n", "\n"))
+}
