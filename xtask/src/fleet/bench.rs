@@ -2,8 +2,8 @@
 
 use super::MANIFEST;
 use super::readers::{PYTHON, VENV};
-use crate::bench::{best, build, make};
-use crate::measure::{TIME, machine, release};
+use crate::bench::{build, make};
+use crate::measure::{TIME, best, machine, release};
 use crate::packages::install;
 use crate::run::run;
 use anyhow::{Context, Result, ensure};
