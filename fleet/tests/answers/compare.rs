@@ -172,6 +172,8 @@ fn columns(rows: &[Value], capture: &Path) {
     let mut of_pdos = rows.iter().filter(|row| !row["pdo"].is_null()).peekable();
     for line in &told {
         let head = ["t", "channel", "node", "pdo"];
+        // `signals` has no line for a PDO none of whose values is a number.
+        while of_pdos.next_if(|row| is_without_number(row) && reduced(row, &head) != reduced(line, &head)).is_some() {}
         let row = of_pdos.peek().unwrap_or_else(|| panic!("{line} has no rows: {}", capture.display()));
         assert_eq!(reduced(row, &head), reduced(line, &head), "{}", capture.display());
         let number = row["number"].clone();
@@ -189,7 +191,11 @@ fn columns(rows: &[Value], capture: &Path) {
             }
         }
     }
-    assert!(of_pdos.next().is_none(), "{}", capture.display());
+    assert!(of_pdos.all(|row| is_without_number(row)), "{}", capture.display());
+}
+
+fn is_without_number(row: &Value) -> bool {
+    row["value"].is_null() && row["scaled"].is_null()
 }
 
 fn column(row: &Value, unit: &str) -> String {
