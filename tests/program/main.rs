@@ -39,7 +39,8 @@ mod eds_verify;
 mod events;
 #[cfg(test)]
 mod everyday;
-#[cfg(all(test, unix))] // a script of a POSIX shell stands for the other program
+#[cfg(test)]
+#[cfg(unix)] // a script of a POSIX shell stands for the other program
 mod fleet;
 #[cfg(test)]
 mod flooded;

@@ -235,7 +235,7 @@ mod tests {
     fn what_the_user_says_needs_all_that_was_named_and_no_more() {
         let built_in = candidate("a", 0x185, "Sendix");
         let facts = vec![(PRODUCT, Fact::Number(vec![0x5868_2001]))];
-        let said = Candidate::said("mine", facts.clone(), Arc::clone(&candidate("b", 0x285, "").device));
+        let said = Candidate::said("mine", facts, Arc::clone(&candidate("b", 0x285, "").device));
         let all = [said, built_in];
         let product: (Multiplexer, &[u8]) = (PRODUCT, &[0x01, 0x20, 0x68, 0x58]);
         let found = recognised(&all, &[product, TYPE, (NAME, b"Sendix Encoder")]).unwrap();
