@@ -84,7 +84,7 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
-        Some("windows") if more.first().is_some_and(|word| word == "--quick") => windows::step(),
+        Some("windows") if more.first().is_some_and(|word| word == "--build") => windows::step(),
         Some("windows") => windows::test(),
         Some("web") => web::build(),
         Some("web-bench") => web::bench::bench(),
