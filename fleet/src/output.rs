@@ -7,12 +7,13 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// Whether standard output is a terminal.
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn is_terminal() -> bool {
     io::stdout().is_terminal()
 }
 
 /// Standard output, whose bytes stay as they are: renderers of answers let nothing act.
-#[allow(clippy::disallowed_methods)]
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn raw() -> Box<dyn Write + Send> {
     Box::new(BufWriter::new(io::stdout()))
 }
@@ -21,7 +22,7 @@ pub fn raw() -> Box<dyn Write + Send> {
 ///
 /// # Errors
 /// If standard output can't be written.
-#[allow(clippy::disallowed_methods)]
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = Visible::new(io::stdout(), false);
     out.write_all(text.as_bytes())?;
@@ -30,7 +31,7 @@ pub fn print(text: &str) -> io::Result<()> {
 }
 
 /// Says something on standard error.
-#[allow(clippy::disallowed_methods)]
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn diagnostic(text: &str) {
     let mut out = Visible::new(io::stderr(), false);
     // Nobody can be told that nobody can be told.
@@ -38,7 +39,7 @@ pub fn diagnostic(text: &str) {
 }
 
 /// Shows how far something is, on a terminal only.
-#[allow(clippy::disallowed_methods)]
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn progress(text: &str) {
     if io::stderr().is_terminal() {
         let _ = write!(io::stderr(), "\r\x1b[K{text}");

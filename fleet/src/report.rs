@@ -132,23 +132,23 @@ fn plot(title: &str, batches: &[RecordBatch]) -> Result<Plot> {
         let values = cast(batch.column(2), &DataType::Float64)?;
         let values = values.as_primitive::<Float64Type>().iter();
         for ((label, name), value) in labels.into_iter().zip(names).zip(values) {
-            point(&mut plot, label.unwrap_or_default(), name.unwrap_or_default(), value);
+            point(&mut plot, &label.unwrap_or_default(), &name.unwrap_or_default(), value);
         }
     }
     plot.lines.iter_mut().for_each(|line| line.values.resize(plot.labels.len(), None));
     Ok(plot)
 }
 
-fn point(plot: &mut Plot, label: String, name: String, value: Option<f64>) {
+fn point(plot: &mut Plot, label: &str, name: &str, value: Option<f64>) {
     // A month is shown as such, and not as the moment of its beginning.
-    let label = label.strip_suffix("-01T00:00:00Z").map_or(label.clone(), str::to_owned);
-    if plot.labels.last() != Some(&label) {
-        plot.labels.push(label);
+    let label = label.strip_suffix("-01T00:00:00Z").unwrap_or(label);
+    if plot.labels.last().is_none_or(|last| last != label) {
+        plot.labels.push(label.to_owned());
     }
     let at = match plot.lines.iter().position(|line| line.name == name) {
         Some(at) => at,
         None if plot.lines.len() < LINES => {
-            plot.lines.push(Line { name, values: Vec::new() });
+            plot.lines.push(Line { name: name.to_owned(), values: Vec::new() });
             plot.lines.len() - 1
         }
         None => return,
@@ -167,13 +167,13 @@ mod tests {
     fn lines_have_a_place_for_each_label() {
         let mut plot = Plot::default();
         for (label, name, value) in [("2025-01-28", "a", 1.0), ("2025-01-28", "b", 2.0), ("2025-01-29", "b", 3.0)] {
-            point(&mut plot, label.to_owned(), name.to_owned(), Some(value));
+            point(&mut plot, label, name, Some(value));
         }
         plot.lines.iter_mut().for_each(|line| line.values.resize(plot.labels.len(), None));
         assert_eq!(plot.labels, ["2025-01-28", "2025-01-29"]);
         assert_eq!(plot.lines[0].values, [Some(1.0), None]);
         assert_eq!(plot.lines[1].values, [Some(2.0), Some(3.0)]);
-        point(&mut plot, "2025-02-01T00:00:00Z".to_owned(), "b".to_owned(), None);
+        point(&mut plot, "2025-02-01T00:00:00Z", "b", None);
         assert_eq!(plot.labels[2], "2025-02");
     }
 }

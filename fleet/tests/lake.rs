@@ -1,4 +1,5 @@
 //! A lake holds what its captures hold, however often and in however many runs it was made.
+#![cfg(test)]
 
 use canvass_fleet::capture::{CaptureFile, find};
 use canvass_fleet::devices::Devices;

@@ -28,7 +28,7 @@ fn single(expression: &Expr, schema: &Schema) -> Option<Test> {
             else {
                 return None;
             };
-            (!between.negated).then(|| Test { column, condition: Condition::Between(Some(low), Some(high)) })
+            (!between.negated).then_some(Test { column, condition: Condition::Between(Some(low), Some(high)) })
         }
         Expr::IsNull(inner) => Some(Test { column: column(inner, schema)?.0, condition: Condition::Null }),
         Expr::IsNotNull(inner) => Some(Test { column: column(inner, schema)?.0, condition: Condition::NotNull }),

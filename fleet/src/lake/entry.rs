@@ -109,7 +109,7 @@ mod tests {
     fn a_name_tells_the_file_and_how_it_was_read() {
         let file = CaptureFile { name: "a.log".into(), size: 5, modified: 7 };
         let name = part_name(&file, "x");
-        assert_eq!(name, part_name(&file.clone(), "x"));
+        assert_eq!(name, part_name(&file, "x"));
         let changed = CaptureFile { modified: 8, ..file.clone() };
         assert!(name != part_name(&file, "y") && name != part_name(&changed, "x"));
     }

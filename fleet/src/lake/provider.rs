@@ -100,7 +100,7 @@ impl LakeTable {
         self.files.iter().filter(may_pass).cloned().collect()
     }
 
-    fn partitioned(&self, file: File) -> PartitionedFile {
+    fn partitioned(&self, file: &File) -> PartitionedFile {
         let path = self.location.path(&file.part.path()).to_string();
         PartitionedFile::new(path, file.part.bytes).with_partition_values(vec![ScalarValue::Date32(Some(file.days))])
     }
@@ -135,7 +135,8 @@ impl TableProvider for LakeTable {
         filters: &[Expr],
         limit: Option<usize>,
     ) -> Result<Arc<dyn ExecutionPlan>> {
-        let files: Vec<PartitionedFile> = self.chosen(filters).into_iter().map(|file| self.partitioned(file)).collect();
+        let files: Vec<PartitionedFile> =
+            self.chosen(filters).into_iter().map(|file| self.partitioned(&file)).collect();
         let groups = FileGroup::new(files).split_files(state.config().target_partitions());
         let options = state.config_options().execution.parquet.clone();
         let parquet = datafusion::config::TableParquetOptions { global: options, ..Default::default() };

@@ -37,8 +37,7 @@ fn rendered(format: Format) -> Vec<u8> {
     let mut answer = answer(format, &batch.schema(), Box::new(out.clone())).unwrap();
     answer.batch(&batch).unwrap();
     answer.finish().unwrap();
-    let bytes = out.0.lock().unwrap().clone();
-    bytes
+    out.0.lock().unwrap().clone()
 }
 
 #[test]

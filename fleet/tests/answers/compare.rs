@@ -191,7 +191,7 @@ fn columns(rows: &[Value], capture: &Path) {
             }
         }
     }
-    assert!(of_pdos.all(|row| is_without_number(row)), "{}", capture.display());
+    assert!(of_pdos.all(is_without_number), "{}", capture.display());
 }
 
 fn is_without_number(row: &Value) -> bool {

@@ -1,5 +1,6 @@
 //! Answers in SQL are those of `canvass decode`, `signals` and `diagnose`: of every sample, and of 200 generated captures of
 //! all formats.
+#![cfg(test)]
 
 mod compare;
 mod engine;

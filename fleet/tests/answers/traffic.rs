@@ -257,8 +257,7 @@ fn written(format: Format, records: &[Record], seed: u64) -> Vec<u8> {
     records.iter().for_each(|record| writer.write(record, &channels()).unwrap());
     writer.finish().unwrap();
     drop(writer);
-    let bytes = sink.0.lock().unwrap().clone();
-    bytes
+    sink.0.lock().unwrap().clone()
 }
 
 /// As candump prints on a console.

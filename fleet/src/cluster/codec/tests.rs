@@ -79,7 +79,7 @@ proptest! {
     fn tables_are_the_same(table in prop::sample::select(Table::ALL.to_vec()), files in files(), devices in devices(),
         push_down in any::<bool>()) {
         let sent = SentTable::Captures { table, files: Files::Known(files), devices, push_down };
-        let provider = sent.clone().table(&TaskContext::default()).unwrap();
+        let provider = sent.table(&TaskContext::default()).unwrap();
         let (codec, name, mut bytes) = (LogicalCodec::default(), TableReference::bare("t"), Vec::new());
         codec.try_encode_table_provider(&name, Arc::clone(&provider), &mut bytes).unwrap();
         let read = codec.try_decode_table_provider(&bytes, &name, provider.schema(), &TaskContext::default()).unwrap();
