@@ -108,7 +108,7 @@ impl Journal {
 /// A file that is there with these bytes or not at all, whenever the run is killed; not in place of another.
 fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let mut name = path.as_os_str().to_owned();
-    name.push(".new");
+    name.push(".canvass-new");
     let new = PathBuf::from(name);
     let mut file = File::create(&new)?;
     file.write_all(bytes)?;
@@ -266,7 +266,7 @@ mod tests {
             assert!(Interrupted::read(&text[..cut]).is_ok(), "cut at {cut}");
         }
         // A run that was killed before its journal had its name.
-        fs::write(folder.path().join("journal.new"), "canvass").unwrap();
+        fs::write(folder.path().join("journal.canvass-new"), "canvass").unwrap();
         assert!(Journal::create(&path, &head(&[])).is_err(), "an earlier run's is kept");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
         journal.remove().unwrap();
