@@ -81,17 +81,18 @@ impl Browser {
         self.request("GET", &format!("/session/{}/screenshot", self.session), &json!({})).as_str().unwrap().to_owned()
     }
 
-    /// The most memory that the processes took which show pages, in kB.
-    pub fn most_memory(&self) -> std::io::Result<u64> {
-        let mut all = 0;
+    /// The memory of its own that the process of the page takes now, in kB: what it shares with others, as the browser's own
+    /// code, does not count. Of several pages that of the largest.
+    pub fn memory(&self) -> std::io::Result<u64> {
+        let mut most = 0;
         for process in descendants(self.driver.id())? {
             let file = |name: &str| std::fs::read_to_string(format!("/proc/{process}/{name}"));
             let shows = file("cmdline").is_ok_and(|words| words.contains("--type=renderer"));
             let status = file("status").unwrap_or_default();
-            let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));
-            all += peak.filter(|_| shows).map_or(0, |peak| peak.trim().parse().unwrap_or(0));
+            let own = status.lines().find_map(|line| line.strip_prefix("RssAnon:")?.trim().strip_suffix("kB"));
+            most = most.max(own.filter(|_| shows).map_or(0, |own| own.trim().parse().unwrap_or(0)));
         }
-        Ok(all)
+        Ok(most)
     }
 
     /// Runs a function's body in the page, and gives what it returns.

@@ -63,6 +63,13 @@ function policy(script, style, allowed, more) {
   ].join("; ");
 }
 
+/** One of the pictures that phones and desktops show of an installed page: not all of them take SVG. It stands in the manifest
+ * itself, as the page's policy lets no picture be loaded. */
+function picture(size) {
+  const base64 = readFileSync(join(here, `src/icon-${size}.png`)).toString("base64");
+  return { src: `data:image/png;base64,${base64}`, sizes: `${size}x${size}`, type: "image/png", purpose: "any maskable" };
+}
+
 const REGISTER = 'window.canvassRegister=()=>navigator.serviceWorker?.register("sw.js").catch(()=>{});';
 const MANIFEST = {
   name: "canvass: CANopen captures",
@@ -71,7 +78,7 @@ const MANIFEST = {
   display: "standalone",
   background_color: "#16181c",
   theme_color: "#1f5fc4",
-  icons: [{ src: "icon.svg", sizes: "any", type: "image/svg+xml" }],
+  icons: [{ src: ICON, sizes: "any", type: "image/svg+xml" }, ...[192, 512].map(picture)],
 };
 
 const [main, worker] = await Promise.all([bundle("main.js"), bundle("worker.js")]);
@@ -102,7 +109,6 @@ const own = { worker: " 'self'", others: ["manifest-src 'self'"] };
 const index = page(REGISTER + main, '<link rel="manifest" href="manifest.webmanifest">', own);
 writeFileSync(join(folder, "index.html"), index);
 writeFileSync(join(folder, "manifest.webmanifest"), JSON.stringify(MANIFEST));
-writeFileSync(join(folder, "icon.svg"), decodeURIComponent(ICON.slice(ICON.indexOf(",") + 1)));
 const version = createHash("sha256").update(index).digest("hex").slice(0, 16);
 writeFileSync(join(folder, "sw.js"), readFileSync(join(here, "src/sw.js"), "utf8").replace("VERSION", version));
 console.log(`${join(out, "canvass.html")}: ${(Buffer.byteLength(index) / 1e6).toFixed(1)} MB; wasm.gz ${packed.length} bytes`);

@@ -1,6 +1,6 @@
 // Keeps the page, so that it opens off line. It asks for nothing but the page's own files.
 const KEPT = "canvass-VERSION";
-const FILES = ["./index.html", "./manifest.webmanifest", "./icon.svg"];
+const FILES = ["./index.html", "./manifest.webmanifest"];
 
 addEventListener("install", (event) => event.waitUntil(caches.open(KEPT).then((cache) => cache.addAll(FILES)).then(() => skipWaiting())));
 

@@ -50,8 +50,8 @@ struct Change {
 }
 
 /// How long a change of the bit rate may take: four commands, and four to go back, each of which may be left without an
-/// answer.
-const CHANGE: Duration = Duration::from_secs(4);
+/// answer by an adapter that has answered others.
+const CHANGE: Duration = Duration::from_secs(18);
 
 /// Why an adapter does not work, and what to do about it.
 #[derive(Debug, thiserror::Error)]
@@ -324,7 +324,7 @@ mod tests {
         drop(silent);
     }
 
-    /// An adapter that has no 800 kbit/s; gives what it was told, line by line.
+    /// An adapter that has no 800 kbit/s, and takes its time to say so; gives what it was told, line by line.
     fn adapter(listener: TcpListener) -> JoinHandle<Vec<String>> {
         std::thread::spawn(move || {
             let (mut stream, mut told, mut line) = (listener.accept().unwrap().0, Vec::new(), String::new());
@@ -333,6 +333,9 @@ mod tests {
                 if byte[0] != b'\r' {
                     line.push(char::from(byte[0]));
                     continue;
+                }
+                if line == "S7" {
+                    std::thread::sleep(std::time::Duration::from_millis(500));
                 }
                 // Who has closed the channel may be gone before the answer.
                 let answered = stream.write_all(if line == "S7" { b"\x07" } else { b"\r" });

@@ -1,6 +1,6 @@
 //! The thread that reads from the adapter, and opens it again when it was unplugged.
 
-use super::codec::{Command, Decoder, Message, MinuteClock};
+use super::codec::{Command, Decoder, Message, MinuteClock, Status};
 use super::link::{LOOK, Link, Place, is_silence};
 use super::{Change, Shared, SlCanError};
 use crate::Health;
@@ -11,8 +11,11 @@ use std::io::{self, Read};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long each opening command is waited for: some programs at the other end answer none.
+/// How long a command's answer is waited for while none has ever come: some programs at the other end answer none.
 const PATIENCE: Duration = Duration::from_millis(300);
+
+/// The same where commands are answered: an answer that came later would be taken for that of the next command.
+const ANSWER: Duration = Duration::from_secs(2);
 
 /// How often a lost adapter is looked for.
 const RETRY: Duration = Duration::from_millis(200);
@@ -36,6 +39,10 @@ pub(super) struct Reader {
     records: Vec<Record>,
     /// Whether the adapter answers the question for its status flags.
     has_status: bool,
+    /// That question has been asked and not been answered yet.
+    asks_status: bool,
+    /// Whether the adapter has answered a command.
+    has_answered: bool,
 }
 
 /// Two questions that follow each other at once take no longer.
@@ -79,6 +86,8 @@ impl Reader {
             hardware: HardwareClock::default(),
             records: Vec::new(),
             has_status: true,
+            asks_status: false,
+            has_answered: false,
         }
     }
 
@@ -90,6 +99,7 @@ impl Reader {
         self.heard = Instant::now();
         *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
         (self.decoder, self.has_status) = (Decoder::default(), true);
+        (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
         // Who has connected to a listener opens this end; it is not opened from here.
         if matches!(self.place, Place::Listener(_)) {
@@ -140,17 +150,29 @@ impl Reader {
         let mut line = Vec::new();
         command.write(&mut line);
         self.shared.write(&line)?;
+        let patience = if self.has_answered { ANSWER } else { PATIENCE };
         let begun = Instant::now();
-        while begun.elapsed() < PATIENCE {
-            for message in self.read().unwrap_or_default() {
+        // The answer to the question before comes first.
+        let mut missing = 1 + usize::from(std::mem::take(&mut self.asks_status));
+        let mut answer = None;
+        while missing > 0 && begun.elapsed() < patience {
+            // What is lost shows in the next read, too.
+            let Ok(messages) = self.read() else { break };
+            for message in messages {
                 match message {
-                    Message::Done => return Ok(Some(true)),
-                    Message::Refused => return Ok(Some(false)),
-                    other => self.take(other, self.shared.clock.now()),
+                    Message::Done if missing > 0 => answer = Some(true),
+                    Message::Refused if missing > 0 => answer = Some(false),
+                    Message::Status(_) if missing > 1 => self.take(message, self.shared.clock.now()),
+                    other => {
+                        self.take(other, self.shared.clock.now());
+                        continue;
+                    }
                 }
+                missing -= 1;
+                self.has_answered = true;
             }
         }
-        Ok(None)
+        Ok(answer)
     }
 
     /// Takes in what has come before a command, so that it is not taken for its answer.
@@ -203,7 +225,7 @@ impl Reader {
                 let mut line = Vec::new();
                 Command::Status.write(&mut line);
                 // A failure shows in the next read.
-                let _ = shared.write(&line);
+                self.asks_status = shared.write(&line).is_ok();
             }
         }
     }
@@ -259,17 +281,28 @@ impl Reader {
                 // A failure shows in the next read.
                 let _ = self.shared.write(command.answer());
             }
-            Message::Status(status) if status.0 != 0 => self.shared.inbox.note(|health| {
-                // How many is not told.
-                health.lost += u64::from(status.has_lost());
-                health.error_frames += 1;
-                health.trouble = Some(format!("{}: {status}", self.shared.name));
-            }),
+            Message::Status(status) => {
+                self.asks_status = false;
+                self.note(status);
+            }
             // Most likely the answer to the question for the status flags.
-            Message::Refused => self.has_status = false,
+            Message::Refused => (self.asks_status, self.has_status) = (false, false),
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}
         }
+    }
+
+    /// What the adapter says went wrong on its bus.
+    fn note(&self, status: Status) {
+        if status.0 == 0 {
+            return;
+        }
+        self.shared.inbox.note(|health| {
+            // How many is not told.
+            health.lost += u64::from(status.has_lost());
+            health.error_frames += 1;
+            health.trouble = Some(format!("{}: {status}", self.shared.name));
+        });
     }
 
     fn lose(&mut self, error: &io::Error) {
