@@ -129,6 +129,7 @@ async function reopen() {
   // Others were opened meanwhile.
   if (captures !== app.captures) return;
   if (!summary) return close(false);
+  performance.measure("canvass-read", "canvass-open");
   app.summary = summary;
   const { errors, warnings, damages } = summary;
   const unread = damages > 0 ? `, ${counted(damages, "place")} that can't be read` : "";

@@ -6,13 +6,23 @@ const reader = new FileReaderSync();
 /** What is read of a file at once. */
 const PIECE = 4 << 20;
 
+/** Takes the piece of a file from `at` on, and has the one after it fetched while this one is worked on. */
+function turn(known, at) {
+  const { ahead } = known;
+  known.from = at;
+  known.piece = ahead?.from === at && ahead.piece ? ahead.piece : new Uint8Array(reader.readAsArrayBuffer(known.file.slice(at, at + PIECE)));
+  const next = { from: at + known.piece.length, piece: null };
+  known.ahead = next;
+  if (next.from >= known.file.size) return;
+  const came = (bytes) => (next.piece = new Uint8Array(bytes));
+  // Who needs it finds out that it can't be read.
+  known.file.slice(next.from, next.from + PIECE).arrayBuffer().then(came, () => {});
+}
+
 globalThis.canvassHost = {
   read(number, at, buffer) {
     const known = files.get(number);
-    if (!known.piece || at < known.from || at >= known.from + known.piece.length) {
-      known.from = at;
-      known.piece = new Uint8Array(reader.readAsArrayBuffer(known.file.slice(at, at + PIECE)));
-    }
+    if (!known.piece || at < known.from || at >= known.from + known.piece.length) turn(known, at);
     const begin = at - known.from;
     const part = known.piece.subarray(begin, begin + buffer.length);
     buffer.set(part);
@@ -83,7 +93,10 @@ const calls = {
     page.options(JSON.stringify(options));
     page.open();
     const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell);
-    files.forEach((known) => delete known.piece);
+    files.forEach((known) => {
+      delete known.piece;
+      delete known.ahead;
+    });
     return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
   },
   /** Whatever is under way is of captures that are gone. */

@@ -110,7 +110,10 @@ impl Shown {
     }
 
     fn shorten(&mut self) {
-        if let Some((at, _)) = self.text.char_indices().nth(CHARACTERS) {
+        // No text has more characters than bytes, and few have so many.
+        if self.text.len() > CHARACTERS
+            && let Some((at, _)) = self.text.char_indices().nth(CHARACTERS)
+        {
             self.text.truncate(at);
             self.text.push('…');
         }
