@@ -2,6 +2,7 @@
 //! read a lake.
 
 pub mod bench;
+mod cluster;
 mod readers;
 
 use crate::run::run;

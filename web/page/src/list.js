@@ -163,18 +163,19 @@ export class List {
       this.draw(row, known);
       if (row.at === this.at) this.root.setAttribute("aria-activedescendant", row.id);
     });
-    for (const piece of wanted) this.#fetchSoon(piece);
+    if (wanted.size > 0) this.#fetchSoon([...wanted]);
   }
 
-  /** One at a time: what is scrolled past is not asked for. */
-  async #fetchSoon(piece) {
+  /** Those in sight, and no others until they are there: what is scrolled past is not asked for. */
+  async #fetchSoon(wanted) {
     if (this.fetching) return;
     this.fetching = true;
     try {
-      await this.#piece(piece);
+      await Promise.all(wanted.map((piece) => this.#piece(piece)));
     } finally {
       this.fetching = false;
     }
-    this.#schedule();
+    // At once, so that the next picture of the screen has them.
+    this.#draw();
   }
 }

@@ -1,6 +1,7 @@
 //! `cargo xtask bench --fleet`: how fast captures and lakes are asked, beside the program, DuckDB and python-can with pandas.
 
 use super::MANIFEST;
+use super::cluster::{Cluster, asked};
 use super::readers::{PYTHON, VENV};
 use crate::bench::{build, make};
 use crate::measure::{TIME, best, machine, release};
@@ -60,7 +61,8 @@ pub fn bench() -> Result<()> {
     scanning()?;
     pushing()?;
     lake()?;
-    growing()
+    growing()?;
+    on_processes()
 }
 
 fn one() -> String {
@@ -153,6 +155,25 @@ fn growing() -> Result<()> {
             "{many:>5} captures                          {seconds:>6.2} s, {:.2} ms each",
             seconds / f64::from(many) * 1e3
         );
+    }
+    Ok(())
+}
+
+/// The same question in one process, and on a cluster whose executors have one task each.
+fn on_processes() -> Result<()> {
+    println!("\n{} frames in {CAPTURES} captures, by the clock", u64::from(FRAMES) * u64::from(CAPTURES));
+    let folder = fs::canonicalize(format!("{FOLDER}/long"))?.display().to_string();
+    let question = ["sql", "SELECT node, count(*) FROM messages GROUP BY node", "--over", &folder, "--format", "csv"];
+    let tell = |name: &str, seconds: f64, first: f64| {
+        println!("{name:38} {seconds:>6.2} s, {:.2} times as fast as one", first / seconds);
+    };
+    let one = asked(FLEET, &[&question[..], &["--jobs", "1"]].concat())?;
+    tell("one process, one task", one, one);
+    tell("one process, two tasks", asked(FLEET, &[&question[..], &["--jobs", "2"]].concat())?, one);
+    for executors in [1, 2] {
+        let cluster = Cluster::start(FLEET, executors)?;
+        let words = [&question[..], &["--jobs", "2", "--cluster", &cluster.address]].concat();
+        tell(&format!("executors with one task: {executors}"), asked(FLEET, &words)?, one);
     }
     Ok(())
 }

@@ -60,7 +60,8 @@ fn million(log: &str) -> Result<()> {
         let opened = Opened::new(Screen::Desk)?;
         opened.take(&[log])?;
         page = least(page, diagnosed(&opened.0));
-        read = least(read, opened.0.number("return performance.getEntriesByName('canvass-read').at(-1).duration") / 1e3);
+        read =
+            least(read, opened.0.number("return performance.getEntriesByName('canvass-read').at(-1).duration") / 1e3);
     }
     let (program, page) = (program.unwrap_or_default(), page.unwrap_or_default());
     println!("{:44} {program:>6.2} s", "canvass diagnose --format html");
