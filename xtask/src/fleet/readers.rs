@@ -1,6 +1,7 @@
 //! The examples of other programs that read a lake: they find what canvass-fleet itself answers.
 
 use super::TARGET;
+use crate::packages::{Package, install};
 use crate::run::run;
 use crate::venv::Venv;
 use anyhow::{Context, Result, ensure};
@@ -16,9 +17,22 @@ pub const VENV: Venv = Venv {
     probe: "import can, duckdb, pandas, polars, pyarrow",
 };
 
-/// The examples, each of which prints what the statement below gives.
-const EXAMPLES: [&str; 3] =
-    ["docs/examples/fleet-duckdb.py", "docs/examples/fleet-polars.py", "docs/examples/fleet-pandas.py"];
+/// Apache Spark by itself: it is larger than all others, and needs Java.
+const SPARK: Venv = Venv {
+    folder: "target/spark-venv",
+    python: "target/spark-venv/bin/python",
+    requirements: "fleet/requirements-spark.txt",
+    probe: "import pyspark",
+};
+const JAVA: Package = Package { program: "java", probe: &["-version"], package: "openjdk-17-jre-headless" };
+
+/// The examples with what runs them, each of which prints what the statement below gives.
+const EXAMPLES: [(&str, &str); 4] = [
+    ("docs/examples/fleet-duckdb.py", PYTHON),
+    ("docs/examples/fleet-polars.py", PYTHON),
+    ("docs/examples/fleet-pandas.py", PYTHON),
+    ("docs/examples/fleet-spark.py", SPARK.python),
+];
 const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*) AS frames FROM messages \
                          GROUP BY service ORDER BY service";
 
@@ -28,14 +42,16 @@ const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*)
 /// If something can't be installed, or one of them finds something else.
 pub fn read() -> Result<()> {
     VENV.install()?;
+    install(&[JAVA])?;
+    SPARK.install()?;
     let folder = tempfile::tempdir()?;
     let lake = folder.path().join("lake").display().to_string();
     let fleet = format!("{TARGET}/debug/canvass-fleet");
     run(&fleet, &["ingest", "traces/samples", "docs/examples", "--into", &lake])?;
     let expected = output(&fleet, &["sql", STATEMENT, "--lake", &lake, "--format", "csv"])?;
     ensure!(expected.lines().count() > 5, "the lake has only {expected}");
-    for example in EXAMPLES {
-        let found = output(PYTHON, &[example, &lake])?;
+    for (example, python) in EXAMPLES {
+        let found = output(python, &[example, &lake])?;
         ensure!(found == expected, "{example} finds\n{found}and canvass-fleet\n{expected}");
         eprintln!("{example}: the same {} rows", expected.lines().count() - 1);
     }
