@@ -13,9 +13,10 @@ use canvass_fleet::views;
 use datafusion::prelude::SessionContext;
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::io::{self, Write};
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+
+mod sink;
+use sink::Shared;
 
 fn session() -> SessionContext {
     session::local(&Settings { partitions: Some(2), ..Settings::default() }).unwrap()
@@ -39,20 +40,6 @@ async fn rows(session: &SessionContext, statement: &str) -> Vec<Value> {
     rendered.finish().unwrap();
     let text = String::from_utf8(out.0.lock().unwrap().clone()).unwrap();
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
-
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().unwrap().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 /// The rows of a table as texts, sorted.

@@ -1,7 +1,11 @@
 use super::*;
 use datafusion::arrow::array::{BinaryArray, StringArray, TimestampNanosecondArray};
 use datafusion::arrow::datatypes::{Field, Schema};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
+
+#[path = "../../tests/sink/mod.rs"]
+mod sink;
+use sink::Shared;
 
 fn hostile() -> RecordBatch {
     let columns: Vec<(&str, datafusion::arrow::array::ArrayRef)> = vec![
@@ -16,20 +20,6 @@ fn hostile() -> RecordBatch {
         columns.iter().map(|(name, column)| Field::new(*name, column.data_type().clone(), true)).collect();
     let columns = columns.into_iter().map(|(_, column)| column).collect();
     RecordBatch::try_new(Arc::new(Schema::new(fields)), columns).unwrap()
-}
-
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl std::io::Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().unwrap().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
 }
 
 fn rendered(format: Format) -> Vec<u8> {

@@ -24,6 +24,39 @@ use tokio::sync::mpsc::Sender;
 /// So many batches wait for whoever takes them: memory is bounded.
 const AHEAD: usize = 2;
 
+/// What such plans say of themselves alike.
+macro_rules! reads_files {
+    () => {
+        fn properties(&self) -> &Arc<PlanProperties> {
+            &self.properties
+        }
+
+        fn children(&self) -> Vec<&Arc<dyn ExecutionPlan>> {
+            vec![&self.input]
+        }
+
+        /// The files are shared out already.
+        fn benefits_from_input_partitioning(&self) -> Vec<bool> {
+            vec![false]
+        }
+
+        fn apply_expressions(
+            &self,
+            _: &mut dyn FnMut(
+                &Arc<dyn datafusion::physical_expr::PhysicalExpr>,
+            ) -> Result<datafusion::common::tree_node::TreeNodeRecursion>,
+        ) -> Result<datafusion::common::tree_node::TreeNodeRecursion> {
+            Ok(datafusion::common::tree_node::TreeNodeRecursion::Continue)
+        }
+
+        fn with_new_children(self: Arc<Self>, children: Vec<Arc<dyn ExecutionPlan>>) -> Result<Arc<dyn ExecutionPlan>> {
+            let mode = datafusion::physical_plan::execution_plan::ChildrenPropertiesMode::Recompute;
+            self.replace_children(children, ReplaceChildrenOptions::new(mode))
+        }
+    };
+}
+pub(crate) use reads_files;
+
 fn schema() -> SchemaRef {
     let column = |name, kind| Field::new(name, kind, false);
     let columns = [("name", DataType::Utf8), ("size", DataType::UInt64), ("modified", DataType::Int64)];

@@ -1,7 +1,7 @@
 //! `messages`: every frame, understood in its context.
 
-use super::column::{Column, Rows, columns, write, write_str};
-use super::frames::{can_id, direction, is_extended, length};
+use super::column::{Column, Rows, write, write_str};
+use super::frames::frame_columns;
 use canvass_analyzer::network::{Bus, Decoded};
 use canvass_analyzer::wire::sdo::{Request, Response};
 use canvass_analyzer::{Meaning, Message, NodeId, Service};
@@ -28,20 +28,7 @@ pub struct MessageRow<'a> {
 
 impl Rows for Messages {
     type Row<'a> = MessageRow<'a>;
-    const COLUMNS: &'static [Column<Self>] = columns![Self:
-        "capture" name "the file" = |row, out| write_str(out, Some(row.capture));
-        "number" u64 "its line, packet or message in the file, from 1" = |row| Some(row.record.place.number);
-        "t" time "when it was seen" = |row| Some(row.record.timestamp);
-        "channel" name "the channel's name" = |row, out| write_str(out, Some(row.channels.name(row.record.channel)));
-        "can_id" u32 "the CAN-ID, 11 or 29 bits; of an error frame its class bits" = |row| Some(can_id(row.record));
-        "extended" flag "whether the CAN-ID has 29 bits" = |row| Some(is_extended(&row.record.frame));
-        "remote" flag "whether it is a remote frame" = |row| Some(row.record.frame.is_remote());
-        "error" flag "whether it is an error frame" = |row| Some(row.record.frame.is_error());
-        "fd" flag "whether it is a CAN FD frame" = |row| Some(row.record.frame.is_fd());
-        "xl" flag "whether it is a CAN XL frame" = |row| Some(row.record.frame.is_xl());
-        "length" u16 "bytes of payload; of a remote frame the length that it asks for" = |row| Some(length(row.record));
-        "direction" word "`rx` or `tx`, where the capture says it" = |row| direction(row.record);
-        "data" bytes "the payload" = |row| Some(row.record.data());
+    const COLUMNS: &'static [Column<Self>] = frame_columns![
         "service" word "the service, by its name in [json.md](json.md)" = |row| Some(row.decoded.service.name());
         "source" word "how the use of the CAN-ID is known: `predefined`, `description`, `trace`" = |row| source(row.decoded);
         "node" u8 "sender of its own messages, server of SDOs, node that an NMT command names" = |row| node(row.decoded);

@@ -1,32 +1,17 @@
 //! The engine under test: statements in, rows as JSON out.
 
+use crate::sink::Shared;
 use canvass_fleet::render::{Format, answer};
 use canvass_fleet::scan::Options;
 use canvass_fleet::session::{self, Settings};
 use datafusion::prelude::SessionContext;
 use serde_json::Value;
-use std::io::{self, Write};
 use std::path::Path;
-use std::sync::{Arc, Mutex};
 use tokio::runtime::Runtime;
 
 pub struct Engine {
     runtime: Runtime,
     session: SessionContext,
-}
-
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().unwrap().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 impl Engine {

@@ -6,6 +6,8 @@ mod compare;
 mod engine;
 mod program;
 mod pushed;
+#[path = "../sink/mod.rs"]
+mod sink;
 mod traffic;
 
 use canvass_traces::Format;

@@ -1,12 +1,12 @@
 //! Captures of random CANopen traffic, in every format.
 
+use crate::sink::Shared;
 use canvass_traces::{
     CanId, ChannelId, Channels, ChunkCompression, ErrorClass, Flags, Format, Frame, Record, Timestamp, WriteOptions,
 };
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
 
 const SECOND: u64 = 1_000_000_000;
 const BEGIN: u64 = 1_738_061_235 * SECOND;
@@ -224,20 +224,6 @@ const fn kinds(format: Format) -> Kinds {
         Format::CandumpConsole => Kinds { channels: 2, fd: false, errors: false, comments: false },
         Format::Candump | Format::Pcapng => Kinds { channels: 3, fd: true, errors: true, comments: true },
         _ => Kinds { channels: 2, fd: true, errors: true, comments: false },
-    }
-}
-
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl std::io::Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().unwrap().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
     }
 }
 
