@@ -56,7 +56,7 @@ struct Entry {
 
 /// The numbered entries of the section in which that line is, in the order of the file.
 fn entries(line: u32, source: &Source<'_>) -> Option<(u32, Vec<Entry>)> {
-    let header = (1..=line).rev().find(|&line| source.is_section(line))?;
+    let header = source.header_of(line)?;
     let entry = |line| Some(Entry { key: source.get(&source.field(line)?.name).parse().ok()?, line });
     Some((header, source.section_lines(header).filter_map(entry).collect()))
 }
