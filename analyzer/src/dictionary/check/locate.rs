@@ -21,7 +21,7 @@ fn span(problem: &EdsProblem, source: &Source<'_>) -> Option<Range<usize>> {
         let length = source.text.get(at..)?.chars().next()?.len_utf8();
         return Some(at..at + length);
     }
-    if source.is_xml {
+    if source.is_xml() {
         return attribute(problem, source);
     }
     let mut line = problem.line;

@@ -8,7 +8,7 @@ use crate::identity::{Multiplexer, SubIndex};
 use std::collections::HashSet;
 
 pub(super) fn check(check: &mut Check<'_>) {
-    let mut known = HashSet::new();
+    let mut known = HashSet::with_capacity(check.description.dictionary.objects().len());
     let mut is_told = false;
     let profile = check.description.device_profile();
     for object in check.description.dictionary.objects() {

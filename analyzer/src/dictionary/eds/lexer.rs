@@ -61,7 +61,7 @@ pub(super) struct Section<'a> {
     pub line: u32,
     pub fields: Vec<Field<'a>>,
     /// Once there are more than [`FEW`]; fewer are looked through one by one, which is faster.
-    by_name: HashMap<FieldIdentity, usize>,
+    by_name: Option<Box<HashMap<FieldIdentity, usize>>>,
 }
 
 /// A section that describes an object has no more fields.
@@ -110,10 +110,10 @@ impl<'a> Document<'a> {
 impl<'a> Section<'a> {
     /// The first field of that name.
     pub fn field(&self, name: FieldName) -> Option<Field<'a>> {
-        if self.fields.len() <= FEW {
-            return self.fields.iter().find(|field| field.known == Some(name)).copied();
+        match &self.by_name {
+            None => self.fields.iter().find(|field| field.known == Some(name)).copied(),
+            Some(by_name) => self.fields.get(*by_name.get(&FieldIdentity::Known(name))?).copied(),
         }
-        self.fields.get(*self.by_name.get(&FieldIdentity::Known(name))?).copied()
     }
 
     /// Takes a field; gives the first one of that name if there is one.
@@ -125,10 +125,8 @@ impl<'a> Section<'a> {
             }
             return first;
         }
-        if self.fields.len() == FEW {
-            self.by_name = self.fields.iter().enumerate().map(|(at, field)| (field.identity(), at)).collect();
-        }
-        match self.by_name.entry(field.identity()) {
+        let all = || self.fields.iter().enumerate().map(|(at, field)| (field.identity(), at)).collect();
+        match self.by_name.get_or_insert_with(|| Box::new(all())).entry(field.identity()) {
             Entry::Occupied(first) => self.fields.get(*first.get()).copied(),
             Entry::Vacant(vacant) => {
                 vacant.insert(self.fields.len());
@@ -176,7 +174,10 @@ pub(in crate::dictionary) fn is_same(one: &str, other: &str) -> bool {
 
 /// All sections of the text.
 pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
-    let mut document = Document::default();
+    // Most sections have more bytes: nothing is copied because a table was too small.
+    let sections = text.len() / 128;
+    let mut document =
+        Document { sections: Vec::with_capacity(sections), by_name: HashMap::with_capacity(sections) };
     // Where fields go: `None` before the first section and in a section that occurs again.
     let mut current: Option<usize> = None;
     let mut number = 0;
@@ -274,8 +275,8 @@ fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, prob
         Entry::Vacant(vacant) => {
             let position = document.sections.len();
             vacant.insert(position);
-            let (fields, by_name) = (Vec::with_capacity(FEW / 2), HashMap::new());
-            document.sections.push(Section { name, about, is_standard, line, fields, by_name });
+            let fields = Vec::with_capacity(FEW / 2);
+            document.sections.push(Section { name, about, is_standard, line, fields, by_name: None });
             Some(position)
         }
     }

@@ -142,6 +142,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
     }
     let mut object = Object::new(index, name(&mut fields), code);
     object.line = head.line;
+    object.expect_entries(parts.subs.len().max(1));
     if compact > 0 {
         let template = entry(&mut fields, 0, DataType(0));
         compact::expand(&mut object, &template, compact, document, problems);
