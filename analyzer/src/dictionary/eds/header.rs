@@ -123,7 +123,10 @@ pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileI
         description: fields.text(FieldName::Description).to_owned(),
         created: (fields.text(FieldName::CreationDate).to_owned(), fields.text(FieldName::CreationTime).to_owned()),
         created_by: fields.text(FieldName::CreatedBy).to_owned(),
-        modified: (fields.text(FieldName::ModificationDate).to_owned(), fields.text(FieldName::ModificationTime).to_owned()),
+        modified: (
+            fields.text(FieldName::ModificationDate).to_owned(),
+            fields.text(FieldName::ModificationTime).to_owned(),
+        ),
         modified_by: fields.text(FieldName::ModifiedBy).to_owned(),
         last_eds: fields.optional_text(FieldName::LastEds).map(str::to_owned),
     }

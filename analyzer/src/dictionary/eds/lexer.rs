@@ -176,8 +176,7 @@ pub(in crate::dictionary) fn is_same(one: &str, other: &str) -> bool {
 pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
     // Most sections have more bytes: nothing is copied because a table was too small.
     let sections = text.len() / 128;
-    let mut document =
-        Document { sections: Vec::with_capacity(sections), by_name: HashMap::with_capacity(sections) };
+    let mut document = Document { sections: Vec::with_capacity(sections), by_name: HashMap::with_capacity(sections) };
     // Where fields go: `None` before the first section and in a section that occurs again.
     let mut current: Option<usize> = None;
     let mut number = 0;

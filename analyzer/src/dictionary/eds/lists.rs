@@ -87,8 +87,8 @@ pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
 /// Every object that `[xxxxObjectLinks]` names is described, and their number is right.
 pub(super) fn check_links(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in &document.sections {
-        let is_links = matches!(section.about, SectionName::Beside(_))
-            && canonical(section.name).ends_with("objectlinks");
+        let is_links =
+            matches!(section.about, SectionName::Beside(_)) && canonical(section.name).ends_with("objectlinks");
         if !is_links {
             continue;
         }

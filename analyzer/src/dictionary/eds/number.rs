@@ -37,6 +37,11 @@ pub(super) fn parse(text: &str) -> Option<Number> {
     }
 }
 
+/// The number in that text, where it needs no node-ID.
+pub(in crate::dictionary) fn value_of(text: &str) -> Option<i128> {
+    parse(text).filter(|number| !number.plus_node_id).map(|number| number.value)
+}
+
 /// A decimal or hexadecimal number as the standard writes it, of at most 16 digits: nearly all are.
 fn plain(text: &[u8]) -> Option<u64> {
     let (digits, radix) = match text {

@@ -223,7 +223,7 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     entry.low_limit = fields.setting(FieldName::LowLimit, data_type);
     entry.high_limit = fields.setting(FieldName::HighLimit, data_type);
     entry.configured = fields.setting(FieldName::ParameterValue, data_type);
-    entry.denotation = fields.optional_text(FieldName::Denotation).map(str::to_owned);
+    entry.denotation = fields.optional_text(FieldName::Denotation).filter(|text| !text.is_empty()).map(str::to_owned);
     entry.flags = ObjectFlags(fields.number(FieldName::ObjFlags, u32::MAX).unwrap_or(0));
     if entry.flags.0 > 3 {
         fields.report(FieldName::ObjFlags, &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());

@@ -14,18 +14,12 @@ use crate::identity::{Index, SubIndex};
 
 /// Whether that field of an object with sub-indexes is kept.
 const fn is_head(field: FieldName) -> bool {
-    matches!(
-        field,
-        FieldName::ParameterName | FieldName::ObjectType | FieldName::SubNumber | FieldName::CompactSubObj
-    )
+    matches!(field, FieldName::ParameterName | FieldName::ObjectType | FieldName::SubNumber | FieldName::CompactSubObj)
 }
 
 /// Whether that field of an entry holds a value of its data type.
 const fn is_value(field: FieldName) -> bool {
-    matches!(
-        field,
-        FieldName::DefaultValue | FieldName::LowLimit | FieldName::HighLimit | FieldName::ParameterValue
-    )
+    matches!(field, FieldName::DefaultValue | FieldName::LowLimit | FieldName::HighLimit | FieldName::ParameterValue)
 }
 
 /// The fields of `DeviceComissioning` that are kept.
