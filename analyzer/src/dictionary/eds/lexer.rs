@@ -61,7 +61,7 @@ pub(super) struct Section<'a> {
     pub line: u32,
     pub fields: Vec<Field<'a>>,
     /// Once there are more than [`FEW`]; fewer are looked through one by one, which is faster.
-    by_name: Option<Box<HashMap<FieldIdentity, usize>>>,
+    by_name: Option<HashMap<FieldIdentity, usize>>,
 }
 
 /// A section that describes an object has no more fields.
@@ -126,7 +126,7 @@ impl<'a> Section<'a> {
             return first;
         }
         let all = || self.fields.iter().enumerate().map(|(at, field)| (field.identity(), at)).collect();
-        match self.by_name.get_or_insert_with(|| Box::new(all())).entry(field.identity()) {
+        match self.by_name.get_or_insert_with(all).entry(field.identity()) {
             Entry::Occupied(first) => self.fields.get(*first.get()).copied(),
             Entry::Vacant(vacant) => {
                 vacant.insert(self.fields.len());
