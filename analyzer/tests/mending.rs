@@ -31,7 +31,7 @@ fn what_can_be_mended_becomes_what_it_was() {
     let damages = [
         ("CreationDate=11-21-2026", "CreationDate=2026-11-21"),
         ("CreationTime=09:00AM", "CreationTime=9:00:12"),
-        ("NrOfTXPDO=1", "NrOfTXPDO=4"),
+        ("NrOfTXPDO=1", "NrOfTXPDO=0"),
         ("Lines=1", "Lines=7"),
         ("SupportedObjects=2", "SupportedObjects=9"),
         ("2=0x1001", "5=0x1001"),
@@ -54,12 +54,21 @@ fn what_can_be_mended_becomes_what_it_was() {
     }
 }
 
+/// A line without a name is no field: what is wrong with the section is not sought there.
+#[test]
+fn the_line_that_is_mended_is_that_of_the_section() {
+    let damaged = PLAIN.replacen("[2000]\n", "[0x2000]\n=5\n", 1);
+    assert_eq!(mended(&damaged), mended(PLAIN).replacen("[2000]\n", "[2000]\n=5\n", 1));
+}
+
 #[test]
 fn what_would_be_a_guess_stays() {
     for (from, to) in [
         ("CreationDate=11-21-2026", "CreationDate=01/02/2026"),
         ("DefaultValue=5", "DefaultValue=010"),
         ("DefaultValue=5", "DefaultValue=five"),
+        // Whether the device has PDOs that the file does not describe is not known.
+        ("NrOfTXPDO=1", "NrOfTXPDO=4"),
         ("DefaultValue=5", "DefaultValue=5\nDefaultValue=6"),
         ("AccessType=rw\nDefaultValue=5", "AccessType=maybe\nDefaultValue=5"),
     ] {
@@ -82,6 +91,9 @@ fn lists_are_completed_and_comments_stay() {
 fn missing_sections_are_added_and_the_character_set_is_changed() {
     let text = PLAIN.replace("[Comments]\nLines=1\nLine1=one\n", "");
     assert!(mended(&text).ends_with("\n[Comments]\nLines=0\n"));
+    // python-canopen reads no file without one of these.
+    let dummies = mended(&PLAIN.replace("[DummyUsage]", "[Comments2]"));
+    assert!((1..=7).all(|index| dummies.contains(&format!("\nDummy000{index}=0"))), "{dummies}");
     let utf_16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(PLAIN.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     assert_eq!(mend(&utf_16, |_| true).unwrap().bytes, mended(PLAIN).into_bytes());
     let marked = [b"\xEF\xBB\xBF", PLAIN.as_bytes()].concat();
@@ -105,13 +117,13 @@ fn line_ends_become_one_kind() {
 
 #[test]
 fn what_is_not_wanted_is_not_touched() {
-    let damaged = PLAIN.replace("Lines=1", "Lines=3").replace("NrOfTXPDO=1", "NrOfTXPDO=4");
+    let damaged = PLAIN.replace("Lines=1", "Lines=3").replace("NrOfTXPDO=1", "NrOfTXPDO=0");
     let only = |id: &str| {
         let rule = rules::find(id).unwrap();
         String::from_utf8(mend(damaged.as_bytes(), |finding| finding.problem.rule == rule).unwrap().bytes).unwrap()
     };
     assert_eq!(only("eds/file/comment-count"), damaged.replace("Lines=3", "Lines=1"));
-    assert_eq!(only("eds/device/pdo-count"), damaged.replace("NrOfTXPDO=4", "NrOfTXPDO=1"));
+    assert_eq!(only("eds/device/pdo-count"), damaged.replace("NrOfTXPDO=0", "NrOfTXPDO=1"));
 }
 
 /// What the reader understands of the objects, without the lines in which they stand.

@@ -51,6 +51,47 @@ fn attributes_at_the_objects() {
     assert_eq!(entry(0x6041, 0).denotation.as_deref(), Some("status of the lift"));
 }
 
+/// As published files have it: EdsDcfNet's `nodeID` beside the schema's `NodeID`, and units of bit rates.
+#[test]
+fn attributes_are_the_same_in_any_case() {
+    let commissioning = r#"<deviceCommissioning nodeID="5" nodeName="MinimalDevice" actualBaudRate="500 Kbps""#;
+    let read_with = |from: &str, to: &str| {
+        assert!(ATTRIBUTES.contains(from), "{from}");
+        read(&ATTRIBUTES.replacen(from, to, 1)).unwrap()
+    };
+    let known = ATTRIBUTES.lines().find(|line| line.contains("<deviceCommissioning")).unwrap().trim();
+    for name in ["nodeID", "NodeID", "NodeId"] {
+        let written = format!("{} />", commissioning.replace("nodeID", name));
+        let found = read_with(known, &written).commissioning.unwrap();
+        assert_eq!(
+            (found.node_id, found.bit_rate, found.node_name.as_str()),
+            (NodeId::new(5), Some(500), "MinimalDevice")
+        );
+    }
+    for (rate, expected) in [("1 Mbps", 1000), ("1000 Kbps", 1000), ("20kbps", 20), ("50", 50)] {
+        let found = read_with(known, &format!(r#"<deviceCommissioning NodeID="5" actualBaudRate="{rate}"/>"#));
+        assert_eq!(found.commissioning.unwrap().bit_rate, Some(expected), "{rate}");
+    }
+    let dummies = read_with("Dummy0005=1", "dummy0005 = 1").dummy_usage;
+    assert_eq!(dummies.get(&5), Some(&true));
+    let unkept = read_with(known, &format!("{commissioning} />"));
+    let text = ATTRIBUTES.replacen(known, &format!("{commissioning} />"), 1);
+    assert!(!unkept.unkept(text.as_bytes()).iter().any(|loss| loss.to_string().contains("nodeID")));
+}
+
+/// The attributes as the schema of CiA 311 has them.
+#[test]
+fn the_schema_has_what_is_written() {
+    let (text, _) = xdd::write(&read(ATTRIBUTES).unwrap());
+    assert!(text.contains(r#"<deviceCommissioning NodeID="5""#), "{text}");
+    let bodies: Vec<&str> = text.lines().filter(|line| line.contains("<ProfileBody ")).collect();
+    assert_eq!(bodies.len(), 2);
+    assert!(
+        bodies.iter().all(|body| body.contains(r#"formatName="CANopen" formatVersion="1.0" fileName="#)),
+        "{bodies:?}"
+    );
+}
+
 #[test]
 fn references_to_parameters() {
     let description = read(PARAMETERS).unwrap();

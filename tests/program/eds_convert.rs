@@ -31,7 +31,7 @@ fn there_and_back_again_nothing_differs() {
 fn what_is_lost_is_said() {
     let dcf = run(&["eds", "convert", "analyzer/tests/eds/dcf.eds", "-", "--to", "xdc"]);
     assert_eq!(dcf.status, 0);
-    assert!(dcf.stdout.contains("<deviceCommissioning nodeID=\"16\" nodeName=\"Left\""), "{}", dcf.stdout);
+    assert!(dcf.stdout.contains("<deviceCommissioning NodeID=\"16\" nodeName=\"Left\""), "{}", dcf.stdout);
     let line = "analyzer/tests/eds/dcf.eds: [FileInfo] Description \"corpus\": the format has no place for it\n";
     assert!(dcf.stderr.contains(line), "{}", dcf.stderr);
     let many: String = (0..30).map(|number| format!("Unknown{number}=1\n")).collect();

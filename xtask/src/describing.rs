@@ -55,7 +55,7 @@ fn write(name: &str, files: u32, objects: u32, more: &str) -> Result<u64> {
     sizes.sum::<Result<u64>>()
 }
 
-/// Prints what an editor waits for, from the question to the answer as it is read.
+/// Prints what an editor waits for, from the question to the last byte of the answer.
 fn edit(path: &str) -> Result<()> {
     let text = fs::read_to_string(path)?;
     let line_of = |text: &str, wanted: &str| text.lines().position(|line| line == wanted).unwrap_or(0);

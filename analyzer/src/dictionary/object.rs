@@ -251,6 +251,11 @@ impl Object {
         Self { index: Index(index), name: name.into(), code, line: 0, entries: Vec::new() }
     }
 
+    /// An entry takes some hundred bytes: room for as many as there are.
+    pub(super) fn expect_entries(&mut self, count: usize) {
+        self.entries.reserve_exact(count);
+    }
+
     /// The entries, by rising sub-index. A VAR has one, with sub-index 0.
     pub fn entries(&self) -> &[Entry] {
         &self.entries

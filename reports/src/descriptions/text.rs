@@ -20,14 +20,13 @@ pub struct Style {
     pub width: usize,
 }
 
-/// What was found in one file, and not waived; `text` is its text.
-pub fn render(file: &CheckedFile, text: &str, style: Style) -> String {
-    let source = Source::new(text);
+/// What was found in one file, and not waived; `source` is its text.
+pub fn render(file: &CheckedFile, source: &Source<'_>, style: Style) -> String {
     let renderer = if style.colors { Renderer::styled() } else { Renderer::plain() };
     let renderer = renderer.term_width(style.width);
     let mut drawn = String::new();
     for located in file.open() {
-        drawn.push_str(&renderer.render(&[group(file, located, &source)]));
+        drawn.push_str(&renderer.render(&[group(file, located, source)]));
         drawn.push_str("\n\n");
     }
     drawn

@@ -16,7 +16,7 @@ use lsp_types::{
     SymbolKind, TextEdit, Uri, WorkspaceEdit,
 };
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
+use serde_json::{Value, json, to_string};
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -29,7 +29,8 @@ pub struct Answers<'a> {
     pub resolves: bool,
 }
 
-type Answer = Result<Value, serde_json::Error>;
+/// The JSON text of an answer: a tree of values in between would take longer than all the rest.
+pub type Answer = Result<String, serde_json::Error>;
 
 impl Answers<'_> {
     /// The answer to a request about the file; `None`: it is not served.
@@ -43,18 +44,19 @@ impl Answers<'_> {
             }
             GotoDefinition::METHOD => answer(params, |asked: GotoDefinitionParams| {
                 let at = self.at(asked.text_document_position_params.position);
-                json!(editor::definition(self.text(), at).map(|range| self.location(&range)))
+                to_string(&editor::definition(self.text(), at).map(|range| self.location(&range)))
             }),
             References::METHOD => answer(params, |asked: ReferenceParams| {
                 let at = self.at(asked.text_document_position.position);
-                json!(editor::references(self.text(), at).iter().map(|range| self.location(range)).collect::<Vec<_>>())
+                let found = editor::references(self.text(), at);
+                to_string(&found.iter().map(|range| self.location(range)).collect::<Vec<_>>())
             }),
-            DocumentSymbolRequest::METHOD => {
-                Ok(json!(editor::outline(self.text()).iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>()))
-            }
+            DocumentSymbolRequest::METHOD => to_string(
+                &editor::outline(self.text()).into_iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>(),
+            ),
             CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
             CodeActionResolveRequest::METHOD => answer(params, |offered: CodeAction| self.resolved(offered)),
-            Formatting::METHOD => Ok(json!(self.mended())),
+            Formatting::METHOD => to_string(&self.mended()),
             _ => return None,
         })
     }
@@ -122,15 +124,15 @@ impl Answers<'_> {
         }
     }
 
-    fn hover(&self, position: Position) -> Value {
+    fn hover(&self, position: Position) -> Answer {
         let shown = editor::hover(self.text(), self.at(position));
-        json!(shown.map(|hover| Hover {
+        to_string(&shown.map(|hover| Hover {
             contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: hover.text }),
             range: Some(self.document.range(&hover.range, self.units)),
         }))
     }
 
-    fn completion(&self, position: Position) -> Value {
+    fn completion(&self, position: Position) -> Answer {
         let found = editor::complete(self.text(), self.at(position));
         let item = |(order, found): (usize, editor::Completion)| CompletionItem {
             label: found.label.clone(),
@@ -146,25 +148,25 @@ impl Answers<'_> {
             })),
             ..CompletionItem::default()
         };
-        json!(found.into_iter().enumerate().map(item).collect::<Vec<_>>())
+        to_string(&found.into_iter().enumerate().map(item).collect::<Vec<_>>())
     }
 
     #[expect(deprecated, reason = "the type has a member that nobody sets any more")]
-    fn symbol(&self, symbol: &Symbol) -> DocumentSymbol {
+    fn symbol(&self, symbol: Symbol) -> DocumentSymbol {
         DocumentSymbol {
-            name: symbol.name.clone(),
-            detail: Some(symbol.detail.clone()),
+            name: symbol.name,
+            detail: Some(symbol.detail),
             kind: if symbol.is_object { SymbolKind::OBJECT } else { SymbolKind::NAMESPACE },
             tags: None,
             deprecated: None,
             range: self.document.range(&symbol.whole, self.units),
             selection_range: self.document.range(&symbol.selected, self.units),
-            children: Some(symbol.entries.iter().map(|entry| self.symbol(entry)).collect()),
+            children: Some(symbol.entries.into_iter().map(|entry| self.symbol(entry)).collect()),
         }
     }
 
     /// What mends the findings of a place, and all that can be mended.
-    fn actions(&self, asked: &CodeActionParams) -> Value {
+    fn actions(&self, asked: &CodeActionParams) -> Answer {
         let wanted = |kind: &CodeActionKind| {
             let asked = asked.context.only.as_ref();
             asked.is_none_or(|only| only.iter().any(|only| kind.as_str().starts_with(only.as_str())))
@@ -185,7 +187,7 @@ impl Answers<'_> {
         if wanted(&CodeActionKind::SOURCE_FIX_ALL) {
             actions.extend(self.all_at_once());
         }
-        json!(actions)
+        to_string(&actions)
     }
 
     /// The action that mends all. To find what it changes takes several checks, and editors ask for actions wherever the
@@ -202,9 +204,9 @@ impl Answers<'_> {
     }
 
     /// The edits of an action that was offered without them: of all that can be mended.
-    fn resolved(&self, offered: CodeAction) -> Value {
+    fn resolved(&self, offered: CodeAction) -> Answer {
         let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.mended(), None);
-        json!(CodeAction { edit: all.edit, ..offered })
+        to_string(&CodeAction { edit: all.edit, ..offered })
     }
 
     #[expect(clippy::mutable_key_type, reason = "the protocol's own type; the name of a file does not change")]
@@ -245,6 +247,6 @@ fn changed<'a>(old: &str, new: &'a str) -> (usize, usize, &'a str) {
     (start, old.len() - end, new.get(..new.len() - end).unwrap_or_default())
 }
 
-fn answer<T: DeserializeOwned>(params: Value, of: impl FnOnce(T) -> Value) -> Answer {
-    serde_json::from_value(params).map(of)
+fn answer<T: DeserializeOwned>(params: Value, of: impl FnOnce(T) -> Answer) -> Answer {
+    serde_json::from_value(params).and_then(of)
 }

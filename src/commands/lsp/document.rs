@@ -55,13 +55,13 @@ impl Document {
     /// Lines end with LF, CR LF or CR: so the protocol has it.
     fn find_lines(&mut self) {
         let bytes = self.text.as_bytes();
-        let ends = |at: usize| match bytes[at] {
-            b'\n' => true,
-            b'\r' => bytes.get(at + 1) != Some(&b'\n'),
-            _ => false,
-        };
-        let lines = (0..bytes.len()).filter(|&at| ends(at)).map(|at| at + 1);
-        self.starts = std::iter::once(0).chain(lines).collect();
+        self.starts.clear();
+        self.starts.push(0);
+        for (at, &byte) in bytes.iter().enumerate() {
+            if byte == b'\n' || byte == b'\r' && bytes.get(at + 1) != Some(&b'\n') {
+                self.starts.push(at + 1);
+            }
+        }
     }
 
     /// Takes changes over, each on top of the one before. What would make the file too large for a description is left out.

@@ -4,7 +4,7 @@ use super::answers::Answers;
 use super::document::{Document, Units};
 use anyhow::Result;
 use canvass_reports::provenance::VERSION;
-use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _, PublishDiagnostics,
 };
@@ -15,8 +15,9 @@ use lsp_types::{
     TextDocumentSyncKind, Uri,
 };
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
+use serde_json::{Value, json, to_string};
 use std::collections::HashMap;
+use std::io::{self, Write};
 
 /// The open files of an editor.
 pub struct Session {
@@ -60,34 +61,34 @@ impl Session {
     }
 
     /// Serves until the editor says that it is over, or is gone.
-    pub fn serve(&mut self, connection: &Connection) -> Result<()> {
+    pub fn serve(&mut self, connection: &Connection, editor: &mut impl Write) -> Result<()> {
         while let Ok(message) = connection.receiver.recv() {
             let mut next = Some(message);
             // While the editor has more to say, what it says next would make the findings old.
             while let Some(message) = next {
-                if self.take(connection, message)? {
+                if self.take(connection, message, editor)? {
                     return Ok(());
                 }
                 next = connection.receiver.try_recv().ok();
             }
-            self.publish(connection)?;
+            self.publish(editor)?;
         }
         Ok(())
     }
 
     /// Takes a message; whether the session is over with it.
-    fn take(&mut self, connection: &Connection, message: Message) -> Result<bool> {
+    fn take(&mut self, connection: &Connection, message: Message, editor: &mut impl Write) -> Result<bool> {
         match message {
             Message::Request(request) => {
                 if connection.handle_shutdown(&request)? {
                     return Ok(true);
                 }
-                connection.sender.send(self.answer(request).into())?;
+                write(editor, &self.answer(request)?)?;
             }
             Message::Notification(notification) => {
                 for uri in self.follow(notification) {
                     // What is closed has no findings any more.
-                    connection.sender.send(published(uri, Vec::new(), None)?)?;
+                    write(editor, &published(uri, Vec::new(), None)?)?;
                 }
             }
             Message::Response(_) => {}
@@ -95,11 +96,11 @@ impl Session {
         Ok(false)
     }
 
-    fn publish(&mut self, connection: &Connection) -> Result<()> {
+    fn publish(&mut self, editor: &mut impl Write) -> Result<()> {
         for uri in std::mem::take(&mut self.changed) {
             let Some(document) = self.documents.get(&uri) else { continue };
             let findings = self.answers(&uri, document).findings();
-            connection.sender.send(published(uri.clone(), findings, Some(document.version))?)?;
+            write(editor, &published(uri.clone(), findings, Some(document.version))?)?;
         }
         Ok(())
     }
@@ -139,21 +140,32 @@ impl Session {
         Answers { uri, document, units: self.units, resolves: self.resolves }
     }
 
-    fn answer(&self, asked: Request) -> Response {
+    /// The message that answers a request.
+    fn answer(&self, asked: Request) -> serde_json::Result<String> {
         let Request { id, method, params } = asked;
         // An action that is asked for again has the name of its file with it.
         let named = params.pointer("/textDocument/uri").or_else(|| params.pointer("/data/uri"));
         let uri = named.cloned().and_then(read::<Uri>);
         let Some((uri, document)) = uri.and_then(|uri| Some((uri.clone(), self.documents.get(&uri)?))) else {
-            let error = "no open file of that name is known".to_owned();
-            return Response::new_err(id, ErrorCode::InvalidParams as i32, error);
+            return refused(&id, ErrorCode::InvalidParams, "no open file of that name is known");
         };
         match self.answers(&uri, document).to(&method, params) {
-            Some(Ok(answer)) => Response { id, response_result: Ok(answer) },
-            Some(Err(error)) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
-            None => Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("{method} is not served")),
+            Some(Ok(answer)) => Ok(format!(r#"{{"jsonrpc":"2.0","id":{},"result":{answer}}}"#, to_string(&id)?)),
+            Some(Err(error)) => refused(&id, ErrorCode::InvalidParams, &error.to_string()),
+            None => refused(&id, ErrorCode::MethodNotFound, &format!("{method} is not served")),
         }
     }
+}
+
+fn refused(id: &RequestId, code: ErrorCode, message: &str) -> serde_json::Result<String> {
+    to_string(&json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code as i32, "message": message } }))
+}
+
+/// A message as the protocol frames it.
+fn write(editor: &mut impl Write, message: &str) -> io::Result<()> {
+    write!(editor, "Content-Length: {}\r\n\r\n", message.len())?;
+    editor.write_all(message.as_bytes())?;
+    editor.flush()
 }
 
 /// Whether the editor asks for the edits of an action by itself, and keeps what is said with the action for that.
@@ -165,9 +177,10 @@ fn resolves(capabilities: &ClientCapabilities) -> bool {
     })
 }
 
-fn published(uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) -> Result<Message> {
-    let params = serde_json::to_value(PublishDiagnosticsParams { uri, diagnostics, version })?;
-    Ok(Notification { method: PublishDiagnostics::METHOD.to_owned(), params }.into())
+/// The message that tells the findings of a file.
+fn published(uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) -> serde_json::Result<String> {
+    let params = to_string(&PublishDiagnosticsParams { uri, diagnostics, version })?;
+    Ok(format!(r#"{{"jsonrpc":"2.0","method":"{}","params":{params}}}"#, PublishDiagnostics::METHOD))
 }
 
 /// What an editor says that is not as the protocol has it is passed over.
@@ -178,7 +191,25 @@ fn read<T: DeserializeOwned>(value: Value) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lsp_server::RequestId;
+    use std::sync::mpsc;
+
+    /// An editor that takes each message as soon as it is whole.
+    struct Editor {
+        begun: Vec<u8>,
+        messages: mpsc::Sender<Message>,
+    }
+
+    impl Write for Editor {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.begun.extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            let message = Message::read(&mut std::mem::take(&mut self.begun).as_slice())?.unwrap();
+            self.messages.send(message).map_err(io::Error::other)
+        }
+    }
 
     fn notification(method: &str, params: Value) -> Message {
         Notification { method: method.to_owned(), params }.into()
@@ -195,16 +226,17 @@ mod tests {
             let change = json!({ "textDocument": document, "contentChanges": changes });
             theirs.sender.send(notification("textDocument/didChange", change)).unwrap();
         }
+        let (sender, messages) = mpsc::channel();
         let serving = std::thread::spawn(move || {
             let mut session = Session::new(InitializeParams::default());
-            session.serve(&ours).map_err(|error| error.to_string())
+            session.serve(&ours, &mut Editor { begun: Vec::new(), messages: sender }).map_err(|error| error.to_string())
         });
-        let Message::Notification(said) = theirs.receiver.recv().unwrap() else { panic!("no findings") };
+        let Message::Notification(said) = messages.recv().unwrap() else { panic!("no findings") };
         assert_eq!(said.params["version"], 20);
         theirs.sender.send(Request::new(RequestId::from(1), "shutdown".to_owned(), Value::Null).into()).unwrap();
         assert!(matches!(theirs.receiver.recv().unwrap(), Message::Response(_)));
         theirs.sender.send(notification("exit", Value::Null)).unwrap();
         serving.join().unwrap().unwrap();
-        assert!(theirs.receiver.try_recv().is_err(), "findings of older versions");
+        assert!(messages.try_recv().is_err(), "findings of older versions");
     }
 }

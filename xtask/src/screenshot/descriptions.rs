@@ -42,12 +42,12 @@ pub fn descriptions() -> Result<()> {
 fn check(file: &str) -> Result<()> {
     let told = canvass(&["eds", "check", "--ignore", "eds/pdo/either-direction", file])?;
     ensure!(told.contains("eds/pdo/length") && told.contains("eds/file/time"), "the check says {told}");
-    of_terminal(&told, "docs/eds-check.png", (980, 560))
+    of_terminal(&told, "docs/eds-check.png", (1000, 640))
 }
 
 fn shown(file: &str) -> Result<()> {
     let told = canvass(&["eds", "show", file, "6004"])?;
-    of_terminal(&told, "docs/eds-show.png", (760, 430))?;
+    of_terminal(&told, "docs/eds-show.png", (760, 410))?;
     let page = format!("{FOLDER}/description.html");
     let html = Command::new(release("canvass")).args(["eds", "show", RIGHT, "--format", "html"]).output()?;
     fs::write(&page, html.stdout)?;
@@ -72,7 +72,11 @@ fn of_terminal(text: &str, picture: &str, size: (u16, u16)) -> Result<()> {
 fn editor(file: &str) -> Result<()> {
     let program = fs::canonicalize(release("canvass"))?;
     let settings = format!("{FOLDER}/init.lua");
+    // With room below the cursor, so that what is shown of an object stands above it and hides no finding.
     let start = "vim.o.number = true; vim.o.ruler = false; vim.o.laststatus = 0\n\
+        vim.o.hlsearch = false; vim.o.scrolloff = 10\n\
+        vim.cmd('highlight SignColumn ctermbg=NONE | highlight LineNr ctermfg=8')\n\
+        vim.cmd('highlight NormalFloat ctermbg=0 ctermfg=15')\n\
         vim.diagnostic.config({ severity_sort = true })\n\
         local client = vim.lsp.start_client({ name = 'canvass', cmd = { PROGRAM, 'lsp' } })\n\
         vim.api.nvim_create_autocmd('BufReadPost', { callback = function(of) vim.lsp.buf_attach_client(of.buf, client) end })\n";
@@ -87,12 +91,12 @@ fn editor(file: &str) -> Result<()> {
 
 /// Goes to a section, asks what it is, and gives what is on the screen then.
 fn session() -> Result<String> {
-    tmux(&["send-keys", r"/^\[1017\]", "Enter", "z", "t", "j"])?;
+    tmux(&["send-keys", r"/^\[1017\]", "Enter", "z", "b"])?;
     seen("the name of another")?;
-    tmux(&["send-keys", "k", "l", "l", ":lua vim.lsp.buf.hover()", "Enter"])?;
+    tmux(&["send-keys", "l", "l", ":lua vim.lsp.buf.hover()", "Enter"])?;
     seen("CiA 301 7.5.2.20")?;
     // The line of the last command says nothing.
-    tmux(&["send-keys", ":", "Escape"])?;
+    tmux(&["send-keys", ":echo", "Enter"])?;
     seen("CiA 301 7.5.2.20")
 }
 

@@ -89,6 +89,14 @@ impl Encoding {
         }
     }
 
+    /// Whether a text that was read of these bytes would be written as them.
+    pub fn keeps(self, text: &str, bytes: &[u8]) -> bool {
+        match self {
+            Self::Utf8 => text.as_bytes() == bytes,
+            other => other.encode(text).is_some_and(|written| written == bytes),
+        }
+    }
+
     /// The bytes of a text; `None` if it has characters that are not in Latin-1.
     pub fn encode(self, text: &str) -> Option<Vec<u8>> {
         let units = |mark: [u8; 2], bytes: fn(u16) -> [u8; 2]| {

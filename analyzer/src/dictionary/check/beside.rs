@@ -17,7 +17,7 @@ pub trait Folder {
 /// What is wrong between a DCF and the files beside it.
 pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder: &dyn Folder) -> Vec<EdsProblem> {
     let mut problems = Problems::default();
-    if description.is_configuration() && !source.is_xml {
+    if description.is_configuration() && !source.is_xml() {
         downloads(source, folder, &mut problems);
         other_eds(description, folder, &mut problems);
     }

@@ -21,7 +21,7 @@ fn span(problem: &EdsProblem, source: &Source<'_>) -> Option<Range<usize>> {
         let length = source.text.get(at..)?.chars().next()?.len_utf8();
         return Some(at..at + length);
     }
-    if source.is_xml {
+    if source.is_xml() {
         return attribute(problem, source);
     }
     let mut line = problem.line;
@@ -31,8 +31,9 @@ fn span(problem: &EdsProblem, source: &Source<'_>) -> Option<Range<usize>> {
     if problem.field.is_empty() {
         return Some(source.line(line));
     }
-    let lines = std::iter::once(line).chain(source.section_lines(line).take_while(|_| source.is_section(line)));
-    for candidate in lines {
+    // A finding of a whole section may be about one of its fields.
+    let below = if source.is_section(line) { source.section_lines(line) } else { 0..0 };
+    for candidate in std::iter::once(line).chain(below) {
         let Some(field) = source.field(candidate) else { continue };
         if is_same(source.get(&field.name), &problem.field) {
             let is_about_name = ABOUT_NAMES.contains(&problem.rule) || field.value.is_empty();

@@ -12,6 +12,7 @@ mod waiver;
 pub use apply::{Mended, mend};
 pub use beside::Folder;
 pub use fix::{Edit, Fix};
+use source::Lines;
 pub use source::{FieldSpans, Source};
 
 use super::Severity;
@@ -27,6 +28,7 @@ use std::ops::Range;
 pub struct Checked<'a> {
     /// The text of the file, in which the places are.
     pub text: Cow<'a, str>,
+    lines: Lines,
     /// What was read of it.
     pub description: Result<DeviceDescription, DescriptionError>,
     /// Everything that was found, in the order of the file; what concerns no line comes first.
@@ -58,6 +60,11 @@ impl Finding {
 }
 
 impl Checked<'_> {
+    /// The text by its lines.
+    pub fn source(&self) -> Source<'_> {
+        Source { text: &self.text, lines: Cow::Borrowed(&self.lines) }
+    }
+
     /// What the file does not itself say to leave so.
     pub fn open(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.waived.is_none())
@@ -102,15 +109,15 @@ pub fn check_in<'a>(
     let mut findings: Vec<Finding> = problems.into_iter().map(|problem| locate::locate(problem, &source)).collect();
     findings.sort_by_key(|finding| (finding.line, finding.column));
     // What can't be written back as it was read is not mended.
-    let is_mendable = apply::Encoding::of(bytes).encode(&text).is_some_and(|written| written == bytes);
+    let is_mendable = apply::Encoding::of(bytes).keeps(&text, bytes);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
         if is_mendable && let Ok(read) = &description {
             finding.fix = fix::of(finding, &source, read);
         }
     }
-    drop(source);
-    Ok(Checked { text, description, findings })
+    let lines = source.into_lines();
+    Ok(Checked { text, lines, description, findings })
 }
 
 /// `FileName` is the name of the file, in any case.

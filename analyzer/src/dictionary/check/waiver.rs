@@ -31,10 +31,10 @@ pub(super) fn read<'a>(source: &Source<'a>) -> Vec<Waiver<'a>> {
     let mut header = 0;
     for line in 1..=source.lines() {
         let text = source.get(&source.line(line));
-        if !source.is_xml && text.starts_with('[') {
+        if !source.is_xml() && text.starts_with('[') {
             header = line;
         }
-        let comment = if source.is_xml {
+        let comment = if source.is_xml() {
             text.strip_prefix("<!--").map(|text| text.trim_end_matches("-->"))
         } else {
             text.strip_prefix(';')

@@ -8,7 +8,7 @@ use crate::identity::{Multiplexer, SubIndex};
 use std::collections::HashSet;
 
 pub(super) fn check(check: &mut Check<'_>) {
-    let mut known = HashSet::new();
+    let mut known = HashSet::with_capacity(check.description.dictionary.objects().len());
     let mut is_told = false;
     let profile = check.description.device_profile();
     for object in check.description.dictionary.objects() {
@@ -23,6 +23,10 @@ pub(super) fn check(check: &mut Check<'_>) {
 
 /// Names are the same in any case, and whatever stands between their words.
 fn canonical(name: &str) -> String {
+    if name.is_ascii() {
+        let letters = name.bytes().filter(u8::is_ascii_alphanumeric);
+        return letters.map(|letter| char::from(letter.to_ascii_lowercase())).collect();
+    }
     name.chars().filter(|character| character.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
@@ -39,6 +43,9 @@ fn once(check: &mut Check<'_>, object: &Object, known: &mut HashSet<String>) -> 
 
 /// Reports the first entry that has the name of one before it.
 fn entries_once(check: &mut Check<'_>, object: &Object) {
+    if object.entries().len() < 2 {
+        return;
+    }
     let mut known = HashSet::new();
     let is_own = |entry: &&crate::dictionary::object::Entry| entry.line != object.line;
     for entry in object.entries().iter().filter(is_own) {

@@ -21,10 +21,7 @@ pub struct Section {
 /// All sections, in the order of the text.
 pub fn sections(source: &Source<'_>) -> Vec<Section> {
     let mut all: Vec<Section> = Vec::new();
-    for line in 1..=source.lines() {
-        if !source.is_section(line) {
-            continue;
-        }
+    for &line in source.headers() {
         let whole = source.whole_line(line);
         if let Some(before) = all.last_mut() {
             (before.whole.end, before.last) = (whole.start, line - 1);

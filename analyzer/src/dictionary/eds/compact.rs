@@ -1,5 +1,6 @@
 //! What CiA 306 lets a file leave out: `CompactSubObj` for arrays, `CompactPDO` for PDO parameters.
 
+use super::field_name::FieldName;
 use super::fields::{Fields, setting};
 use super::lexer::Document;
 use crate::dictionary::data_type::DataType;
@@ -56,7 +57,7 @@ fn beside<'d>(
     let Some(section) = document.section(&format!("{:04X}{kind}", index.0)) else { return Vec::new() };
     let mut found = Vec::new();
     for field in &section.fields {
-        if field.name.eq_ignore_ascii_case("NrOfEntries") {
+        if field.name.eq_ignore_ascii_case(FieldName::NrOfEntries.text()) {
             continue;
         }
         let place = Place { line: field.line, section: section.name, field: field.name };
@@ -69,10 +70,10 @@ fn beside<'d>(
         }
     }
     let mut fields = Fields { section, problems };
-    let announced = fields.number("NrOfEntries", u32::MAX);
+    let announced = fields.number(FieldName::NrOfEntries, u32::MAX);
     if announced.is_some_and(|announced| announced as usize != found.len()) {
         let entries = format!("{} entries", found.len());
-        fields.report("NrOfEntries", &rules::list::BESIDE, "the number of entries", &entries);
+        fields.report(FieldName::NrOfEntries, &rules::list::BESIDE, "the number of entries", &entries);
     }
     found
 }

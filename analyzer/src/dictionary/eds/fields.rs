@@ -1,6 +1,7 @@
 //! Reads single fields: texts, numbers, flags, and values of a data type.
 
-use super::lexer::Section;
+use super::field_name::FieldName;
+use super::lexer::{Field, Section};
 use super::number;
 use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::object::Setting;
@@ -15,70 +16,92 @@ pub(super) struct Fields<'s, 'p> {
 }
 
 impl<'s> Fields<'s, '_> {
-    pub fn report(&mut self, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
-        self.problems.report(self.section.place(field), rule, expected, found);
+    /// Reports what is wrong with a field.
+    pub fn report(&mut self, field: FieldName, rule: &'static Rule, expected: &'static str, found: &str) {
+        self.problems.report(self.section.place_of(field), rule, expected, found);
+    }
+
+    /// Reports what is wrong with the section as a whole.
+    pub fn report_section(&mut self, rule: &'static Rule, expected: &'static str, found: &str) {
+        self.problems.report(self.section.place(), rule, expected, found);
     }
 
     /// The text of a field that may be missing.
-    pub fn optional_text(&self, field: &str) -> Option<&'s str> {
+    pub fn optional_text(&self, field: FieldName) -> Option<&'s str> {
         self.section.field(field).map(|field| field.value)
     }
 
     /// The text of a field, empty if it is missing.
-    pub fn text(&self, field: &str) -> String {
-        self.optional_text(field).unwrap_or_default().to_owned()
+    pub fn text(&self, field: FieldName) -> &'s str {
+        self.optional_text(field).unwrap_or_default()
     }
 
     /// A number from 0 to `most`, in any of the allowed forms; `None` if the field is missing, empty or wrong.
-    pub fn number(&mut self, field: &str, most: u32) -> Option<u32> {
-        let text = self.optional_text(field).filter(|text| !is_nothing(text))?;
-        let Some(number) = number::parse(text).filter(|number| !number.plus_node_id) else {
-            self.report(field, &number_rules::UNREADABLE, "a number", text);
-            return None;
-        };
-        if let Some(oddity) = number.oddity {
-            self.report(field, oddity.rule, oddity.expected, text);
-        }
-        let value = u32::try_from(number.value).ok().filter(|&value| value <= most);
-        if value.is_none() {
-            self.report(field, &rules::field::RANGE, "a number in the range of the field", text);
-        }
-        value
+    pub fn number(&mut self, field: FieldName, most: u32) -> Option<u32> {
+        let found = self.section.field(field)?;
+        number_in(found.value, most, self.place(&found, field.text()), self.problems)
     }
 
     /// 0 or 1; missing or wrong is `false`.
-    pub fn flag(&mut self, field: &str) -> bool {
-        let text = self.optional_text(field).unwrap_or_default();
-        let word = ["false", "no", "true", "yes"].iter().position(|word| text.eq_ignore_ascii_case(word));
-        if let Some(position) = word {
-            self.report(field, &rules::field::FLAG, "0 or 1", text);
-            return position > 1;
-        }
-        let value = self.number(field, u32::MAX).unwrap_or(0);
-        if value > 1 {
-            self.report(field, &rules::field::FLAG, "0 or 1", text);
-        }
-        value != 0
+    pub fn flag(&mut self, field: FieldName) -> bool {
+        let found = self.section.field(field);
+        found.is_some_and(|found| flag_in(found.value, self.place(&found, field.text()), self.problems))
     }
 
     /// A value of that data type, or a formula; `None` if the field is missing, empty or wrong.
-    pub fn setting(&mut self, field: &str, data_type: DataType) -> Option<Setting> {
+    pub fn setting(&mut self, field: FieldName, data_type: DataType) -> Option<Setting> {
         let found = self.section.field(field)?;
-        let place = Place { line: found.line, section: self.section.name, field };
-        setting(found.value, data_type, place, self.problems)
+        setting(found.value, data_type, self.place(&found, field.text()), self.problems)
+    }
+
+    /// The place of a field that is there.
+    fn place(&self, found: &Field<'s>, field: &'s str) -> Place<'s> {
+        Place { line: found.line, section: self.section.name, field }
     }
 
     /// Reports fields that the section should not have.
-    pub fn check_known(&mut self, known: impl Fn(&str) -> bool) {
+    pub fn check_known(&mut self, known: impl Fn(&Field<'_>) -> bool) {
         for field in &self.section.fields {
-            let name = super::lexer::canonical(field.name);
-            if !known(&name) {
+            if !known(field) {
                 let place = Place { line: field.line, section: self.section.name, field: field.name };
                 let expected = "a field that CiA 306 defines here";
                 self.problems.report(place, &rules::field::UNKNOWN, expected, field.name);
             }
         }
     }
+}
+
+/// A number from 0 to `most`, in any of the allowed forms; `None` if there is none, or a wrong one.
+fn number_in(text: &str, most: u32, place: Place<'_>, problems: &mut Problems) -> Option<u32> {
+    if is_nothing(text) {
+        return None;
+    }
+    let Some(number) = number::parse(text).filter(|number| !number.plus_node_id) else {
+        problems.report(place, &number_rules::UNREADABLE, "a number", text);
+        return None;
+    };
+    if let Some(oddity) = number.oddity {
+        problems.report(place, oddity.rule, oddity.expected, text);
+    }
+    let value = u32::try_from(number.value).ok().filter(|&value| value <= most);
+    if value.is_none() {
+        problems.report(place, &rules::field::RANGE, "a number in the range of the field", text);
+    }
+    value
+}
+
+/// 0 or 1; wrong is `false`.
+pub(super) fn flag_in(text: &str, place: Place<'_>, problems: &mut Problems) -> bool {
+    let word = ["false", "no", "true", "yes"].iter().position(|word| text.eq_ignore_ascii_case(word));
+    if let Some(position) = word {
+        problems.report(place, &rules::field::FLAG, "0 or 1", text);
+        return position > 1;
+    }
+    let value = number_in(text, u32::MAX, place, problems).unwrap_or(0);
+    if value > 1 {
+        problems.report(place, &rules::field::FLAG, "0 or 1", text);
+    }
+    value != 0
 }
 
 /// Nothing, or only a comment.

@@ -7,6 +7,9 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use super::field_name::FieldName;
+use super::lines::{Line, lines};
+use super::section_name::SectionName;
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
 
@@ -20,7 +23,30 @@ const MOST_LINES: u32 = 1_000_000;
 #[derive(Debug, Default)]
 pub(super) struct Document<'a> {
     pub sections: Vec<Section<'a>>,
-    by_name: HashMap<String, usize>,
+    by_name: HashMap<SectionIdentity, usize>,
+}
+
+/// What two sections of the same name have in common. Nearly all are spelled as the standard has it.
+#[derive(Debug, PartialEq, Eq, Hash)]
+enum SectionIdentity {
+    Standard(SectionName),
+    /// [`canonical`]
+    Other(String),
+}
+
+impl SectionIdentity {
+    fn of(name: &str) -> (SectionName, Self) {
+        match SectionName::parse_standard(name) {
+            Some(about) => (about, Self::Standard(about)),
+            None => {
+                let name = canonical(name);
+                match SectionName::parse_standard(&name) {
+                    Some(about) => (about, Self::Standard(about)),
+                    None => (SectionName::parse(&name), Self::Other(name)),
+                }
+            }
+        }
+    }
 }
 
 /// `[name]` and what follows it.
@@ -28,60 +54,97 @@ pub(super) struct Document<'a> {
 pub(super) struct Section<'a> {
     /// As the file writes it.
     pub name: &'a str,
+    /// What it is about.
+    pub about: SectionName,
+    /// Whether an object or entry is named as the standard writes it, case and blanks aside.
+    pub is_standard: bool,
     pub line: u32,
     pub fields: Vec<Field<'a>>,
     /// Once there are more than [`FEW`]; fewer are looked through one by one, which is faster.
-    by_name: HashMap<String, usize>,
+    by_name: Option<HashMap<FieldIdentity, usize>>,
 }
 
 /// A section that describes an object has no more fields.
 const FEW: usize = 16;
+
+/// What two fields of the same name have in common.
+#[derive(Debug, PartialEq, Eq, Hash)]
+enum FieldIdentity {
+    Known(FieldName),
+    /// [`canonical`]
+    Other(String),
+}
 
 /// `name=value`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field<'a> {
     /// As the file writes it.
     pub name: &'a str,
+    /// Which one it is, where CiA 306 defines it.
+    pub known: Option<FieldName>,
     /// Without blanks at both ends; a comment after the value still stands in it.
     pub value: &'a str,
     pub line: u32,
 }
 
+impl Field<'_> {
+    fn identity(&self) -> FieldIdentity {
+        self.known.map_or_else(|| FieldIdentity::Other(canonical(self.name)), FieldIdentity::Known)
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        match (self.known, other.known) {
+            (None, None) => is_same(self.name, other.name),
+            (one, other) => one == other,
+        }
+    }
+}
+
 impl<'a> Document<'a> {
     /// The section of that name, in any case.
     pub fn section(&self, name: &str) -> Option<&Section<'a>> {
-        self.sections.get(*self.by_name.get(&canonical(name))?)
+        self.sections.get(*self.by_name.get(&SectionIdentity::of(name).1)?)
     }
 }
 
 impl<'a> Section<'a> {
-    /// The field of that name, in any case.
-    pub fn field(&self, name: &str) -> Option<Field<'a>> {
-        if self.fields.len() <= FEW {
-            return self.fields.iter().find(|field| is_same(field.name, name)).copied();
+    /// The first field of that name.
+    pub fn field(&self, name: FieldName) -> Option<Field<'a>> {
+        match &self.by_name {
+            None => self.fields.iter().find(|field| field.known == Some(name)).copied(),
+            Some(by_name) => self.fields.get(*by_name.get(&FieldIdentity::Known(name))?).copied(),
         }
-        self.fields.get(*self.by_name.get(&canonical(name))?).copied()
     }
 
     /// Takes a field; gives the first one of that name if there is one.
     fn add(&mut self, field: Field<'a>) -> Option<Field<'a>> {
-        if let Some(first) = self.field(field.name) {
-            return Some(first);
+        if self.fields.len() < FEW {
+            let first = self.fields.iter().find(|first| first.is_same(&field)).copied();
+            if first.is_none() {
+                self.fields.push(field);
+            }
+            return first;
         }
-        if self.fields.len() == FEW {
-            self.by_name = self.fields.iter().enumerate().map(|(at, field)| (canonical(field.name), at)).collect();
+        let all = || self.fields.iter().enumerate().map(|(at, field)| (field.identity(), at)).collect();
+        match self.by_name.get_or_insert_with(all).entry(field.identity()) {
+            Entry::Occupied(first) => self.fields.get(*first.get()).copied(),
+            Entry::Vacant(vacant) => {
+                vacant.insert(self.fields.len());
+                self.fields.push(field);
+                None
+            }
         }
-        if self.fields.len() >= FEW {
-            self.by_name.insert(canonical(field.name), self.fields.len());
-        }
-        self.fields.push(field);
-        None
+    }
+
+    /// Where the section begins.
+    pub fn place(&self) -> Place<'_> {
+        Place { line: self.line, section: self.name, field: "" }
     }
 
     /// Where a field stands, or would stand.
-    pub fn place<'b>(&'b self, field: &'b str) -> Place<'b> {
-        let line = self.field(field).map_or(self.line, |field| field.line);
-        Place { line, section: self.name, field }
+    pub fn place_of(&self, name: FieldName) -> Place<'_> {
+        let line = self.field(name).map_or(self.line, |field| field.line);
+        Place { line, section: self.name, field: name.text() }
     }
 }
 
@@ -111,7 +174,9 @@ pub(in crate::dictionary) fn is_same(one: &str, other: &str) -> bool {
 
 /// All sections of the text.
 pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
-    let mut document = Document::default();
+    // Most sections have more bytes: nothing is copied because a table was too small.
+    let sections = text.len() / 128;
+    let mut document = Document { sections: Vec::with_capacity(sections), by_name: HashMap::with_capacity(sections) };
     // Where fields go: `None` before the first section and in a section that occurs again.
     let mut current: Option<usize> = None;
     let mut number = 0;
@@ -122,40 +187,31 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
         if number > MOST_LINES {
             let place = Place { line: number, ..Place::default() };
             let expected = "at most 1000000 lines; the rest is left out";
-            problems.report(place, &rules::text::TOO_MUCH, expected, line);
+            problems.report(place, &rules::text::TOO_MUCH, expected, line.text);
             break;
         }
-        if line.len() > LONGEST_LINE && line.chars().nth(LONGEST_LINE).is_some() {
-            let place = Place { line: number, ..Place::default() };
-            problems.report(place, &rules::text::TOO_LONG, "at most 255 characters", line);
-        }
-        let line = line.trim_matches('\0');
-        if line.bytes().any(|byte| byte < b' ' && byte != b'\t' || byte == 0x7F) {
-            let place = Place { line: number, ..Place::default() };
-            problems.report(place, &rules::text::CONTROL, "no control characters", line);
-        }
-        let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
-        let Some(&first) = line.as_bytes().first() else { continue };
+        check_line(&line, number, problems);
+        let line = line.trimmed();
+        let Some(&first) = line.text.as_bytes().first() else { continue };
         if first == b';' {
             continue;
         }
-        if matches!(first, b'<' | b'>') && (line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ")) {
-            let place = Place { line: number, ..Place::default() };
-            problems.report(place, &rules::text::CONFLICT, "one side of the merge conflict", line);
+        let place = Place { line: number, ..Place::default() };
+        if matches!(first, b'<' | b'>') && (line.text.starts_with("<<<<<<< ") || line.text.starts_with(">>>>>>> ")) {
+            problems.report(place, &rules::text::CONFLICT, "one side of the merge conflict", line.text);
             continue;
         }
         used += 1;
-        if let (b'[', Some(rest)) = (first, line.get(1..)) {
+        if let (b'[', Some(rest)) = (first, line.text.get(1..)) {
             current = begin_section(&mut document, rest, number, problems);
             continue;
         }
-        if first == b'#' || first == b'/' && line.starts_with("//") {
-            let place = Place { line: number, ..Place::default() };
-            problems.report(place, &rules::text::COMMENT, "a comment to begin with ;", line);
+        if first == b'#' || first == b'/' && line.text.starts_with("//") {
+            problems.report(place, &rules::text::COMMENT, "a comment to begin with ;", line.text);
             continue;
         }
         let section = current.and_then(|position| document.sections.get_mut(position));
-        field(section, line, number, problems);
+        field(section, &line, number, problems);
     }
     let unread = problems.count_of(&rules::text::UNREAD) - before;
     if unread > 0 && unread * 2 >= used {
@@ -166,9 +222,19 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
     document
 }
 
-/// Lines that end in LF, CR LF or CR alone.
-fn lines(text: &str) -> impl Iterator<Item = &str> {
-    text.split('\n').flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
+/// Lines are not too long and have no control characters.
+fn check_line(line: &Line<'_>, number: u32, problems: &mut Problems) {
+    let place = Place { line: number, ..Place::default() };
+    if line.text.len() > LONGEST_LINE && line.text.chars().nth(LONGEST_LINE).is_some() {
+        problems.report(place, &rules::text::TOO_LONG, "at most 255 characters", line.text);
+    }
+    if line.is_plain {
+        return;
+    }
+    let text = line.text.trim_matches('\0');
+    if text.bytes().any(|byte| byte < b' ' && byte != b'\t' || byte == 0x7F) {
+        problems.report(place, &rules::text::CONTROL, "no control characters", text);
+    }
 }
 
 /// One way to end a line in the whole file, and not by a carriage return alone.
@@ -197,7 +263,9 @@ fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, prob
         let found = if rest.contains(']') { after } else { rest };
         problems.report(place, &rules::text::SECTION_LINE, "a section name between [ and ]", found);
     }
-    match document.by_name.entry(canonical(name)) {
+    let (about, identity) = SectionIdentity::of(name);
+    let is_standard = matches!(identity, SectionIdentity::Standard(_));
+    match document.by_name.entry(identity) {
         Entry::Occupied(_) => {
             let expected = "a section once; the first counts";
             problems.report(place, &rules::section::TWICE, expected, name);
@@ -206,23 +274,25 @@ fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, prob
         Entry::Vacant(vacant) => {
             let position = document.sections.len();
             vacant.insert(position);
-            document.sections.push(Section { name, line, fields: Vec::new(), by_name: HashMap::new() });
+            let fields = Vec::with_capacity(FEW / 2);
+            document.sections.push(Section { name, about, is_standard, line, fields, by_name: None });
             Some(position)
         }
     }
 }
 
-fn field<'a>(section: Option<&mut Section<'a>>, text: &'a str, line: u32, problems: &mut Problems) {
-    let Some((name, value)) = text.split_once('=') else {
+fn field<'a>(section: Option<&mut Section<'a>>, text: &Line<'a>, line: u32, problems: &mut Problems) {
+    let Some((name, value)) = text.sides() else {
         let section = section.map_or("", |section| section.name);
         let place = Place { line, section, field: "" };
-        problems.report(place, &rules::text::UNREAD, "[section], field=value or ;comment", text);
+        problems.report(place, &rules::text::UNREAD, "[section], field=value or ;comment", text.text);
         return;
     };
-    let (name, value) = (name.trim(), value.trim());
     // The fields of a section that occurs again have been reported with the section.
     let Some(section) = section else { return };
-    let field = Field { name, value, line };
+    let is_exact = || name.bytes().all(|byte| byte.is_ascii_graphic());
+    let known = FieldName::parse(name).or_else(|| if is_exact() { None } else { FieldName::parse(&canonical(name)) });
+    let field = Field { name, known, value, line };
     if let Some(first) = section.add(field) {
         let place = Place { line, section: section.name, field: name };
         let rule = if first.value == value { &rules::field::REPEATED } else { &rules::field::TWICE };

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::field_name::FieldName;
 use super::fields::Fields;
 use super::lexer::{Document, Section, canonical};
 use super::number;
@@ -17,7 +18,7 @@ const LISTS: [&str; 3] = ["MandatoryObjects", "OptionalObjects", "ManufacturerOb
 /// The lists of the document, compared with the objects that it describes.
 pub(super) fn read(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) -> ObjectLists {
     let [mandatory, optional, manufacturer] = LISTS.map(|name| match document.section(name) {
-        Some(section) => numbered(section, "SupportedObjects", problems)
+        Some(section) => numbered(section, FieldName::SupportedObjects, problems)
             .into_iter()
             .map(|(number, line)| (Index(number), line))
             .collect(),
@@ -30,10 +31,10 @@ pub(super) fn read(document: &Document<'_>, dictionary: &ObjectDictionary, probl
 
 /// The numbers of the fields `1=…`, `2=…`, each with its line, by the number of the field, whatever the order in which they
 /// stand; `count` names the field with how many there are.
-pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Problems) -> Vec<(u16, u32)> {
+pub(super) fn numbered(section: &Section<'_>, count: FieldName, problems: &mut Problems) -> Vec<(u16, u32)> {
     let mut numbers = Vec::new();
     for field in &section.fields {
-        if field.name.eq_ignore_ascii_case(count) {
+        if field.name.eq_ignore_ascii_case(count.text()) {
             continue;
         }
         let place = Place { line: field.line, section: section.name, field: field.name };
@@ -86,16 +87,16 @@ pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
 /// Every object that `[xxxxObjectLinks]` names is described, and their number is right.
 pub(super) fn check_links(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in &document.sections {
-        let is_links = matches!(SectionName::parse(section.name), SectionName::Beside(_))
-            && canonical(section.name).ends_with("objectlinks");
+        let is_links =
+            matches!(section.about, SectionName::Beside(_)) && canonical(section.name).ends_with("objectlinks");
         if !is_links {
             continue;
         }
         let links: Vec<_> = section.fields.iter().filter(|field| field.name.parse::<u32>().is_ok()).collect();
         let mut fields = Fields { section, problems };
-        if fields.number("ObjectLinks", u32::MAX).is_some_and(|announced| announced as usize != links.len()) {
+        if fields.number(FieldName::ObjectLinks, u32::MAX).is_some_and(|announced| announced as usize != links.len()) {
             let found = format!("{} entries", links.len());
-            fields.report("ObjectLinks", &rules::list::BESIDE, "the number of entries", &found);
+            fields.report(FieldName::ObjectLinks, &rules::list::BESIDE, "the number of entries", &found);
         }
         for field in links {
             let linked = number::parse(field.value).and_then(|number| u16::try_from(number.value).ok());

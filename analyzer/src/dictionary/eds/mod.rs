@@ -4,9 +4,11 @@
 //! errors is worth more than none.
 
 mod compact;
+mod field_name;
 mod fields;
 mod header;
 mod lexer;
+mod lines;
 mod lists;
 mod modules;
 pub(super) mod number;
@@ -16,6 +18,7 @@ mod text;
 mod unkept;
 mod write;
 
+use field_name::FieldName;
 pub(super) use fields::setting;
 pub(super) use lexer::is_same;
 pub(super) use lists::list_of;
@@ -83,7 +86,7 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     let mut problems = Problems::default();
     let text = text::decode(bytes, &mut problems);
     let document = lexer::read(&text, &mut problems);
-    if document.sections.iter().all(|section| SectionName::parse(section.name) == SectionName::Unknown) {
+    if document.sections.iter().all(|section| section.about == SectionName::Unknown) {
         return Err(DescriptionError::NoSections);
     }
     let mut description = describe(&document, &mut problems);
@@ -98,7 +101,7 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
     };
     header::check_sections(document, problems);
     for section in &document.sections {
-        match SectionName::parse(section.name) {
+        match section.about {
             SectionName::FileInfo => description.file = header::file_info(section, problems),
             SectionName::DeviceInfo => description.device = header::device_info(section, problems),
             SectionName::DummyUsage => description.dummy_usage = header::dummy_usage(section, problems),
@@ -109,7 +112,7 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
             }
             SectionName::Unknown => {
                 let expected = "a section that CiA 306 defines";
-                problems.report(section.place(""), &rules::section::UNKNOWN, expected, section.name);
+                problems.report(section.place(), &rules::section::UNKNOWN, expected, section.name);
             }
             _ => {}
         }
@@ -129,13 +132,13 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
 fn check_pdo_counts(document: &lexer::Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
     let Some(section) = document.section("DeviceInfo") else { return };
     let DeviceInfo { rpdos, tpdos, .. } = description.device;
-    for (field, first, announced) in [("NrOfRXPDO", 0x1400, rpdos), ("NrOfTXPDO", 0x1800, tpdos)] {
+    for (field, first, announced) in [(FieldName::NrOfRxPdo, 0x1400, rpdos), (FieldName::NrOfTxPdo, 0x1800, tpdos)] {
         let range = first..first + 0x200;
         let objects = description.dictionary.objects().iter().filter(|object| range.contains(&object.index.0)).count();
         if objects != usize::from(announced) {
             let found = format!("{objects} PDOs described");
             let expected = "the number of PDOs that are described";
-            problems.report(section.place(field), &rules::file::PDO_COUNT, expected, &found);
+            problems.report(section.place_of(field), &rules::file::PDO_COUNT, expected, &found);
         }
     }
 }

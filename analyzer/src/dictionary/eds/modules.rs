@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::field_name::FieldName;
 use super::fields::Fields;
 use super::lexer::{Document, Section};
 use super::lists::numbered;
@@ -13,9 +14,14 @@ use crate::dictionary::object::{Object, ObjectCode};
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
 
-const INFO_FIELDS: [&str; 4] = ["productname", "productversion", "productrevision", "ordercode"];
-/// What a sub-index of a module has beside the fields of every entry.
-const EXTENSION_FIELDS: [&str; 2] = ["count", "objextend"];
+/// The fields of `MxModuleInfo`.
+pub(super) const INFO_FIELDS: [FieldName; 4] =
+    [FieldName::ProductName, FieldName::ProductVersion, FieldName::ProductRevision, FieldName::OrderCode];
+
+/// Whether a sub-index that a module adds has that field.
+const fn is_extension_field(field: FieldName) -> bool {
+    objects::is_entry_field(field) || matches!(field, FieldName::Count | FieldName::ObjExtend)
+}
 
 /// The sections of one module.
 #[derive(Default)]
@@ -29,7 +35,7 @@ struct ModuleParts<'d> {
 pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> Vec<Module> {
     let mut modules: BTreeMap<u16, ModuleParts<'_>> = BTreeMap::new();
     for section in &document.sections {
-        let SectionName::Module(number, part) = SectionName::parse(section.name) else { continue };
+        let SectionName::Module(number, part) = section.about else { continue };
         let module = modules.entry(number).or_default();
         match part {
             ModulePart::Info => module.info = Some(section),
@@ -54,12 +60,12 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> Vec<Modu
 pub(super) fn connected(document: &Document<'_>, problems: &mut Problems) -> Vec<u16> {
     let section = document.section("ConnectedModules");
     section.map_or_else(Vec::new, |section| {
-        numbered(section, "NrOfEntries", problems).into_iter().map(|(number, _)| number).collect()
+        numbered(section, FieldName::NrOfEntries, problems).into_iter().map(|(number, _)| number).collect()
     })
 }
 
 fn check_list(section: &Section<'_>, problems: &mut Problems) {
-    numbered(section, "NrOfEntries", problems);
+    numbered(section, FieldName::NrOfEntries, problems);
 }
 
 /// Modules are numbered from 1 to `NrOfEntries`, and each has a `MxModuleInfo`.
@@ -67,11 +73,11 @@ fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_
     let supported = document.section("SupportedModules");
     if let Some(section) = supported {
         let mut fields = Fields { section, problems };
-        fields.check_known(|name| name == "nrofentries");
-        let announced = fields.number("NrOfEntries", 0xFFFF).unwrap_or(0) as usize;
+        fields.check_known(|field| field.known == Some(FieldName::NrOfEntries));
+        let announced = fields.number(FieldName::NrOfEntries, 0xFFFF).unwrap_or(0) as usize;
         if announced != modules.len() {
             let found = format!("{} modules", modules.len());
-            fields.report("NrOfEntries", &rules::module::COUNT, "the number of modules", &found);
+            fields.report(FieldName::NrOfEntries, &rules::module::COUNT, "the number of modules", &found);
         }
     } else if !modules.is_empty() {
         let place = Place { line: 0, section: "SupportedModules", field: "" };
@@ -96,11 +102,11 @@ fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problem
     let mut module = Module { number, ..Module::default() };
     if let Some(section) = parts.info {
         let mut fields = Fields { section, problems };
-        fields.check_known(|name| INFO_FIELDS.contains(&name));
-        module.product_name = fields.text("ProductName");
-        module.product_version = fields.number("ProductVersion", u32::MAX);
-        module.product_revision = fields.number("ProductRevision", u32::MAX);
-        module.order_code = fields.text("OrderCode");
+        fields.check_known(|field| field.known.is_some_and(|field| INFO_FIELDS.contains(&field)));
+        module.product_name = fields.text(FieldName::ProductName).to_owned();
+        module.product_version = fields.number(FieldName::ProductVersion, u32::MAX);
+        module.product_revision = fields.number(FieldName::ProductRevision, u32::MAX);
+        module.order_code = fields.text(FieldName::OrderCode).to_owned();
     }
     for (&index, parts) in &parts.fixed {
         module.fixed_objects.push(objects::object(index, parts, document, problems));
@@ -113,18 +119,18 @@ fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problem
 
 fn extension(index: u16, section: &Section<'_>, problems: &mut Problems) -> SubExtension {
     let mut fields = Fields { section, problems };
-    fields.check_known(|name| objects::is_entry_field(name) || EXTENSION_FIELDS.contains(&name));
+    fields.check_known(|field| field.known.is_some_and(is_extension_field));
     let mut template = Object::new(index, objects::name(&mut fields), ObjectCode::ARRAY);
     template.line = section.line;
     objects::object_code(&mut fields);
     template.insert(objects::entry(&mut fields, 1, DataType(0)));
     // `Count` may be two numbers: with `;` between them the second tells how many bits share one sub-index.
-    let count = fields.optional_text("Count").unwrap_or_default();
+    let count = fields.optional_text(FieldName::Count).unwrap_or_default();
     let first = count.split([';', ',']).next().and_then(super::number::parse);
     let count = first.and_then(|number| u32::try_from(number.value).ok());
     if count.is_none() {
-        fields.report("Count", &rules::module::EXTENSION, "the number of sub-indexes that it adds", "none");
+        fields.report(FieldName::Count, &rules::module::EXTENSION, "the number of sub-indexes that it adds", "none");
     }
-    let object_extend = fields.number("ObjExtend", 0xFF).unwrap_or(0);
+    let object_extend = fields.number(FieldName::ObjExtend, 0xFF).unwrap_or(0);
     SubExtension { template, count: count.unwrap_or(0), object_extend }
 }

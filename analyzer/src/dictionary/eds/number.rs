@@ -31,6 +31,35 @@ impl Oddity {
 
 /// The number or formula in that text; `None` if it is none.
 pub(super) fn parse(text: &str) -> Option<Number> {
+    match plain(text.as_bytes()) {
+        Some(value) => Some(Number { value: value.into(), plus_node_id: false, oddity: None }),
+        None => parse_any(text),
+    }
+}
+
+/// The number in that text, where it needs no node-ID.
+pub(in crate::dictionary) fn value_of(text: &str) -> Option<i128> {
+    parse(text).filter(|number| !number.plus_node_id).map(|number| number.value)
+}
+
+/// A decimal or hexadecimal number as the standard writes it, of at most 16 digits: nearly all are.
+fn plain(text: &[u8]) -> Option<u64> {
+    let (digits, radix) = match text {
+        [b'0'] => return Some(0),
+        [b'0', b'x' | b'X', digits @ ..] => (digits, 16),
+        [b'1'..=b'9', ..] => (text, 10),
+        _ => return None,
+    };
+    if !(1..=16).contains(&digits.len()) {
+        return None;
+    }
+    digits.iter().try_fold(0, |value, &digit| {
+        let digit = char::from(digit).to_digit(radix)?;
+        Some(value * u64::from(radix) + u64::from(digit))
+    })
+}
+
+fn parse_any(text: &str) -> Option<Number> {
     let (text, mut oddity) = without_decoration(text);
     let mut number = Number { value: 0, plus_node_id: false, oddity: None };
     let mut rest = text;
@@ -216,6 +245,14 @@ mod tests {
             prop_assert_eq!(super::tests::value(&value.to_string()), expected);
             prop_assert_eq!(super::tests::value(&format!("{value:#x}")), expected);
             prop_assert_eq!(super::tests::value(&format!("0{value:o}")), expected);
+        }
+
+        #[test]
+        fn plain_numbers_are_read_as_all_others(text in "(0[xX])?[0-9a-fA-FxX]{0,18}") {
+            if let Some(value) = plain(text.as_bytes()) {
+                let expected = Number { value: value.into(), plus_node_id: false, oddity: None };
+                prop_assert_eq!(parse_any(&text), Some(expected), "{}", text);
+            }
         }
     }
 }

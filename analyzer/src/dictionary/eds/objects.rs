@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, btree_map};
 
 use super::compact;
+use super::field_name::FieldName;
 use super::fields::Fields;
 use super::lexer::{Document, Section, canonical};
 use super::section_name::SectionName;
@@ -16,30 +17,35 @@ use crate::identity::SubIndex;
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
 const MOST_ENTRIES: usize = 200_000;
 
-/// The fields of an entry that a description holds.
-pub(super) const KEPT_ENTRY_FIELDS: [&str; 11] = [
-    "parametername",
-    "objecttype",
-    "datatype",
-    "accesstype",
-    "pdomapping",
-    "defaultvalue",
-    "lowlimit",
-    "highlimit",
-    "objflags",
-    "parametervalue",
-    "denotation",
-];
-/// Those that are known beside them.
-const UNKEPT_ENTRY_FIELDS: [&str; 3] = ["uploadfile", "downloadfile", "paramrefd"];
-
 const NAMES: limits::Names =
     limits::Names { low: "LowLimit", high: "HighLimit", default: "DefaultValue", configured: "ParameterValue" };
 
-const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
+/// Whether an entry has that field.
+pub(super) const fn is_entry_field(field: FieldName) -> bool {
+    is_kept(field) || matches!(field, FieldName::UploadFile | FieldName::DownloadFile | FieldName::ParamRefd)
+}
 
-pub(super) fn is_entry_field(name: &str) -> bool {
-    KEPT_ENTRY_FIELDS.contains(&name) || UNKEPT_ENTRY_FIELDS.contains(&name)
+/// Whether an object has that field.
+const fn is_object_field(field: FieldName) -> bool {
+    is_entry_field(field) || matches!(field, FieldName::SubNumber | FieldName::CompactSubObj)
+}
+
+/// Whether a description holds that field of an entry.
+pub(super) const fn is_kept(field: FieldName) -> bool {
+    matches!(
+        field,
+        FieldName::ParameterName
+            | FieldName::ObjectType
+            | FieldName::DataType
+            | FieldName::AccessType
+            | FieldName::PdoMapping
+            | FieldName::DefaultValue
+            | FieldName::LowLimit
+            | FieldName::HighLimit
+            | FieldName::ObjFlags
+            | FieldName::ParameterValue
+            | FieldName::Denotation
+    )
 }
 
 /// The sections of one object.
@@ -53,18 +59,19 @@ pub(super) struct Parts<'d> {
 pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDictionary {
     let mut parts: BTreeMap<u16, Parts<'_>> = BTreeMap::new();
     for section in &document.sections {
-        match SectionName::parse(section.name) {
+        match section.about {
             SectionName::Object(index) => {
-                check_spelling(section, &format!("{index:04x}"), problems);
+                check_spelling(section, problems);
                 add_head(parts.entry(index).or_default(), section, problems);
             }
             SectionName::Sub(index, sub) => {
-                check_spelling(section, &format!("{index:04x}sub{sub:x}"), problems);
+                check_spelling(section, problems);
                 add_sub(parts.entry(index).or_default(), sub, section, problems);
             }
             SectionName::Beside(_) => {
-                let name = canonical(section.name);
-                check_spelling(section, name.trim_start_matches("0x"), problems);
+                if canonical(section.name).starts_with("0x") {
+                    report_spelling(section, problems);
+                }
             }
             _ => {}
         }
@@ -86,11 +93,15 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
 }
 
 /// Reports a section name such as `[0x1018]` or `[1018sub01]`, which other tools may not find.
-fn check_spelling(section: &Section<'_>, standard: &str, problems: &mut Problems) {
-    if canonical(section.name) != standard {
-        let expected = "hexadecimal digits without prefix or leading zeros, as in [1018sub1]";
-        problems.report(section.place(""), &rules::section::SPELLING, expected, section.name);
+fn check_spelling(section: &Section<'_>, problems: &mut Problems) {
+    if !section.is_standard {
+        report_spelling(section, problems);
     }
+}
+
+fn report_spelling(section: &Section<'_>, problems: &mut Problems) {
+    let expected = "hexadecimal digits without prefix or leading zeros, as in [1018sub1]";
+    problems.report(section.place(), &rules::section::SPELLING, expected, section.name);
 }
 
 /// `[1018]` and `[0x1018]` are the same object.
@@ -114,32 +125,33 @@ pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'
 
 fn report_second(section: &Section<'_>, problems: &mut Problems) {
     let expected = "a section once; the first counts";
-    problems.report(section.place(""), &rules::section::TWICE, expected, section.name);
+    problems.report(section.place(), &rules::section::TWICE, expected, section.name);
 }
 
 /// The object that these sections describe.
 pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, problems: &mut Problems) -> Object {
     let Some(head) = parts.head else { return headless(index, parts, problems) };
     let mut fields = Fields { section: head, problems };
-    fields.check_known(|name| is_entry_field(name) || OBJECT_FIELDS.contains(&name));
+    fields.check_known(|field| field.known.is_some_and(is_object_field));
     let mut code = object_code(&mut fields);
-    let compact = fields.number("CompactSubObj", 0xFE).unwrap_or(0) as u8;
+    let compact = fields.number(FieldName::CompactSubObj, 0xFE).unwrap_or(0) as u8;
     if !parts.subs.is_empty() && code.is_single() {
         let expected = "ObjectType 8 or 9 (ARRAY, RECORD) with sub-indexes";
-        fields.report("ObjectType", &rules::entry::SUBS_OF_VAR, expected, &code.to_string());
+        fields.report(FieldName::ObjectType, &rules::entry::SUBS_OF_VAR, expected, &code.to_string());
         code = ObjectCode::RECORD;
     }
     let mut object = Object::new(index, name(&mut fields), code);
     object.line = head.line;
+    object.expect_entries(parts.subs.len().max(1));
     if compact > 0 {
         let template = entry(&mut fields, 0, DataType(0));
         compact::expand(&mut object, &template, compact, document, problems);
     } else if parts.subs.is_empty() {
         if !code.is_single() {
             let expected = "sub-indexes of an ARRAY or RECORD";
-            fields.report("SubNumber", &rules::section::SUBS_MISSING, expected, "none");
+            fields.report(FieldName::SubNumber, &rules::section::SUBS_MISSING, expected, "none");
         }
-        if code.is_single() || head.field("DataType").is_some() {
+        if code.is_single() || head.field(FieldName::DataType).is_some() {
             let default_type = if code == ObjectCode::DOMAIN { DataType::DOMAIN } else { DataType(0) };
             object.insert(entry(&mut fields, 0, default_type));
         }
@@ -157,7 +169,7 @@ fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
     if let Some((_, section)) = parts.subs.first_key_value() {
         object.line = section.line;
         let expected = "a section of the object itself";
-        problems.report(section.place(""), &rules::section::HEAD_MISSING, expected, section.name);
+        problems.report(section.place(), &rules::section::HEAD_MISSING, expected, section.name);
     }
     add_subs(&mut object, parts, problems);
     object
@@ -166,10 +178,10 @@ fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
 fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
-        fields.check_known(is_entry_field);
+        fields.check_known(|field| field.known.is_some_and(is_entry_field));
         object_code(&mut fields);
         // Many leave the name of the count away.
-        if sub != 0 || !fields.text("ParameterName").is_empty() {
+        if sub != 0 || !fields.text(FieldName::ParameterName).is_empty() {
             name(&mut fields);
         }
         object.insert(entry(&mut fields, sub, DataType(0)));
@@ -178,25 +190,25 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
 
 pub(super) fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
     // CiA 306: VAR if not given.
-    if fields.optional_text("ObjectType").is_none() {
-        fields.report("ObjectType", &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
+    if fields.optional_text(FieldName::ObjectType).is_none() {
+        fields.report(FieldName::ObjectType, &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
     }
-    let code = ObjectCode(fields.number("ObjectType", 0xFF).unwrap_or(7) as u8);
+    let code = ObjectCode(fields.number(FieldName::ObjectType, 0xFF).unwrap_or(7) as u8);
     if code.name().is_none() {
         let expected = "ObjectType 0, 2, 5, 6, 7, 8 or 9";
-        fields.report("ObjectType", &rules::entry::OBJECT_TYPE, expected, &code.0.to_string());
+        fields.report(FieldName::ObjectType, &rules::entry::OBJECT_TYPE, expected, &code.0.to_string());
     }
     code
 }
 
-pub(super) fn name(fields: &mut Fields<'_, '_>) -> String {
-    let name = fields.text("ParameterName");
+pub(super) fn name<'s>(fields: &mut Fields<'s, '_>) -> &'s str {
+    let name = fields.text(FieldName::ParameterName);
     if name.is_empty() {
-        fields.report("ParameterName", &rules::field::NAME_MISSING, "a name", "none");
+        fields.report(FieldName::ParameterName, &rules::field::NAME_MISSING, "a name", "none");
     } else if name.len() > 1 && name.starts_with('"') && name.ends_with('"') {
-        fields.report("ParameterName", &rules::field::NAME_QUOTED, "a name without quotes", &name);
-    } else if name.chars().nth(241).is_some() {
-        fields.report("ParameterName", &rules::field::NAME_LONG, "at most 241 characters", &name);
+        fields.report(FieldName::ParameterName, &rules::field::NAME_QUOTED, "a name without quotes", name);
+    } else if name.len() > 241 && name.chars().nth(241).is_some() {
+        fields.report(FieldName::ParameterName, &rules::field::NAME_LONG, "at most 241 characters", name);
     }
     name
 }
@@ -204,39 +216,44 @@ pub(super) fn name(fields: &mut Fields<'_, '_>) -> String {
 /// The entry that a section describes.
 pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType) -> Entry {
     let data_type = data_type(fields, default_type);
-    let mut entry = Entry::new(sub, fields.text("ParameterName"), data_type, access(fields, data_type));
+    let mut entry = Entry::new(sub, fields.text(FieldName::ParameterName), data_type, access(fields, data_type));
     entry.line = fields.section.line;
-    entry.pdo_mappable = fields.flag("PDOMapping");
-    entry.default = fields.setting("DefaultValue", data_type);
-    entry.low_limit = fields.setting("LowLimit", data_type);
-    entry.high_limit = fields.setting("HighLimit", data_type);
-    entry.configured = fields.setting("ParameterValue", data_type);
-    entry.denotation = fields.optional_text("Denotation").map(str::to_owned);
-    entry.flags = ObjectFlags(fields.number("ObjFlags", u32::MAX).unwrap_or(0));
+    entry.pdo_mappable = fields.flag(FieldName::PdoMapping);
+    entry.default = fields.setting(FieldName::DefaultValue, data_type);
+    entry.low_limit = fields.setting(FieldName::LowLimit, data_type);
+    entry.high_limit = fields.setting(FieldName::HighLimit, data_type);
+    entry.configured = fields.setting(FieldName::ParameterValue, data_type);
+    entry.denotation = fields.optional_text(FieldName::Denotation).filter(|text| !text.is_empty()).map(str::to_owned);
+    entry.flags = ObjectFlags(fields.number(FieldName::ObjFlags, u32::MAX).unwrap_or(0));
     if entry.flags.0 > 3 {
-        fields.report("ObjFlags", &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
+        fields.report(FieldName::ObjFlags, &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
     }
-    let is_all_ones = limits::is_all_ones(fields.optional_text(NAMES.high));
-    limits::check(&entry, &NAMES, is_all_ones, |field| fields.section.place(field), fields.problems);
+    let is_all_ones = limits::is_all_ones(fields.optional_text(FieldName::HighLimit));
+    limits::check(&entry, &NAMES, is_all_ones, |field| place(fields.section, field), fields.problems);
     entry
 }
 
+/// The place of a field of these names.
+fn place<'s>(section: &'s Section<'s>, name: &'static str) -> Place<'s> {
+    FieldName::parse(name).map_or(section.place(), |field| section.place_of(field))
+}
+
 fn data_type(fields: &mut Fields<'_, '_>, default: DataType) -> DataType {
-    let data_type = match fields.number("DataType", 0xFFFF) {
+    let data_type = match fields.number(FieldName::DataType, 0xFFFF) {
         Some(index) => DataType(index as u16),
         None => default,
     };
     if data_type.0 == 0 {
-        fields.report("DataType", &rules::field::DATA_TYPE_MISSING, "a data type", "none");
+        fields.report(FieldName::DataType, &rules::field::DATA_TYPE_MISSING, "a data type", "none");
     } else if data_type.name().is_none() && !matches!(data_type.0, 0x40..=0x25F) {
         let expected = "a data type of CiA 301, or 40h to 25Fh";
-        fields.report("DataType", &rules::entry::DATA_TYPE, expected, &data_type.to_string());
+        fields.report(FieldName::DataType, &rules::entry::DATA_TYPE, expected, &data_type.to_string());
     }
     data_type
 }
 
 fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
-    let text = fields.optional_text("AccessType").unwrap_or_default();
+    let text = fields.optional_text(FieldName::AccessType).unwrap_or_default();
     let text = text.split(';').next().unwrap_or_default().trim();
     if let Some(access) = Access::from_name(text) {
         return access;
@@ -247,14 +264,14 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
         if data_type == DataType::DOMAIN {
             return Access::Rw;
         }
-        fields.report("AccessType", &rules::field::ACCESS_MISSING, expected, "none");
+        fields.report(FieldName::AccessType, &rules::field::ACCESS_MISSING, expected, "none");
         return Access::Ro;
     }
     let (rule, access) = match access_of_habit(text) {
         Some(access) => (&rules::entry::ACCESS_FORM, access),
         None => (&rules::entry::ACCESS, Access::Ro),
     };
-    fields.report("AccessType", rule, expected, text);
+    fields.report(FieldName::AccessType, rule, expected, text);
     access
 }
 
@@ -272,17 +289,17 @@ pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
 /// `SubNumber` and the default of sub-index 0.
 fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>) {
     let subs = parts.subs.len();
-    let announced = fields.number("SubNumber", 0xFF);
+    let announced = fields.number(FieldName::SubNumber, 0xFF);
     if announced.unwrap_or(0) as usize != subs {
         let found = format!("{subs} sub-indexes");
         let expected = "SubNumber to be the number of sub-indexes";
-        fields.report("SubNumber", &rules::list::SUB_NUMBER, expected, &found);
+        fields.report(FieldName::SubNumber, &rules::list::SUB_NUMBER, expected, &found);
     }
     if object.code.is_single() || subs == 0 {
         return;
     }
     let (Some(count), Some(section)) = (object.entry(SubIndex(0)), parts.subs.get(&0)) else {
-        fields.report("", &rules::section::SUB_0_MISSING, "sub-index 0", "none");
+        fields.report_section(&rules::section::SUB_0_MISSING, "sub-index 0", "none");
         return;
     };
     // FFh describes the object's structure and is not counted.
@@ -290,7 +307,7 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
     let default = count.default.as_ref().and_then(Setting::fixed).and_then(|value| value.as_number());
     // Where sub-index 0 is writable it counts what is in use, not what there is.
     if !count.access.is_writable() && default.is_some_and(|default| default != i128::from(highest)) {
-        let place = section.place("DefaultValue");
+        let place = section.place_of(FieldName::DefaultValue);
         let expected = "the highest sub-index in sub-index 0";
         let found = format!("{highest:02X}h is the highest");
         // 1003h counts the errors that there are.

@@ -4,7 +4,7 @@ use super::lexer::canonical;
 use crate::identity::Multiplexer;
 
 /// The kinds of sections that CiA 306 defines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum SectionName {
     FileInfo,
     DeviceInfo,
@@ -31,7 +31,7 @@ pub(super) enum SectionName {
 }
 
 /// The sections of one module.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum ModulePart {
     Info,
     Comments,
@@ -46,7 +46,25 @@ pub(super) enum ModulePart {
 }
 
 impl SectionName {
+    /// The object or entry whose section the standard calls so, in any case: most sections are one.
+    pub fn parse_standard(name: &str) -> Option<Self> {
+        let (index, rest) = name.as_bytes().split_first_chunk::<4>()?;
+        let index = index.iter().try_fold(0, |index, &digit| Some(index << 4 | u16::from(nibble(digit)?)))?;
+        Some(match rest {
+            [] => Self::Object(index),
+            [s, u, b, digits @ ..] if [s, u, b].map(u8::to_ascii_lowercase) == *b"sub" => match digits {
+                [low] => Self::Sub(index, nibble(*low)?),
+                [high, low] if *high != b'0' => Self::Sub(index, nibble(*high)? << 4 | nibble(*low)?),
+                _ => return None,
+            },
+            _ => return None,
+        })
+    }
+
     pub fn parse(name: &str) -> Self {
+        if let Some(standard) = Self::parse_standard(name) {
+            return standard;
+        }
         let name = canonical(name);
         match name.as_str() {
             "fileinfo" => Self::FileInfo,
@@ -124,6 +142,16 @@ fn module(name: &str) -> Option<SectionName> {
     Some(SectionName::Module(number.parse().ok()?, part))
 }
 
+/// The value of a hexadecimal digit.
+const fn nibble(digit: u8) -> Option<u8> {
+    match digit {
+        b'0'..=b'9' => Some(digit - b'0'),
+        b'a'..=b'f' => Some(digit - b'a' + 10),
+        b'A'..=b'F' => Some(digit - b'A' + 10),
+        _ => None,
+    }
+}
+
 fn hexadecimal(digits: &str) -> Option<u16> {
     let only_digits = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     if only_digits { u16::from_str_radix(digits, 16).ok() } else { None }
@@ -140,6 +168,14 @@ mod tests {
         assert_eq!(SectionName::parse("1003sub10"), SectionName::Sub(0x1003, 16));
         assert_eq!(SectionName::parse(" 1003 Name"), SectionName::Beside(0x1003));
         assert_eq!(SectionName::parse("DeviceComissioning"), SectionName::DeviceCommissioning);
+    }
+
+    #[test]
+    fn the_standard_has_no_other_spelling() {
+        assert_eq!(SectionName::parse_standard("1A00SubFE"), Some(SectionName::Sub(0x1A00, 0xFE)));
+        for other in ["0x1018", "1018sub01", "1018 sub1", "1018sub", "1018sub100", "1018subg", "101", "1003Name"] {
+            assert_eq!(SectionName::parse_standard(other), None, "{other}");
+        }
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! What stands in an EDS or DCF that a description does not hold.
 
-use super::lexer::{self, Document, Section, canonical};
-use super::objects::KEPT_ENTRY_FIELDS;
+use super::field_name::FieldName;
+use super::lexer::{self, Document, Field, Section, canonical};
+use super::modules::INFO_FIELDS;
+use super::objects::is_kept;
 use super::section_name::{ModulePart, SectionName};
 use super::{header, text};
 use crate::dictionary::description::DeviceDescription;
@@ -10,15 +12,29 @@ use crate::dictionary::object::{Entry, Object};
 use crate::dictionary::problem::Problems;
 use crate::identity::{Index, SubIndex};
 
-/// The fields of an object with sub-indexes that are kept.
-const HEAD: [&str; 4] = ["parametername", "objecttype", "subnumber", "compactsubobj"];
-/// Those of an entry that hold a value of its data type.
-const VALUES: [&str; 4] = ["defaultvalue", "lowlimit", "highlimit", "parametervalue"];
-const COMMISSIONING: [&str; 7] =
-    ["nodeid", "nodename", "baudrate", "netnumber", "networkname", "canopenmanager", "lss_serialnumber"];
-const MODULE: [&str; 4] = ["productname", "productversion", "productrevision", "ordercode"];
+/// Whether that field of an object with sub-indexes is kept.
+const fn is_head(field: FieldName) -> bool {
+    matches!(field, FieldName::ParameterName | FieldName::ObjectType | FieldName::SubNumber | FieldName::CompactSubObj)
+}
+
+/// Whether that field of an entry holds a value of its data type.
+const fn is_value(field: FieldName) -> bool {
+    matches!(field, FieldName::DefaultValue | FieldName::LowLimit | FieldName::HighLimit | FieldName::ParameterValue)
+}
+
+/// The fields of `DeviceComissioning` that are kept.
+const COMMISSIONING: [FieldName; 7] = [
+    FieldName::NodeId,
+    FieldName::NodeName,
+    FieldName::Baudrate,
+    FieldName::NetNumber,
+    FieldName::NetworkName,
+    FieldName::CanopenManager,
+    FieldName::LssSerialNumber,
+];
 /// Fields of `DeviceInfo` that are known and not kept.
-const UNKEPT_DEVICE_INFO: [&str; 3] = ["canopensafetysupported", "extendedbootupmaster", "extendedbootupslave"];
+const UNKEPT_DEVICE_INFO: [FieldName; 3] =
+    [FieldName::CanopenSafetySupported, FieldName::ExtendedBootUpMaster, FieldName::ExtendedBootUpSlave];
 
 /// Everything that is in the file and not in the description that was read from it, by line.
 pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8]) -> Vec<Loss> {
@@ -45,14 +61,17 @@ fn comments(text: &str, losses: &mut Losses) {
 }
 
 fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceDescription, losses: &mut Losses) {
-    let each = |losses: &mut Losses, kept: &dyn Fn(&str) -> bool| fields(section, losses, kept);
-    match SectionName::parse(section.name) {
-        SectionName::FileInfo => each(losses, &|name| header::FILE_INFO.contains(&name)),
+    let each = |losses: &mut Losses, kept: &dyn Fn(FieldName) -> bool| {
+        fields(section, losses, |field| field.known.is_some_and(kept));
+    };
+    match section.about {
+        SectionName::FileInfo => each(losses, &|field| header::FILE_INFO.contains(&field)),
         SectionName::DeviceInfo => {
-            each(losses, &|name| header::is_device_info(name) && !UNKEPT_DEVICE_INFO.contains(&name));
+            let is_unkept = |known: FieldName| UNKEPT_DEVICE_INFO.contains(&known);
+            fields(section, losses, |field| header::is_device_info(field) && !field.known.is_some_and(is_unkept));
         }
-        SectionName::DeviceCommissioning => each(losses, &|name| COMMISSIONING.contains(&name)),
-        SectionName::Comments => each(losses, &|name| name.starts_with("line")),
+        SectionName::DeviceCommissioning => each(losses, &|field| COMMISSIONING.contains(&field)),
+        SectionName::Comments => fields(section, losses, |field| canonical(field.name).starts_with("line")),
         SectionName::Object(index) => {
             let object = description.dictionary.object(Index(index));
             head(section, object, losses);
@@ -64,18 +83,18 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
         SectionName::Beside(index) => {
             // Only what stands beside an object of compact form is used.
             let head = document.section(&format!("{index:04X}"));
-            let is_used = head.is_some_and(|head| head.field("CompactSubObj").is_some())
+            let is_used = head.is_some_and(|head| head.field(FieldName::CompactSubObj).is_some())
                 && !canonical(section.name).ends_with("objectlinks");
             if !is_used {
                 whole(section, losses);
             }
         }
-        SectionName::Module(_, ModulePart::Info) => each(losses, &|name| MODULE.contains(&name)),
+        SectionName::Module(_, ModulePart::Info) => each(losses, &|field| INFO_FIELDS.contains(&field)),
         SectionName::Module(_, ModulePart::SubExtension(_)) => {
-            each(losses, &|name| KEPT_ENTRY_FIELDS.contains(&name) || matches!(name, "count" | "objextend"));
+            each(losses, &|field| is_kept(field) || matches!(field, FieldName::Count | FieldName::ObjExtend));
         }
         SectionName::Module(_, ModulePart::Fixed(_) | ModulePart::FixedSub(..)) => {
-            each(losses, &|name| KEPT_ENTRY_FIELDS.contains(&name) || HEAD.contains(&name));
+            each(losses, &|field| is_kept(field) || is_head(field));
         }
         SectionName::DynamicChannels
         | SectionName::Tools
@@ -96,24 +115,23 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
 fn head(section: &Section<'_>, object: Option<&Object>, losses: &mut Losses) {
     match object {
         Some(object) if object.code.is_single() => entry(section, object.entries().first(), losses),
-        Some(object) if section.field("CompactSubObj").is_some() || object.entries().len() == 1 => {
+        Some(object) if section.field(FieldName::CompactSubObj).is_some() || object.entries().len() == 1 => {
             entry(section, object.entries().last(), losses);
         }
-        _ => fields(section, losses, |name| HEAD.contains(&name)),
+        _ => fields(section, losses, |field| field.known.is_some_and(is_head)),
     }
 }
 
 fn entry(section: &Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
-    fields(section, losses, |name| {
-        let is_without_value = entry.is_some_and(|entry| entry.data_type.class().is_none());
-        (KEPT_ENTRY_FIELDS.contains(&name) || HEAD.contains(&name)) && !(VALUES.contains(&name) && is_without_value)
-    });
+    let is_without_value = entry.is_some_and(|entry| entry.data_type.class().is_none());
+    let is_kept = |field| (is_kept(field) || is_head(field)) && !(is_value(field) && is_without_value);
+    fields(section, losses, |field| field.known.is_some_and(is_kept));
 }
 
 /// The fields that are not blank and not kept.
-fn fields(section: &Section<'_>, losses: &mut Losses, kept: impl Fn(&str) -> bool) {
+fn fields(section: &Section<'_>, losses: &mut Losses, kept: impl Fn(&Field<'_>) -> bool) {
     for field in &section.fields {
-        if !field.value.is_empty() && !kept(&canonical(field.name)) {
+        if !field.value.is_empty() && !kept(field) {
             losses.unkept(field.line, format!("[{}] {}", section.name, field.name), field.value, 1);
         }
     }

@@ -81,7 +81,7 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Write the number of PDOs that are described.
+    /// Write the number of PDOs that are described, or describe the others.
     PDO_COUNT: Warning Count, "eds/device/pdo-count", "CiA 306" Unknown,
         fails "[DeviceInfo]\nNrOfTXPDO=99\n...", passes "[DeviceInfo]\nNrOfTXPDO=4\n...";
 

@@ -31,9 +31,11 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// An attribute that is there and not blank.
+    /// An attribute that is there and not blank; in another case too, where there is none in that case.
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes.get(name).map(|value| value.trim()).filter(|value| !value.is_empty())
+        let in_any_case = || self.attributes.iter().find(|(other, _)| other.eq_ignore_ascii_case(name));
+        let value = self.attributes.get(name).or_else(|| in_any_case().map(|(_, value)| value))?;
+        Some(value.trim()).filter(|value| !value.is_empty())
     }
 
     /// All attributes with their values.

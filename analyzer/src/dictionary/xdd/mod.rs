@@ -106,10 +106,11 @@ fn device_info(elements: &Elements) -> DeviceInfo {
 
 fn commissioning(element: &Element) -> Commissioning {
     let text = |name: &str| element.attribute(name).unwrap_or_default().to_owned();
-    // The schema changed the spelling between versions.
-    let node_id = element.attribute("nodeID").or_else(|| element.attribute("NodeID"));
     Commissioning {
-        node_id: node_id.and_then(|number| NodeId::new(u8::try_from(decimal_or_hexadecimal(number)?).ok()?)),
+        // The schema of CiA 311 has `NodeID`, other programs write `nodeID`.
+        node_id: element
+            .attribute("NodeID")
+            .and_then(|number| NodeId::new(u8::try_from(decimal_or_hexadecimal(number)?).ok()?)),
         node_name: text("nodeName"),
         bit_rate: element.attribute("actualBaudRate").and_then(kbit),
         net_number: element.attribute("networkNumber").and_then(decimal_or_hexadecimal),
@@ -123,15 +124,22 @@ fn commissioning(element: &Element) -> Commissioning {
 fn dummy_usage(elements: &Elements) -> BTreeMap<u16, bool> {
     let entries = elements.named("dummy").filter_map(|(_, element)| element.attribute("entry"));
     let dummies = entries.filter_map(|entry| {
-        let (index, usable) = entry.strip_prefix("Dummy")?.split_once('=')?;
+        let (name, usable) = entry.split_once('=')?;
+        let (dummy, index) = name.trim().split_at_checked("Dummy".len())?;
+        if !dummy.eq_ignore_ascii_case("Dummy") {
+            return None;
+        }
         Some((u16::from_str_radix(index.trim(), 16).ok()?, usable.trim() == "1"))
     });
     dummies.collect()
 }
 
-/// `250 Kbps`, or `250`.
+/// `250 Kbps`, as the schema has it; also `250`, `250kbps` and `1 Mbps`.
 fn kbit(text: &str) -> Option<u16> {
-    text.split_whitespace().next()?.parse().ok()
+    let end = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at_checked(end)?;
+    let thousand = if unit.trim_start().starts_with(['M', 'm']) { 1000 } else { 1 };
+    number.parse::<u16>().ok()?.checked_mul(thousand)
 }
 
 fn decimal_or_hexadecimal(text: &str) -> Option<u32> {
@@ -142,5 +150,5 @@ fn decimal_or_hexadecimal(text: &str) -> Option<u32> {
 }
 
 fn is_true(text: &str) -> bool {
-    matches!(text, "true" | "1")
+    text.eq_ignore_ascii_case("true") || text == "1"
 }

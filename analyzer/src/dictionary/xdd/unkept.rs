@@ -60,7 +60,7 @@ const READ: &[(&str, &[&str])] = &[
     ("CANopenMasterFeatures", &["bootUpMaster"]),
     (
         "deviceCommissioning",
-        &["nodeID", "NodeID", "nodeName", "actualBaudRate", "networkNumber", "networkName", "CANopenManager"],
+        &["NodeID", "nodeName", "actualBaudRate", "networkNumber", "networkName", "CANopenManager"],
     ),
 ];
 
@@ -134,7 +134,8 @@ pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8
         if let Some((_, read)) = READ.iter().find(|(name, _)| *name == element.name) {
             let is_object = matches!(element.name.as_str(), "CANopenObject" | "CANopenSubObject");
             for (attribute, value) in element.attributes() {
-                let is_read = read.contains(&attribute) || is_object && OF_OBJECTS.contains(&attribute);
+                let is_in = |names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(attribute));
+                let is_read = is_in(read) || is_object && is_in(OF_OBJECTS);
                 if !is_read && !value.trim().is_empty() {
                     note(format!("{} {attribute}", element.name), element.line, value);
                 }

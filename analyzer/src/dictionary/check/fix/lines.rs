@@ -65,22 +65,28 @@ fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
         .then(|| Fix::edits(title, vec![insert_after(header, "ObjectType=0x7", source)]))
 }
 
+/// The data types from BOOLEAN to UNSIGNED32, none of which may stand in a mapping.
+const DUMMIES: [&str; 7] =
+    ["Dummy0001=0", "Dummy0002=0", "Dummy0003=0", "Dummy0004=0", "Dummy0005=0", "Dummy0006=0", "Dummy0007=0"];
+
 /// A section that says that there is nothing, at the end of the file.
 fn section(name: &str, source: &Source<'_>) -> Option<Fix> {
-    let field = match name {
-        "Comments" => "Lines=0",
-        "OptionalObjects" | "ManufacturerObjects" => "SupportedObjects=0",
-        "DummyUsage" => "Dummy0001=0",
+    let fields = match name {
+        "Comments" => &["Lines=0"][..],
+        "OptionalObjects" | "ManufacturerObjects" => &["SupportedObjects=0"],
+        // Some readers fail if one of them is missing.
+        "DummyUsage" => &DUMMIES,
         _ => return None,
     };
     let end = source.line_end();
+    let fields = fields.join(end);
     let before = match source.text {
         "" => "",
         text if text.ends_with(['\n', '\r']) => end,
         _ => "\n\n",
     };
     let at = source.text.len();
-    let text = format!("{before}[{name}]{end}{field}{end}");
+    let text = format!("{before}[{name}]{end}{fields}{end}");
     Some(Fix::edits(format!("add an empty section [{name}]"), vec![edit(at..at, text)]))
 }
 

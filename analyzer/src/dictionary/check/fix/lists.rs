@@ -4,7 +4,7 @@ use super::lines::{edit, insert_after};
 use super::{Edit, Fix, Source};
 use crate::dictionary::check::Finding;
 use crate::dictionary::description::DeviceDescription;
-use crate::dictionary::eds::list_of;
+use crate::dictionary::eds::{list_of, number};
 use crate::dictionary::rules;
 
 pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
@@ -15,9 +15,11 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
         &rules::list::BESIDE,
         &rules::list::SUB_NUMBER,
         &rules::file::COMMENT_COUNT,
-        &rules::file::PDO_COUNT,
         &rules::module::COUNT,
     ];
+    if is(&rules::file::PDO_COUNT) && !announces_more(finding, source) {
+        return count(finding, source);
+    }
     if counts.into_iter().any(is) {
         return count(finding, source);
     }
@@ -37,9 +39,20 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
     None
 }
 
+/// Whether there may be more than the file describes, which nobody knows who only sees the file.
+fn announces_more(finding: &Finding, source: &Source<'_>) -> bool {
+    let announced = source.field(finding.line).map(|field| source.get(&field.value).to_owned());
+    announced.and_then(|text| number::value_of(&text)) > described(finding).map(i128::from)
+}
+
+/// How many there are of what the finding counts.
+fn described(finding: &Finding) -> Option<u32> {
+    finding.problem.found.split(' ').next()?.parse().ok()
+}
+
 /// What was found is the number, with what it counts.
 fn count(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
-    let number: u32 = finding.problem.found.split(' ').next()?.parse().ok()?;
+    let number = described(finding)?;
     if let Some(field) = source.field(finding.line) {
         return Some(Fix::replace(field.value, number.to_string()));
     }
@@ -56,7 +69,7 @@ struct Entry {
 
 /// The numbered entries of the section in which that line is, in the order of the file.
 fn entries(line: u32, source: &Source<'_>) -> Option<(u32, Vec<Entry>)> {
-    let header = (1..=line).rev().find(|&line| source.is_section(line))?;
+    let header = source.header_of(line)?;
     let entry = |line| Some(Entry { key: source.get(&source.field(line)?.name).parse().ok()?, line });
     Some((header, source.section_lines(header).filter_map(entry).collect()))
 }

@@ -43,7 +43,7 @@ impl Fix {
 pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let rule = finding.problem.rule;
     let is = |other: &rules::Rule| rule == other;
-    if source.is_xml {
+    if source.is_xml() {
         return values::of_xml(finding, source);
     }
     if is(&rules::text::BYTE_ORDER_MARK) || is(&rules::text::UTF_16) {

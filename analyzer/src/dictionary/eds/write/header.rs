@@ -8,6 +8,9 @@ use crate::dictionary::moment::{eds_date, eds_time};
 use crate::dictionary::object::Setting;
 use crate::identity::Multiplexer;
 
+/// The data types whose use as a dummy a file tells.
+const BASIC_TYPES: std::ops::RangeInclusive<u16> = 0x0001..=0x0007;
+
 /// The version of CiA 306 that is written.
 const EDS_VERSION: &str = "4.0";
 /// As many PDOs of each direction a device can have.
@@ -20,8 +23,11 @@ pub(super) fn write(sheet: &mut Sheet, description: &DeviceDescription) {
         self::commissioning(sheet, commissioning);
     }
     sheet.section("DummyUsage");
-    for (index, &usable) in &description.dummy_usage {
-        sheet.flag(&format!("Dummy{index:04X}"), usable);
+    // Some readers fail if one of the types from BOOLEAN to UNSIGNED32 is missing.
+    let others = description.dummy_usage.keys().copied().filter(|index| !BASIC_TYPES.contains(index));
+    for index in BASIC_TYPES.chain(others) {
+        let is_usable = description.dummy_usage.get(&index) == Some(&true);
+        sheet.flag(&format!("Dummy{index:04X}"), is_usable);
     }
     sheet.section("Comments");
     sheet.field("Lines", &description.comments.len().to_string());

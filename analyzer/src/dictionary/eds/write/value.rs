@@ -30,7 +30,10 @@ fn candidates(setting: &Setting, data_type: DataType) -> Vec<String> {
         Value::Unsigned(value) => vec![value.to_string()],
         Value::Real32(value) => vec![format!("{value:?}"), bits(value.to_bits().into())],
         Value::Real64(value) => vec![format!("{value:?}"), bits(value.to_bits())],
-        Value::VisibleString(bytes) => vec![latin_1(bytes)],
+        // A text with characters beyond Latin-1 is read as the bytes that it has in UTF-8.
+        Value::VisibleString(bytes) => {
+            std::iter::once(latin_1(bytes)).chain(String::from_utf8(bytes.clone())).collect()
+        }
         Value::UnicodeString(units) => vec![String::from_utf16_lossy(units)],
         Value::OctetString(bytes) => vec![octets(bytes)],
         Value::Domain(bytes) => vec![octets(bytes)],
@@ -75,6 +78,7 @@ mod tests {
         assert_eq!(text(Value::Boolean(true), DataType::BOOLEAN), "1");
         assert_eq!(text(Value::OctetString(vec![1, 0xAB]), DataType::OCTET_STRING), "01 AB");
         assert_eq!(text(Value::VisibleString(b"K\xFCbler".to_vec()), DataType::VISIBLE_STRING), "K\u{FC}bler");
+        assert_eq!(text(Value::VisibleString("5 €".into()), DataType::VISIBLE_STRING), "5 €");
         assert_eq!(text_of(&Setting::NodeIdPlus(0x180), DataType::UNSIGNED32).as_deref(), Some("$NODEID+0x180"));
         assert_eq!(text_of(&Setting::NodeIdPlus(0), DataType::UNSIGNED8).as_deref(), Some("$NODEID"));
     }

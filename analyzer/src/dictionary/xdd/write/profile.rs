@@ -73,7 +73,7 @@ fn open(sheet: &mut Sheet, description: &DeviceDescription, class: &str, body: &
     sheet.markup.open("ProfileBody", &attributes);
 }
 
-fn body_attributes(sheet: &mut Sheet, file: &FileInfo, body: &str) -> [(&'static str, Option<String>); 9] {
+fn body_attributes(sheet: &mut Sheet, file: &FileInfo, body: &str) -> [(&'static str, Option<String>); 11] {
     let mut moment = |field: &str, text: &str, written: Option<String>| {
         if written.is_none() {
             sheet.losses.no_place(0, format!("[FileInfo] {field}"), text);
@@ -86,6 +86,8 @@ fn body_attributes(sheet: &mut Sheet, file: &FileInfo, body: &str) -> [(&'static
     let modified_at = moment("ModificationTime", &file.modified.1, xml_time(&file.modified.1));
     [
         ("xsi:type", Some(body.to_owned())),
+        ("formatName", Some("CANopen".to_owned())),
+        ("formatVersion", Some("1.0".to_owned())),
         ("fileName", sheet.text(0, "[FileInfo] FileName", &file.name)),
         ("fileCreator", sheet.text(0, "[FileInfo] CreatedBy", &file.created_by)),
         ("fileCreationDate", created),
@@ -141,7 +143,7 @@ fn management(sheet: &mut Sheet, description: &DeviceDescription) {
 
 fn commissioning(sheet: &mut Sheet, commissioning: &Commissioning) {
     let attributes = [
-        ("nodeID", commissioning.node_id.map(|id| id.raw().to_string())),
+        ("NodeID", commissioning.node_id.map(|id| id.raw().to_string())),
         ("nodeName", sheet.text(0, "[DeviceComissioning] NodeName", &commissioning.node_name)),
         ("actualBaudRate", commissioning.bit_rate.map(kbps)),
         ("networkNumber", commissioning.net_number.map(|number| number.to_string())),
