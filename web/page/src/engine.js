@@ -5,7 +5,7 @@ export async function start(onStopped) {
   const script = document.getElementById("worker").textContent;
   const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
   const engine = new Engine(url, await module(), onStopped);
-  await engine.begin();
+  await engine.begin(true);
   return engine;
 }
 
@@ -28,11 +28,12 @@ class Engine {
     this.onStopped = onStopped;
   }
 
-  async begin() {
+  /** `warm`: it gets ready for captures while nothing is to be done. */
+  async begin(warm = false) {
     this.#worker = new Worker(this.url);
     this.#worker.onmessage = ({ data }) => this.#take(data);
     this.#worker.onerror = (event) => this.onStopped(event.message);
-    const { formats } = await this.call("start", { module: this.module, surroundings: surroundings() });
+    const { formats } = await this.call("start", { module: this.module, surroundings: surroundings(), warm });
     this.formats = formats;
   }
 
@@ -59,7 +60,8 @@ class Engine {
     });
   }
 
-  #take({ id, result, error, progress, stopped }) {
+  #take({ id, result, error, progress, stopped, warm }) {
+    if (warm) return performance.mark("canvass-warm");
     if (stopped !== undefined) return this.onStopped(stopped);
     const waiting = this.#waiting.get(id);
     if (!waiting) return;

@@ -18,6 +18,8 @@ const FRAMES: u32 = 1_000_000;
 /// python-can is given one capture, as it is slow.
 const CAPTURES: u32 = 4;
 const FOLDER: &str = "target/bench/fleet";
+/// What its nodes are, so that their process data have names.
+const DEVICE: &str = "1..127=kuebler-sendix-58x8";
 /// How many short captures are asked, to see how the cost grows.
 const MANY: [u32; 3] = [10, 100, 1000];
 const FRAMES_OF_SHORT: u32 = 1000;
@@ -117,7 +119,10 @@ fn lake() -> Result<()> {
     drop(fs::remove_dir_all(&lake));
     let source = format!("{FOLDER}/long");
     let began = Instant::now();
-    let ended = Command::new(FLEET).args(["ingest", &source, "--into", &lake]).stdout(Stdio::null()).status()?;
+    let ended = Command::new(FLEET)
+        .args(["ingest", &source, "--into", &lake, "--device", DEVICE])
+        .stdout(Stdio::null())
+        .status()?;
     ensure!(ended.success(), "ingest ended with {ended}");
     let seconds = began.elapsed().as_secs_f64();
     println!(
