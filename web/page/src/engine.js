@@ -5,7 +5,7 @@ export async function start(onStopped) {
   const script = document.getElementById("worker").textContent;
   const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
   const engine = new Engine(url, await module(), onStopped);
-  await engine.begin(true);
+  await engine.begin();
   return engine;
 }
 
@@ -28,12 +28,11 @@ class Engine {
     this.onStopped = onStopped;
   }
 
-  /** `warm`: it gets ready for captures while nothing is to be done. */
-  async begin(warm = false) {
+  async begin() {
     this.#worker = new Worker(this.url);
     this.#worker.onmessage = ({ data }) => this.#take(data);
     this.#worker.onerror = (event) => this.onStopped(event.message);
-    const { formats } = await this.call("start", { module: this.module, surroundings: surroundings(), warm });
+    const { formats } = await this.call("start", { module: this.module, surroundings: surroundings() });
     this.formats = formats;
   }
 
@@ -60,8 +59,7 @@ class Engine {
     });
   }
 
-  #take({ id, result, error, progress, stopped, warm }) {
-    if (warm) return performance.mark("canvass-warm");
+  #take({ id, result, error, progress, stopped }) {
     if (stopped !== undefined) return this.onStopped(stopped);
     const waiting = this.#waiting.get(id);
     if (!waiting) return;

@@ -19,15 +19,6 @@ function turn(known, at) {
   known.file.slice(next.from, next.from + PIECE).arrayBuffer().then(came, () => {});
 }
 
-/** Files up to this length are read once more for their hash, by the browser's own code and beside the decoding. */
-const HASHED_AT_ONCE = 64 << 20;
-
-/** The SHA-256 of a file, in hexadecimal; nothing where the browser does not work it out. */
-async function hashed(file) {
-  const digest = await crypto.subtle.digest("SHA-256", await file.arrayBuffer());
-  return Array.from(new Uint8Array(digest), (byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
 globalThis.canvassHost = {
   read(number, at, buffer) {
     const known = files.get(number);
@@ -49,8 +40,6 @@ globalThis.canvassHost = {
 };
 
 let page;
-/** The captures that are open or being opened. */
-let open = null;
 /** The call under way, and when its progress was told. */
 let current = 0;
 let shown = 0;
@@ -88,49 +77,19 @@ async function job(kind, step, tell) {
 /** Frames between two looks at the messages: about 20 ms of work. */
 const STEP = 20_000;
 
-/** Frames of every common kind, which stand for a capture. */
-const USUAL = ["000#0105", "080#", "181#0102030405060708", "281#1122", "081#1050010000000000", "601#4018100100000000", "581#4318100113000000", "601#2B17100064000000", "581#6017100000000000", "701#05"];
-const USUAL_FRAMES = 30_000;
-
-/** Decodes what nobody has asked for: browsers compile a program while it runs, so the first capture would pay for that. It ends
- * at once when there is something to do. */
-async function warmUp(surroundings) {
-  const line = (_, n) => `(${(1_700_000_000 + n / 2000).toFixed(6)}) can0 ${USUAL[n % USUAL.length]}\n`;
-  const file = new Blob([Array.from({ length: USUAL_FRAMES }, line).join("")]);
-  const number = 0xffff_ffff;
-  const usual = new Page(JSON.stringify(surroundings));
-  files.set(number, { file });
-  usual.addCapture(number, "usual.log", file.size);
-  usual.open();
-  const end = await job("warm-up", () => JSON.parse(usual.openOn(STEP / 10)), () => {});
-  files.delete(number);
-  if (!end.cancelled) {
-    usual.diagnosis("html");
-    postMessage({ warm: true });
-  }
-  usual.free();
-}
-
 const calls = {
-  start({ module, surroundings, warm }) {
+  start({ module, surroundings }) {
     initSync({ module });
     page = new Page(JSON.stringify(surroundings));
-    if (warm) setTimeout(() => warmUp(surroundings), 0);
     return { formats: JSON.parse(Page.formats()) };
   },
   async open({ captures, options }, tell) {
     calls.close();
     files.clear();
-    open = captures;
-    const hashes = captures.map((file, number) => {
-      // The function is there on pages from the disk and by https only.
-      const isHashed = file.size <= HASHED_AT_ONCE && crypto.subtle !== undefined;
+    captures.forEach((file, number) => {
       files.set(number, { file });
-      page.addCapture(number, file.name, file.size, isHashed);
-      return isHashed ? hashed(file) : null;
+      page.addCapture(number, file.name, file.size);
     });
-    // Who needs one finds out that it can't be had.
-    hashes.forEach((hash) => hash?.catch(() => {}));
     page.options(JSON.stringify(options));
     page.open();
     const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell);
@@ -138,15 +97,10 @@ const calls = {
       delete known.piece;
       delete known.ahead;
     });
-    const known = end.cancelled ? [] : await Promise.all(hashes);
-    // They may have been closed meanwhile.
-    if (end.cancelled || open !== captures) return { cancelled: true };
-    known.forEach((hash, number) => hash && page.sayHash(number, hash));
-    return JSON.parse(page.summary());
+    return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
   },
   /** Whatever is under way is of captures that are gone. */
   close() {
-    open = null;
     latest.clear();
     page.close();
   },

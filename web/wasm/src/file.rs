@@ -16,8 +16,6 @@ pub struct ChosenFile {
     pub name: String,
     /// In bytes.
     pub length: u64,
-    /// Its hash is worked out by the page, and said when it is read.
-    pub is_hashed: bool,
 }
 
 /// Reads it from its begin to its end.
@@ -56,10 +54,6 @@ impl Seen {
         }
     }
 
-    fn wants_hash(&self) -> bool {
-        self.0.hash.is_some()
-    }
-
     fn digest(&self) -> Option<String> {
         let hash = self.0.hash.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner).clone();
         Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
@@ -86,18 +80,13 @@ impl Read for FileReader {
 }
 
 impl ChosenFile {
-    /// The file, with its hash where that is to be worked out here. What a reader has left unread is read for that.
+    /// The file with its hash. What a reader has left unread is read for that.
     pub fn used(&self, role: &'static str, seen: &Seen) -> FileUsed {
-        let content = if seen.wants_hash() { self.content(seen) } else { None };
-        FileUsed { role, path: self.name.clone(), content }
-    }
-
-    /// Its length and hash, if it can be read to its end.
-    fn content(&self, seen: &Seen) -> Option<(u64, String)> {
         let mut rest = FileReader { file: self.clone(), at: seen.bytes(), seen: seen.clone() };
         let mut buffer = vec![0; 64 * 1024];
         let read = std::iter::repeat_with(|| rest.read(&mut buffer)).find(|read| !matches!(read, Ok(1..)));
         let whole = matches!(read, Some(Ok(0)));
-        seen.digest().filter(|_| whole).map(|digest| (seen.bytes(), digest))
+        let content = seen.digest().filter(|_| whole).map(|digest| (seen.bytes(), digest));
+        FileUsed { role, path: self.name.clone(), content }
     }
 }

@@ -47,8 +47,8 @@ impl Input {
     pub fn open(files: &[ChosenFile], options: &InputOptions, hashed: bool) -> Result<Self, OpenError> {
         let format = options.format.as_deref().and_then(Format::by_id);
         let read_options = ReadOptions { format, topics: Vec::new() };
-        let seen = |file: &ChosenFile| if hashed && !file.is_hashed { Seen::hashed() } else { Seen::default() };
-        let files: Vec<_> = files.iter().map(|file| (file.clone(), seen(file))).collect();
+        let seen = || if hashed { Seen::hashed() } else { Seen::default() };
+        let files: Vec<_> = files.iter().map(|file| (file.clone(), seen())).collect();
         let open = |(file, seen): &(ChosenFile, Seen)| {
             let reader = FileReader::new(file.clone(), seen.clone());
             Capture::from_source(&file.name, Source::new(reader), &read_options)

@@ -153,15 +153,6 @@ impl Opened {
         Ok(out)
     }
 
-    /// Says the SHA-256 of a capture that the page has worked out.
-    pub fn say_hash(&mut self, number: u32, hash: &str) {
-        let captures = self.provenance.files.iter_mut().filter(|file| file.role == "capture");
-        let of = captures.zip(self.input.files()).find(|(_, (file, _))| file.number == number);
-        if let Some((used, (file, _))) = of {
-            used.content = Some((file.length, hash.to_owned()));
-        }
-    }
-
     /// A channel's name.
     pub fn channel(&self, channel: ChannelId) -> &str {
         self.input.merge().channels().name(channel)

@@ -58,8 +58,6 @@ fn million(log: &str) -> Result<()> {
         cost(&command, Stdio::null())?;
         program = least(program, began.elapsed().as_secs_f64());
         let opened = Opened::new(Screen::Desk)?;
-        // Nobody chooses a file within the first half second.
-        opened.0.wait("performance.getEntriesByName('canvass-warm').length > 0");
         opened.take(&[log])?;
         page = least(page, diagnosed(&opened.0));
         read =

@@ -82,10 +82,10 @@ impl Page {
         self.files.clear();
     }
 
-    /// Adds a capture, which `canvassHost.read` reads by that number; `is_hashed`: `sayHash` will say its hash.
+    /// Adds a capture, which `canvassHost.read` reads by that number.
     #[wasm_bindgen(js_name = addCapture)]
-    pub fn add_capture(&mut self, number: u32, name: &str, length: f64, is_hashed: bool) {
-        self.files.push(ChosenFile { number, name: name.to_owned(), length: length as u64, is_hashed });
+    pub fn add_capture(&mut self, number: u32, name: &str, length: f64) {
+        self.files.push(ChosenFile { number, name: name.to_owned(), length: length as u64 });
     }
 
     /// Adds a description, or takes it in place of the one of that name; gives what it is, as JSON.

@@ -40,17 +40,6 @@ impl Page {
         Ok(told.to_string())
     }
 
-    /// Says the SHA-256 of a capture, in hexadecimal.
-    ///
-    /// # Errors
-    /// If no capture is open.
-    #[wasm_bindgen(js_name = sayHash)]
-    pub fn say_hash(&mut self, number: u32, hash: &str) -> Answer<()> {
-        let opened = self.opened.as_mut().ok_or_else(|| error("no capture is open"))?;
-        opened.say_hash(number, hash);
-        Ok(())
-    }
-
     /// What the captures are, in short: JSON.
     ///
     /// # Errors
