@@ -167,9 +167,8 @@ impl Editor {
         let length = header.lines().find_map(|line| line.strip_prefix("Content-Length: "));
         let length: usize = length.context("a message without its length")?.parse()?;
         let mut message = header.into_bytes();
-        let start = message.len();
-        message.resize(start + length, 0);
-        self.from.read_exact(&mut message[start..])?;
+        let read = self.from.by_ref().take(length as u64).read_to_end(&mut message)?;
+        ensure!(read == length, "the server is gone");
         Ok(message)
     }
 }

@@ -20,6 +20,8 @@ const CAPTURES: u32 = 4;
 const FOLDER: &str = "target/bench/fleet";
 /// What its nodes are, so that their process data have names.
 const DEVICE: &str = "1..127=kuebler-sendix-58x8";
+/// On a cluster, each of them is asked so many times.
+const TIMES: u32 = 8;
 /// How many short captures are asked, to see how the cost grows.
 const MANY: [u32; 3] = [10, 100, 1000];
 const FRAMES_OF_SHORT: u32 = 1000;
@@ -166,9 +168,17 @@ fn growing() -> Result<()> {
 
 /// The same question in one process, and on a cluster whose executors have one task each.
 fn on_processes() -> Result<()> {
-    println!("\n{} frames in {CAPTURES} captures, by the clock", u64::from(FRAMES) * u64::from(CAPTURES));
-    let folder = fs::canonicalize(format!("{FOLDER}/long"))?.display().to_string();
-    let question = ["sql", "SELECT node, count(*) FROM messages GROUP BY node", "--over", &folder, "--format", "csv"];
+    let folder = format!("{FOLDER}/many");
+    drop(fs::remove_dir_all(&folder));
+    fs::create_dir_all(&folder)?;
+    for n in 0..CAPTURES * TIMES {
+        fs::hard_link(format!("{FOLDER}/long/{}.log", n % CAPTURES), format!("{folder}/{n}.log"))?;
+    }
+    let frames = u64::from(FRAMES) * u64::from(CAPTURES * TIMES);
+    println!("\n{frames} frames in {} captures, by the clock", CAPTURES * TIMES);
+    let folder = fs::canonicalize(folder)?.display().to_string();
+    let question =
+        ["sql", "SELECT node, max(meaning) FROM messages GROUP BY node", "--over", &folder, "--format", "csv"];
     let tell = |name: &str, seconds: f64, first: f64| {
         println!("{name:38} {seconds:>6.2} s, {:.2} times as fast as one", first / seconds);
     };

@@ -68,10 +68,8 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
                 check_spelling(section, problems);
                 add_sub(parts.entry(index).or_default(), sub, section, problems);
             }
-            SectionName::Beside(_) => {
-                if canonical(section.name).starts_with("0x") {
-                    report_spelling(section, problems);
-                }
+            SectionName::Beside(_) if canonical(section.name).starts_with("0x") => {
+                report_spelling(section, problems);
             }
             _ => {}
         }

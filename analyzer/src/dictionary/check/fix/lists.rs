@@ -115,7 +115,7 @@ fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) 
     if times <= 1 {
         let key = entries.iter().map(|entry| entry.key).max().unwrap_or(0).checked_add(1)?;
         let last = entries.iter().map(|entry| entry.line).max();
-        let last = last.or_else(|| source.section_lines(header).filter(|&line| source.field(line).is_some()).last());
+        let last = last.or_else(|| source.section_lines(header).rfind(|line| source.field(*line).is_some()));
         edits.push(insert_after(last.unwrap_or(header), &format!("{key}=0x{index:04X}"), source));
     }
     Some(Fix::edits(format!("list {index:04X}h in [{list}]"), edits))
