@@ -143,8 +143,9 @@ impl Browser {
         self.post(&format!("element/{element}/value"), &json!({ "text": text }));
     }
 
-    /// Drags the mouse across an element, from one part of its width to another.
+    /// Drags the mouse across an element, from one part of its width to another, once it is there.
     pub fn drag(&self, selector: &str, from: f64, to: f64, with_shift: bool) {
+        self.wait(&format!("document.querySelector('{selector}')"));
         self.run(&format!(
             "document.querySelector('{selector}').scrollIntoView({{ block: 'center', behavior: 'instant' }})"
         ));
