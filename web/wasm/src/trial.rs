@@ -214,7 +214,7 @@ fn fuzzed(
             wish.bus, knowledge.node, plan.targets, plan.seed, outcome.sequences
         ),
         cancelled: false,
-        sdo_reach: SdoReach::of(&knowledge),
+        sdo_reach: SdoReach::of(knowledge),
         reach: LssReach::of(&knowledge.services, has_unconfigured, &plan.allow),
         words: words.collect(),
         outcome,

@@ -77,6 +77,14 @@ fn conformance() -> Result<()> {
 /// Cases over the releases of a device.
 fn history() -> Result<()> {
     let page = format!("{FOLDER}/history.html");
+    let files = releases()?;
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    tested(&[&["history"], &files[..], &["--report", &format!("html={page}")]].concat())?;
+    photograph(&page, "docs/history.png", (1000, 800))
+}
+
+/// A result of each release.
+fn releases() -> Result<Vec<String>> {
     let mut files = Vec::new();
     for (release, faults) in RELEASES {
         let file = format!("{FOLDER}/{release}.json");
@@ -84,9 +92,7 @@ fn history() -> Result<()> {
         tested(&["test", &bus, "--select", "301/boot-up,301/sdo", "--report", &report])?;
         files.push(file);
     }
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    tested(&[&["history"], &files[..], &["--report", &format!("html={page}")]].concat())?;
-    photograph(&page, "docs/history.png", (1000, 800))
+    Ok(files)
 }
 
 /// Runs canvass where it may find something.

@@ -1,7 +1,7 @@
 //! Each view of the page with the decoder as WebAssembly: on a desk in light colours, on a phone in dark ones.
 
 use super::machine::machine;
-use super::{FOLDER, RELEASES, ensure_small};
+use super::{FOLDER, ensure_small, releases};
 use crate::web;
 use crate::web::browser::{Opened, Screen};
 use anyhow::{Context, Result};
@@ -85,10 +85,11 @@ fn trace(opened: &Opened, screen: Screen) -> Result<()> {
     Ok(())
 }
 
-/// The positions of two encoders, between two cursors.
+/// The position of an encoder in steps and degrees, between two cursors.
 fn signals(opened: &Opened, _: Screen) -> Result<()> {
     opened.0.wait("document.querySelector('#plot canvas')");
-    opened.0.run("document.querySelectorAll('.signals input')[2].click()");
+    opened.0.wait("document.querySelectorAll('.signals input').length > 1");
+    opened.0.run("document.querySelectorAll('.signals input')[1].click()");
     settle(&opened.0);
     opened.0.drag("#plot .u-over", 0.3, 0.3, false);
     opened.0.drag("#plot .u-over", 0.7, 0.7, true);
@@ -98,8 +99,8 @@ fn signals(opened: &Opened, _: Screen) -> Result<()> {
 
 /// What a release changed.
 fn results(opened: &Opened, _: Screen) -> Result<()> {
-    let files: Vec<String> = RELEASES.iter().take(2).map(|(release, _)| format!("{FOLDER}/{release}.json")).collect();
-    opened.take(&files.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let files = releases()?;
+    opened.take(&files.iter().take(2).map(String::as_str).collect::<Vec<_>>())?;
     shown_within(opened, "#view-results iframe", "document.querySelector('h1')")
 }
 

@@ -11,7 +11,6 @@ const FORMS = [["json", "json"], ["markdown", "md"], ["junit", "xml"], ["table",
 export function diagnosisView(app, root) {
   let shown = null;
   let page = null;
-  let spare = null;
   const time = element("span", { class: "shown" });
   const view = { refresh, shown: show, point };
 
@@ -20,7 +19,6 @@ export function diagnosisView(app, root) {
     page = frame("Diagnosis", html);
     page.addEventListener("load", () => {
       performance.measure("canvass-diagnosis", "canvass-open");
-      spared(false);
       if (app.cursor !== null) point(app.cursor);
     });
     const buttons = FORMS.map(([form, ending]) => button(form, () => download(form, ending), { class: "plain" }));
@@ -37,14 +35,6 @@ export function diagnosisView(app, root) {
     time.replaceChildren();
     const wait = element("div", { class: "welcome" });
     root.replaceChildren(app.captures.length > 0 ? wait : welcome(...WELCOME));
-    spared(app.captures.length > 0);
-  }
-
-  /** An empty frame while captures are read: the browser makes a process for frames of this kind, which takes longer than to
-   * show a page in it. */
-  function spared(wanted) {
-    if (!wanted) spare?.remove();
-    else if (!spare?.isConnected) document.body.append((spare = Object.assign(frame("Nothing yet", ""), { hidden: true })));
   }
 
   async function show() {
