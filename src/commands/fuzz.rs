@@ -19,7 +19,7 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::campaign::{self, Outcome, Plan};
-use canvass_fuzzer::coverage::{LssReach, SdoReach};
+use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
@@ -221,7 +221,7 @@ impl Args {
             seed: plan.seed,
             repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),
             cancelled,
-            sdo_reach: SdoReach::of(knowledge),
+            block_transfer: knowledge.services.block_transfer != Some(false),
             reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
             words,

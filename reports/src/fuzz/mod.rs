@@ -15,7 +15,7 @@ use crate::provenance::Provenance;
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
-use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
+use canvass_fuzzer::coverage::{Answer, Coverage, LssReach};
 use canvass_fuzzer::{Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
@@ -47,8 +47,8 @@ pub struct Run {
     pub repeat: String,
     /// Whether the run was interrupted.
     pub cancelled: bool,
-    /// What of the SDO server can be reached.
-    pub sdo_reach: SdoReach,
+    /// Whether the device knows block transfers.
+    pub block_transfer: bool,
     /// What of LSS can be reached.
     pub reach: LssReach,
     /// The outcome.
@@ -116,7 +116,7 @@ impl Run {
 
     /// What was exercised of the SDO server.
     pub fn sdo_share(&self) -> Share {
-        let (reached, reachable) = self.coverage().sdo_share(self.sdo_reach);
+        let (reached, reachable) = self.coverage().sdo_share(self.block_transfer);
         Share { reached, reachable }
     }
 

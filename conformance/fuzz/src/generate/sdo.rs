@@ -224,14 +224,6 @@ impl Script<'_> {
         self.object_where(|known| known.size.is_none_or(|size| size > 4) && known.readable).map(|known| known.at)
     }
 
-    /// What can be read in blocks: if nothing is long, anything.
-    fn for_blocks(&mut self) -> Option<Multiplexer> {
-        match self.text() {
-            None => self.object_where(|known| known.readable).map(|known| known.at),
-            text => text,
-        }
-    }
-
     fn segmented_upload(&mut self) {
         let Some(at) = self.text() else { return self.read() };
         self.sdo(Request::upload(at));
@@ -327,7 +319,7 @@ impl Script<'_> {
     fn block_upload(&mut self) {
         let at = match self.dice.below(4) {
             0 => self.object(),
-            _ => self.for_blocks().unwrap_or(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)),
+            _ => self.text().unwrap_or(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)),
         };
         let block_size = self.dice.one_of([1, 2, 3, 7, 127, 127, 127, 0, 128, 255]);
         let threshold = self.dice.one_of([0, 0, 0, 4, 255]);
@@ -433,7 +425,7 @@ impl Script<'_> {
                 }
             }
             SdoState::BlockUploadReady | SdoState::BlockUpload | SdoState::BlockUploadEnd => {
-                let Some(at) = self.for_blocks() else { return };
+                let Some(at) = self.text() else { return };
                 let begin = Request::InitiateBlockUpload { multiplexer: at, crc: true, block_size: 127, threshold: 0 };
                 self.sdo(begin);
                 if state != SdoState::BlockUploadReady {

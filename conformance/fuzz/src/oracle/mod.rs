@@ -371,11 +371,6 @@ impl Oracle {
         self.serves_sdo() && !self.sdo.is_busy() && !self.sdo.is_open()
     }
 
-    /// Whether a request to read would tell where the SDO server is, which nobody knows.
-    pub fn is_lost(&self) -> bool {
-        self.serves_sdo() && self.sdo.is_lost() && !self.lss.at.is_open() && !self.lmt.at.is_open()
-    }
-
     /// Whether it is known where the device is, so that a next sequence can begin from there: it runs, no transfer is under
     /// way, and neither node-ID nor bit rate has changed.
     pub fn is_at_rest(&self) -> bool {
@@ -386,26 +381,6 @@ impl Oracle {
             && !self.sdo.is_open()
             && self.waits_for_lss()
             && !self.expected_values.bus_changed()
-    }
-
-    /// Whether a device that is not at rest can be brought there without a reset: it runs, and nothing was changed that only
-    /// a reset brings into force.
-    pub fn may_go_on(&self) -> bool {
-        let runs = !matches!(self.nmt.phase(), nmt::Phase::Unconfigured | nmt::Phase::Booting);
-        let settled = self.lss.is_settled() || self.knowledge.services.lss == Some(false);
-        !self.blind && runs && settled && !self.expected_values.bus_changed()
-    }
-
-    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS waits, and it holds the values
-    /// of power-on; what else has become of it is not known.
-    pub fn go_on(&mut self, now: Timestamp) {
-        self.expected_values.power_on(&self.knowledge);
-        self.nmt.go_on(now);
-        self.sdo.reset();
-        self.lss.go_on();
-        self.lmt.go_on();
-        self.pdo.go_on(now);
-        self.emcy.reset();
     }
 
     /// Whether the slave of LSS, or that of LMT, waits, if there is one.

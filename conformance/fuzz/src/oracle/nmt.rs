@@ -114,14 +114,6 @@ impl Slave {
         self.changed = now;
     }
 
-    /// The device was commanded to pre-operational a moment ago, from wherever it was.
-    pub fn go_on(&mut self, now: Timestamp) {
-        *self = Self::new(self.jitter, self.announces);
-        (self.before, self.phase) = (Phase::Operational, Phase::PreOperational);
-        self.changed = now;
-        self.toggle = None;
-    }
-
     /// Whether the device has certainly not been operational before the last change.
     pub fn comes_from_rest(&self) -> bool {
         !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)

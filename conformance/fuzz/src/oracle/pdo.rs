@@ -111,15 +111,6 @@ impl Pdos {
         }
     }
 
-    /// The device goes on in pre-operational with the configuration of power-on; what was counted and timed is not known.
-    pub fn go_on(&mut self, now: Timestamp) {
-        self.reset();
-        for seen in &mut self.seen {
-            seen.begin(now);
-            seen.count.doubt();
-        }
-    }
-
     /// An object was written.
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
         let communication = (0x1000..0x1400).contains(&at.index.0);

@@ -317,11 +317,6 @@ impl Server {
         }
     }
 
-    /// Whether nobody knows which transfer is under way, nor what comes next.
-    pub fn is_lost(&self) -> bool {
-        self.state == TransferState::Unsure && self.is_open()
-    }
-
     /// Whether an answer may come that need not come.
     pub fn is_open(&self) -> bool {
         self.overlapped || self.awaited.is_open()
