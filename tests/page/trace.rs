@@ -88,6 +88,24 @@ fn columns_are_chosen_and_the_address_keeps_them() {
     opened.browser.is_quiet();
 }
 
+/// The details take the lower part of a phone's screen, where the row may have been.
+#[test]
+fn on_a_phone_the_chosen_row_stays_in_sight() {
+    let opened = Opened::with(Screen::Phone, "machine.log", machine(20).on("can0"));
+    let browser = &opened.browser;
+    opened.view("trace");
+    browser.wait("document.querySelector('.list .row:not(.head) .text')?.textContent");
+    browser.fill("#jump", &format!("15{ENTER}"));
+    browser.wait("document.querySelector('#details h2')");
+    browser.wait(
+        "(() => {
+            const row = document.querySelector('.list .row[aria-selected=true]:not([hidden])');
+            const list = document.getElementById('frames').getBoundingClientRect();
+            return row && row.getBoundingClientRect().bottom <= list.bottom && list.bottom <= innerHeight;
+        })()",
+    );
+}
+
 #[test]
 fn list_plots_and_timeline_point_at_the_same_time() {
     let opened = Opened::with(Screen::Desk, "machine.log", machine(20).on("can0"));

@@ -19,6 +19,8 @@ export class List {
   #generation = 0;
   #rows = [];
   #drawn = false;
+  /** Rows in sight when the list was resized last. */
+  #before = 0;
 
   /** `fetch(from, count)` gives rows, `draw(element, row)` shows one, `choose(row)` is told which is chosen. */
   constructor(root, { head, fetch, draw, choose, label }) {
@@ -34,7 +36,7 @@ export class List {
     root.addEventListener("scroll", () => this.#scrolled());
     root.addEventListener("keydown", (event) => this.#key(event));
     root.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
-    new ResizeObserver(() => this.#schedule()).observe(root);
+    new ResizeObserver(() => this.#resized()).observe(root);
   }
 
   get #sight() {
@@ -76,6 +78,14 @@ export class List {
     if (this.at < this.#top || this.at >= this.#top + sight) this.#show(this.at - Math.floor(sight / 2));
     this.#schedule();
     this.#row(this.at).then((row) => row && this.choose(row, why));
+  }
+
+  /** What was chosen stays in sight where the list becomes lower, as when the details of a row are opened on a phone. */
+  #resized() {
+    const wasInSight = this.at >= this.#top && this.at < this.#top + this.#before;
+    this.#before = this.#sight - 1;
+    if (wasInSight && this.at >= this.#top + this.#before) this.#show(this.at - Math.floor(this.#before / 2));
+    this.#schedule();
   }
 
   /** Puts a row at the top. */

@@ -7,7 +7,7 @@ use canvass_device::Fault;
 use canvass_device::address::{BusAddress, Opened, SimulatedDevice, open_seeded_at};
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{self, Outcome, Plan as FuzzPlan};
-use canvass_fuzzer::coverage::{LssReach, SdoReach};
+use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::stand::{TestStand as _, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
@@ -214,7 +214,7 @@ fn fuzzed(
             wish.bus, knowledge.node, plan.targets, plan.seed, outcome.sequences
         ),
         cancelled: false,
-        sdo_reach: SdoReach::of(knowledge),
+        block_transfer: knowledge.services.block_transfer != Some(false),
         reach: LssReach::of(&knowledge.services, has_unconfigured, &plan.allow),
         words: words.collect(),
         outcome,
