@@ -23,6 +23,9 @@ const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
 
+/// The packages that other tests optimise less.
+const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", "suite", "traces"];
+
 /// What was built.
 struct Built {
     /// The program.
@@ -80,7 +83,11 @@ fn build() -> Result<Built> {
     eprintln!("$ cargo {}", args.join(" "));
     // An emulated processor is slow. What others wrote is optimised in any case, and need not be built once more.
     let optimised = ("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
-    let output = Command::new("cargo").args(args).env(optimised.0, optimised.1).stderr(Stdio::inherit()).output()?;
+    let mut cargo = Command::new("cargo");
+    for package in OPTIMISED {
+        cargo.args(["--config", &format!("profile.dev.package.canvass-{package}.opt-level=3")]);
+    }
+    let output = cargo.args(args).env(optimised.0, optimised.1).stderr(Stdio::inherit()).output()?;
     ensure!(output.status.success(), "the tests could not be built: {}", output.status);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let mut executables = text.lines().filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
