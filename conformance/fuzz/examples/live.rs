@@ -5,6 +5,7 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{Plan, campaign};
+use canvass_fuzzer::coverage::SdoReach;
 use canvass_fuzzer::{Knowledge, Targets, reproducer};
 use std::collections::BTreeSet;
 use std::io::{Write, stdout};
@@ -31,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         regressions: Vec::new(),
         only_regressions: false,
     };
-    let has_blocks = knowledge.services.block_transfer != Some(false);
+    let reach = SdoReach::of(&knowledge);
     let mut opened = canvass_device::address::open(bus)?;
     // A program that takes this end for its adapter may connect later.
     opened.bus.wait_for_client(canvass_traces::Duration::from_secs(10))?;
@@ -42,14 +43,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let now = begun.elapsed().as_secs_f64();
         if now >= told + 10.0 {
             told = now;
-            let (reached, all) = progress.coverage.sdo_share(has_blocks);
+            let (reached, all) = progress.coverage.sdo_share(reach);
             // What can't be shown is no reason to end.
             let _ = writeln!(out, "{now:.0} s: {} exchanges, SDO {reached} of {all}", progress.executions);
         }
         now < seconds
     })?;
     let rate = outcome.executions as f64 / begun.elapsed().as_secs_f64();
-    let (reached, all) = outcome.coverage.sdo_share(has_blocks);
+    let (reached, all) = outcome.coverage.sdo_share(reach);
     writeln!(
         out,
         "{} exchanges, {} frames, {} sequences, {rate:.0}/s, SDO {reached} of {all}, {} not judged{}",
@@ -59,6 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         outcome.unjudged,
         if outcome.dead { ", dead" } else { "" }
     )?;
+    writeln!(out, "all: {}", outcome.spent)?;
+    writeln!(out, "violations repeated and shortened: {}", outcome.spent_on_violations)?;
     for found in &outcome.violations {
         let violation = &found.violation;
         writeln!(

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if args.first().is_some_and(|word| word == "verdicts") {
         return verdicts();
     }
-    // A crash of the device is told in a line; where it was is not asked.
+    // A crash of the device is reported in a line; where it was is not asked.
     std::panic::set_hook(Box::new(|_| ()));
     for id in MODELS {
         let model = Model::by_id(id).ok_or("no such model")?;

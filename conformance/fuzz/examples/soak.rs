@@ -6,7 +6,7 @@ use canvass_device::Fault;
 use canvass_device::Faults;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::Found;
-use canvass_fuzzer::coverage::LssReach;
+use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::detection::{Limit, detect, fuzz};
 use canvass_fuzzer::liberties::Chance;
 use canvass_fuzzer::{Knowledge, Targets, reproducer};
@@ -58,7 +58,7 @@ fn models(
             "{:24} {:>9} exchanges, {rate:.0}/s, sdo {:?} lss {:?}, {} violations",
             model.id(),
             outcome.executions,
-            outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer),
+            outcome.coverage.sdo_share(SdoReach::of(&knowledge)),
             outcome.coverage.lss_share(&reach),
             outcome.violations.len()
         )?;

@@ -11,7 +11,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Mode, Outcome, Transfer};
 use canvass_bus::{Bus, BusError};
-use canvass_traces::Timestamp;
+use canvass_traces::{Record, Timestamp};
 use std::collections::BTreeSet;
 
 /// An object that has not its value of power-on, though the device was reset and the value written.
@@ -25,29 +25,35 @@ pub struct Kept {
     pub power_on: u64,
 }
 
-/// Reads what those frames may have changed, and writes back what the reset has not. What can't be written back is told.
+/// Reads what those frames may have changed, and writes back what the reset has not. What can't be written back is reported.
+/// `observe` sees every frame of it.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
-pub(super) fn restore(bus: &mut dyn Bus, sent: &[Stimulus], knowledge: &Knowledge) -> Result<Vec<Kept>, BusError> {
+pub(super) fn restore(
+    bus: &mut dyn Bus,
+    sent: &[Stimulus],
+    knowledge: &Knowledge,
+    observe: &mut dyn FnMut(&Record),
+) -> Result<Vec<Kept>, BusError> {
+    let mut client = Client { exchange: Exchange { bus, observe, ends: Timestamp::MAX }, knowledge };
     let mut changed = Vec::new();
     for entry in touched(sent, knowledge) {
         let Some((known, power_on)) = restorable(knowledge, entry) else { continue };
-        let value = read(bus, known.at, knowledge)?;
+        let value = client.read(known.at)?;
         if value.is_some_and(|value| value != power_on) {
             changed.push((known, power_on));
         }
     }
-    write_back(bus, &mut changed, knowledge)?;
+    client.write_back(&mut changed)?;
     if sent.iter().any(|stimulus| stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID)) {
-        // A reset may leave the slave in configuration; the command is the same for LSS and LMT.
-        bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
-        let until = bus.now() + knowledge.patience.quiet;
-        while bus.receive(until)?.is_some() {}
+        // The slave may be in configuration; the command is the same for LSS and LMT.
+        client.exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
+        client.exchange.wait_for(knowledge.patience.quiet, |_| None::<()>)?;
     }
     let mut kept = Vec::new();
     for (known, power_on) in changed {
-        match read(bus, known.at, knowledge)? {
+        match client.read(known.at)? {
             Some(value) if value != power_on => kept.push(Kept { at: known.at, value, power_on }),
             _ => {}
         }
@@ -58,18 +64,58 @@ pub(super) fn restore(bus: &mut dyn Bus, sent: &[Stimulus], knowledge: &Knowledg
 /// The longest value that is a number.
 const LONGEST: usize = 8;
 
-/// Reads a number; `None`: it can't be read.
-fn read(bus: &mut dyn Bus, at: Multiplexer, knowledge: &Knowledge) -> Result<Option<u64>, BusError> {
-    let number = |value: Vec<u8>| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
-    Ok(match transfer(bus, Transfer::upload(at), knowledge)? {
-        Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(value)),
-        _ => None,
-    })
+/// Reads and writes objects of the device.
+struct Client<'a> {
+    exchange: Exchange<'a>,
+    knowledge: &'a Knowledge,
 }
 
-fn transfer(bus: &mut dyn Bus, what: (Transfer, Request), knowledge: &Knowledge) -> Result<Outcome, BusError> {
-    let mut exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
-    exchange.transfer(knowledge.node, what, knowledge.patience.answer)
+impl Client<'_> {
+    /// Reads a number; `None`: it can't be read.
+    fn read(&mut self, at: Multiplexer) -> Result<Option<u64>, BusError> {
+        let number = |value: Vec<u8>| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
+        Ok(match self.transfer(Transfer::upload(at))? {
+            Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(value)),
+            _ => None,
+        })
+    }
+
+    /// Writes a number; whether it was confirmed.
+    fn write(&mut self, known: &Known, value: u64) -> Result<bool, BusError> {
+        let bytes = value.to_le_bytes();
+        let value = bytes.get(..known.size.unwrap_or(0)).unwrap_or_default();
+        Ok(self.transfer(Transfer::download(known.at, value, Mode::Shortest))? == Outcome::Downloaded)
+    }
+
+    fn transfer(&mut self, what: (Transfer, Request)) -> Result<Outcome, BusError> {
+        self.exchange.transfer(self.knowledge.node, what, self.knowledge.patience.answer)
+    }
+
+    /// Writes values of power-on in the order in which a device takes them: what is valid is made invalid, parameters and
+    /// mapping are written, the number of mapped objects, and last what makes it valid again.
+    fn write_back(&mut self, changed: &mut [(&Known, u64)]) -> Result<(), BusError> {
+        for (known, power_on) in changed.iter().filter(|(known, _)| is_cob_id(known.at)) {
+            self.write(known, power_on | u64::from(CobId::INVALID))?;
+        }
+        changed.sort_by_key(|(known, _)| (is_cob_id(known.at), is_mapping(known.at) && known.at.sub.0 == 0, known.at));
+        for (known, power_on) in &*changed {
+            if self.write(known, *power_on)? {
+                continue;
+            }
+            // The PDO of a parameter that is refused is valid, or its mapping in use.
+            let knowledge = self.knowledge;
+            let others = switches(known.at).into_iter().filter_map(|at| knowledge.position(at));
+            let others: Vec<(&Known, u64)> = others.filter_map(|other| restorable(knowledge, other)).collect();
+            for (switch, usual) in &others {
+                self.write(switch, if is_cob_id(switch.at) { usual | u64::from(CobId::INVALID) } else { 0 })?;
+            }
+            self.write(known, *power_on)?;
+            for (switch, usual) in others.iter().rev() {
+                self.write(switch, *usual)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The objects that those frames name, and those that an RPDO may write.
@@ -98,37 +144,6 @@ fn restorable(knowledge: &Knowledge, entry: usize) -> Option<(&Known, u64)> {
     let is_free = limits::writing(known.at, knowledge, &BTreeSet::new()).is_none();
     let is_plain = known.stable && known.readable && known.writable && known.size.is_some_and(|size| size <= LONGEST);
     Some((known, known.power_on?)).filter(|_| is_free && is_plain)
-}
-
-/// Writes values of power-on in the order in which a device takes them: what is valid is made invalid, parameters and
-/// mapping are written, the number of mapped objects, and last what makes it valid again.
-fn write_back(bus: &mut dyn Bus, changed: &mut [(&Known, u64)], knowledge: &Knowledge) -> Result<(), BusError> {
-    let mut write = |known: &Known, value: u64| -> Result<bool, BusError> {
-        let bytes = value.to_le_bytes();
-        let value = bytes.get(..known.size.unwrap_or(0)).unwrap_or_default();
-        let download = Transfer::download(known.at, value, Mode::Shortest);
-        Ok(transfer(bus, download, knowledge)? == Outcome::Downloaded)
-    };
-    for (known, power_on) in changed.iter().filter(|(known, _)| is_cob_id(known.at)) {
-        write(known, power_on | u64::from(CobId::INVALID))?;
-    }
-    changed.sort_by_key(|(known, _)| (is_cob_id(known.at), is_mapping(known.at) && known.at.sub.0 == 0, known.at));
-    for (known, power_on) in &*changed {
-        if write(known, *power_on)? {
-            continue;
-        }
-        // The PDO of a parameter that is refused is valid, or its mapping in use.
-        let others = switches(known.at).into_iter().filter_map(|at| knowledge.position(at));
-        let others: Vec<(&Known, u64)> = others.filter_map(|other| restorable(knowledge, other)).collect();
-        for (switch, usual) in &others {
-            write(switch, if is_cob_id(switch.at) { usual | u64::from(CobId::INVALID) } else { 0 })?;
-        }
-        write(known, *power_on)?;
-        for (switch, usual) in others.iter().rev() {
-            write(switch, *usual)?;
-        }
-    }
-    Ok(())
 }
 
 fn is_cob_id(at: Multiplexer) -> bool {

@@ -1,12 +1,16 @@
 //! A run of the fuzzer: sequences until its time is over, each violation once, made small.
 
-use super::coverage::{Command, Coverage, LssReach, SdoState};
+mod shortening;
+mod violations;
+
+use super::coverage::{Command, Coverage, LssReach, SdoReach, SdoState};
 use super::execute::{Ended, Executor, Pace};
 use super::generate::{Dialogues, Target, Targets};
 use super::learn::learn;
 use super::live::Live;
 use super::oracle::Violation;
 use super::shrink::SequenceTree;
+use super::spent::Spent;
 use super::stand::TestStand;
 use super::stimulus::Sequence;
 use super::time_limit::TimeLimit;
@@ -15,9 +19,10 @@ use canvass_analyzer::wire::lss;
 use canvass_bus::{Bus, BusError};
 use canvass_suite::touch::Touch;
 use canvass_traces::{Duration, Record, Timestamp};
-use proptest::strategy::{Strategy, ValueTree};
+use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use std::collections::{BTreeMap, BTreeSet};
+use shortening::Shortening;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 /// What a run does.
@@ -85,6 +90,10 @@ pub struct Outcome {
     pub sequences: u64,
     /// What was exercised.
     pub coverage: Coverage,
+    /// What the time of the bus went into.
+    pub spent: Spent,
+    /// The part of it in which violations were repeated and made shorter.
+    pub spent_on_violations: Spent,
     /// Sequences that say nothing, because frames were lost on this machine or the bus was interrupted.
     pub unjudged: u64,
     /// Whether the device did not come back after a reset: the run ended with that.
@@ -132,9 +141,14 @@ pub fn run(
         violations: Vec::new(),
         sequences: 0,
         dead: false,
+        spent_on_violations: Spent::default(),
+        begun: stand.bus().now(),
+        unshortened: VecDeque::new(),
+        shortened_for: Duration::ZERO,
         plan,
     };
     campaign.fuzz(stand, &knowledge, go_on)?;
+    campaign.shorten_rest(stand)?;
     campaign.leave(stand)?;
     Ok(campaign.outcome())
 }
@@ -185,6 +199,14 @@ struct Campaign<'a> {
     violations: Vec<Found>,
     sequences: u64,
     dead: bool,
+    /// What repeating and shortening violations took.
+    spent_on_violations: Spent,
+    /// When the first sequence began.
+    begun: Timestamp,
+    /// Violations that are confirmed, and may be made shorter.
+    unshortened: VecDeque<Shortening>,
+    /// What that has taken.
+    shortened_for: Duration,
     plan: &'a Plan,
 }
 
@@ -194,13 +216,10 @@ enum Standing {
     Confirmed,
     /// It did not come back so often.
     Doubtful(u32),
+    /// All that was sent since a start shows it again at the swift pace, and is being made shorter. Before that it did not
+    /// come back so often.
+    InHistory(u32),
 }
-
-/// A violation that did not come back so often is not tried again.
-const MOST_DOUBTS: u32 = 3;
-
-/// On a device that goes on, shrinking one violation ends after that time of the bus.
-const LONGEST_SHRINKING: Duration = Duration::from_secs(10);
 
 impl Campaign<'_> {
     /// Sequences until the run is over.
@@ -233,10 +252,15 @@ impl Campaign<'_> {
         let pace = if stand.is_repeatable() { Pace::Careful } else { Pace::Swift };
         let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
         let refocus = if stand.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
+        // What was looked for and not reached waits for its next turn: a device may never get there.
+        let mut tried = BTreeMap::new();
         loop {
             if self.sequences.is_multiple_of(refocus) {
                 let coverage = &self.executor.coverage;
-                dialogues.focus = least_exercised(coverage, knowledge);
+                dialogues.focus = least_exercised(coverage, knowledge, &tried);
+                if let Some(focus) = dialogues.focus.filter(|_| !stand.is_repeatable()) {
+                    *tried.entry(focus).or_default() += 1;
+                }
                 dialogues.lss_focus =
                     Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
             }
@@ -246,6 +270,7 @@ impl Campaign<'_> {
             if self.is_over(go_on) {
                 return Ok(());
             }
+            self.shorten_in_turn(stand)?;
         }
     }
 
@@ -265,190 +290,18 @@ impl Campaign<'_> {
         let keep = !stand.is_repeatable();
         match self.executor.run(stand, tree.tried(), pace, keep)? {
             Ended::Well => Ok(()),
-            Ended::Violation(violation) => self.judge(stand, tree, violation, pace),
+            Ended::Violation(violation) => {
+                let before = self.executor.spent;
+                let tree = match self.executor.is_between {
+                    true => SequenceTree::new(self.executor.since_sequence()),
+                    false => tree,
+                };
+                let judged = self.judge(stand, tree, violation, pace);
+                self.spent_on_violations += self.executor.spent.since(&before);
+                judged
+            }
             Ended::Lost { violation, dead } => self.lose(stand, violation, dead),
         }
-    }
-
-    /// A violation was seen: it is repeated from power-on, with its sequence alone or, on a device that goes on, with all
-    /// that came before it. What was seen at the swift pace and does not come back may have been a late answer to another
-    /// frame: it is told of when it was seen several times.
-    fn judge(
-        &mut self,
-        stand: &mut dyn TestStand,
-        mut tree: SequenceTree,
-        violation: Violation,
-        pace: Pace,
-    ) -> Result<(), BusError> {
-        let key = (violation.property, violation.rule);
-        let doubts = match self.seen.get(&key) {
-            Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => return Ok(()),
-            Some(Standing::Doubtful(doubts)) => *doubts,
-            None => 0,
-        };
-        let (sequence, whole) = (tree.current(), self.executor.since_start());
-        let seen = Found {
-            violation,
-            sequence,
-            evidence: self.executor.evidence.clone(),
-            confirmed: false,
-            state: self.executor.kept.clone(),
-        };
-        let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation)?;
-        if matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len() {
-            confirmed = self.confirm(stand, &whole, &seen.violation)?;
-            tree = SequenceTree::new(whole);
-        }
-        let (found, lost) = match confirmed {
-            Confirmed::Again => (self.shrink(stand, &mut tree, seen.violation)?, None),
-            Confirmed::No => (seen, None),
-            Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
-        };
-        if !found.confirmed
-            && lost.is_none()
-            && doubts + 1 < MOST_DOUBTS
-            && pace == Pace::Swift
-            && self.may_be_mixed_up(&found.violation)
-        {
-            self.executor.distrust(key.0);
-            self.seen.insert(key, Standing::Doubtful(doubts + 1));
-            return Ok(());
-        }
-        let standing = if found.confirmed { Standing::Confirmed } else { Standing::Doubtful(doubts + 1) };
-        self.seen.insert(key, standing);
-        if found.confirmed {
-            self.executor.take_for_granted(key.0, key.1);
-        }
-        let is_known = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
-        match self.violations.iter_mut().find(is_known) {
-            Some(before) if found.confirmed => *before = found,
-            Some(_) => {}
-            None => self.violations.push(found),
-        }
-        match lost {
-            Some((violation, dead)) => self.lose(stand, violation, dead),
-            None => Ok(()),
-        }
-    }
-
-    /// Whether what was seen at the swift pace may come from an answer to another frame, or from an order of service that
-    /// nobody has promised.
-    fn may_be_mixed_up(&self, violation: &Violation) -> bool {
-        // A device that has died is no matter of order.
-        violation.property != Property::Alive
-            && !violation.is_silence
-            && (self.executor.is_in_order(violation.property) || is_mixable(violation))
-    }
-
-    /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
-    /// its end. `dead`: nor did further resets bring it back.
-    fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
-        self.dead |= dead;
-        let (sequence, evidence) = self.executor.before_start();
-        let key = (violation.property, violation.rule);
-        if self.seen.insert(key, Standing::Confirmed).is_some() {
-            return Ok(());
-        }
-        let mut confirmed = false;
-        if !dead {
-            self.executor.run(stand, &sequence, Pace::Careful, true)?;
-            if let Ended::Lost { dead, .. } = self.executor.restart(stand)? {
-                confirmed = true;
-                self.dead |= dead;
-            }
-        }
-        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new() });
-        Ok(())
-    }
-
-    /// Whether the sequence shows the same violation again, from power-on.
-    fn confirm(
-        &mut self,
-        stand: &mut dyn TestStand,
-        sequence: &Sequence,
-        as_in: &Violation,
-    ) -> Result<Confirmed, BusError> {
-        let keep = !stand.is_repeatable();
-        Ok(match self.executor.run(stand, sequence, Pace::Careful, keep)? {
-            Ended::Violation(violation) if is_same(&violation, as_in) => Confirmed::Again,
-            Ended::Lost { violation, dead } if keep => Confirmed::Lost(violation, dead),
-            _ => Confirmed::No,
-        })
-    }
-
-    /// Makes the sequence shorter. It has shown the violation from power-on.
-    fn shrink(
-        &mut self,
-        stand: &mut dyn TestStand,
-        tree: &mut SequenceTree,
-        violation: Violation,
-    ) -> Result<Found, BusError> {
-        let whole = Found {
-            sequence: tree.best().clone(),
-            evidence: self.executor.evidence.clone(),
-            state: self.executor.kept.clone(),
-            violation: violation.clone(),
-            confirmed: true,
-        };
-        // For what was found missing nobody waits as long again with each try.
-        self.executor.presume(Some((violation.property, violation.rule)));
-        let shortest = self.shorten(stand, tree, violation);
-        let has_hurried = self.executor.presume(None);
-        let found = self.show(stand, shortest?)?;
-        Ok(if has_hurried && !found.confirmed { whole } else { found })
-    }
-
-    fn shorten(
-        &mut self,
-        stand: &mut dyn TestStand,
-        tree: &mut SequenceTree,
-        violation: Violation,
-    ) -> Result<Found, BusError> {
-        // The frames of the shortest sequence so far, where they are kept.
-        let mut shown = std::mem::take(&mut self.executor.evidence);
-        let until = match stand.is_repeatable() {
-            true => Timestamp::MAX,
-            false => stand.bus().now() + LONGEST_SHRINKING,
-        };
-        let mut more = tree.simplify();
-        let mut tries = 0;
-        while more && tries < self.plan.shrink_budget && stand.bus().now() < until && !self.plan.time.is_over() {
-            tries += 1;
-            more = match self.confirm(stand, tree.tried(), &violation)? {
-                Confirmed::Again => {
-                    shown = std::mem::take(&mut self.executor.evidence);
-                    tree.simplify()
-                }
-                Confirmed::No => tree.complicate(),
-                Confirmed::Lost(lost, dead) => {
-                    self.lose(stand, lost, dead)?;
-                    !self.dead && tree.complicate()
-                }
-            };
-        }
-        let (sequence, state) = (tree.best().clone(), self.executor.kept.clone());
-        Ok(Found { violation, sequence, evidence: shown, confirmed: true, state })
-    }
-
-    /// Once more with its frames, and with the words for this sequence, if there is time for it.
-    fn show(&mut self, stand: &mut dyn TestStand, shortest: Found) -> Result<Found, BusError> {
-        if self.plan.time.is_over() && !shortest.evidence.is_empty() {
-            return Ok(shortest);
-        }
-        let last = match self.dead {
-            true => Ended::Well,
-            false => self.executor.run(stand, &shortest.sequence, Pace::Careful, true)?,
-        };
-        let evidence = std::mem::take(&mut self.executor.evidence);
-        let shown = Found { evidence, state: self.executor.kept.clone(), ..shortest };
-        Ok(match last {
-            Ended::Violation(last) if is_same(&last, &shown.violation) => Found { violation: last, ..shown },
-            Ended::Lost { violation: lost, dead } => {
-                self.lose(stand, lost, dead)?;
-                Found { confirmed: false, ..shown }
-            }
-            _ => Found { confirmed: false, ..shown },
-        })
     }
 
     fn is_over(&self, go_on: &mut dyn FnMut(Progress<'_>) -> bool) -> bool {
@@ -471,42 +324,12 @@ impl Campaign<'_> {
             sequences: self.sequences,
             unjudged: self.executor.unjudged,
             dead: self.dead,
+            spent: self.executor.spent,
+            spent_on_violations: self.spent_on_violations,
             coverage: self.executor.coverage,
             violations: self.violations,
         }
     }
-}
-
-/// What became of a repetition.
-enum Confirmed {
-    /// The same violation.
-    Again,
-    /// Another one, or none.
-    No,
-    /// The device did not come back from the reset before it, which is a violation of its own; whether further resets
-    /// did not bring it back either.
-    Lost(Violation, bool),
-}
-
-/// Whether the answer to another frame, come late, can look like that.
-fn is_mixable(violation: &Violation) -> bool {
-    let is_answer = matches!(
-        violation.property,
-        Property::LegalSdo
-            | Property::OneAnswer
-            | Property::Silent
-            | Property::Consistent
-            | Property::ReadBack
-            | Property::AbortedUnchanged
-            | Property::Restored
-            | Property::LegalLss
-            | Property::Fastscan
-    );
-    is_answer && !violation.is_silence
-}
-
-fn is_same(one: &Violation, other: &Violation) -> bool {
-    (one.property, one.rule) == (other.property, other.rule)
 }
 
 fn rng(seed: u64) -> TestRng {
@@ -517,8 +340,12 @@ fn rng(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &bytes)
 }
 
-/// The combination of SDO state and command that came least.
-fn least_exercised(coverage: &Coverage, knowledge: &Knowledge) -> Option<(SdoState, Command)> {
-    Coverage::sdo_pairs(knowledge.services.block_transfer != Some(false))
-        .min_by_key(|&(state, command)| coverage.sdo_count(state, command))
+/// The combination of SDO state and command that came least; those that were looked for before count as often as that.
+fn least_exercised(
+    coverage: &Coverage,
+    knowledge: &Knowledge,
+    tried: &BTreeMap<(SdoState, Command), u64>,
+) -> Option<(SdoState, Command)> {
+    let times = |pair: &(SdoState, Command)| tried.get(pair).copied().unwrap_or_default();
+    Coverage::sdo_pairs(SdoReach::of(knowledge)).min_by_key(|pair| coverage.sdo_count(pair.0, pair.1) + times(pair))
 }

@@ -1,6 +1,6 @@
 //! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
 
-use super::{Knowledge, Services};
+use super::{Knowledge, Known, Services};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::layer_setting::{Dialect, Request};
 use canvass_analyzer::wire::sdo::Response;
@@ -236,6 +236,34 @@ impl Default for Coverage {
     }
 }
 
+/// What a run can reach of the SDO server: which states it has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SdoReach {
+    /// It knows block transfers.
+    pub blocks: bool,
+    /// It has a value that does not fit into one frame, so that it is sent in segments.
+    pub long_values: bool,
+}
+
+impl SdoReach {
+    /// Of that device; where nobody has said, it has all.
+    pub fn of(knowledge: &Knowledge) -> Self {
+        let is_long = |known: &Known| known.readable && known.size.is_none_or(|size| size > 4);
+        Self {
+            blocks: knowledge.services.block_transfer != Some(false),
+            long_values: !knowledge.is_described() || knowledge.entries().iter().any(is_long),
+        }
+    }
+
+    const fn has(self, state: SdoState) -> bool {
+        match state {
+            SdoState::Idle | SdoState::Download => true,
+            SdoState::Upload => self.long_values,
+            _ => self.blocks,
+        }
+    }
+}
+
 /// What a run can reach of LSS, or of LMT. A master can send every command in every state; so what counts is which states
 /// the slave has, and what nobody has allowed.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -297,24 +325,17 @@ impl Coverage {
         self.lss[state as usize][command as usize].iter().sum()
     }
 
-    /// The combinations of SDO state and command that a device can reach: those of block transfers only where it has
-    /// them. A block segment exists only in a block download, where nothing but an abort is anything else.
-    pub fn sdo_pairs(block_transfer: bool) -> impl Iterator<Item = (SdoState, Command)> {
-        SdoState::ALL.iter().flat_map(|&state| Command::ALL.iter().map(move |&command| (state, command))).filter(
-            move |&(state, command)| {
-                let in_blocks = state >= SdoState::BlockDownload;
-                match state {
-                    SdoState::BlockDownload => {
-                        block_transfer
-                            && matches!(
-                                command,
-                                Command::BlockSegment | Command::Abort | Command::Short | Command::Extended
-                            )
-                    }
-                    _ => command != Command::BlockSegment && (block_transfer || !in_blocks),
-                }
-            },
-        )
+    /// The combinations of SDO state and command that can be reached. A block segment exists only in a block download,
+    /// where nothing but an abort is anything else.
+    pub fn sdo_pairs(reach: SdoReach) -> impl Iterator<Item = (SdoState, Command)> {
+        let states = SdoState::ALL.iter().copied().filter(move |&state| reach.has(state));
+        let pairs = states.flat_map(|state| Command::ALL.iter().map(move |&command| (state, command)));
+        pairs.filter(|&(state, command)| match state {
+            SdoState::BlockDownload => {
+                matches!(command, Command::BlockSegment | Command::Abort | Command::Short | Command::Extended)
+            }
+            _ => command != Command::BlockSegment,
+        })
     }
 
     /// The combinations of LSS state and command that can be reached.
@@ -331,8 +352,8 @@ impl Coverage {
     }
 
     /// How many of the reachable SDO pairs were seen, and how many there are.
-    pub fn sdo_share(&self, block_transfer: bool) -> (usize, usize) {
-        let pairs: Vec<_> = Self::sdo_pairs(block_transfer).collect();
+    pub fn sdo_share(&self, reach: SdoReach) -> (usize, usize) {
+        let pairs: Vec<_> = Self::sdo_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.sdo_count(state, command) > 0).count(), pairs.len())
     }
 
@@ -364,5 +385,16 @@ impl Coverage {
                 })
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_server_does_not_have_is_not_reachable() {
+        let pairs = |blocks, long_values| Coverage::sdo_pairs(SdoReach { blocks, long_values }).count();
+        assert_eq!([pairs(true, true), pairs(true, false), pairs(false, true), pairs(false, false)], [109, 94, 45, 30]);
     }
 }

@@ -47,7 +47,7 @@ pub struct Detected {
 /// How many tries making a sequence shorter may take.
 const SHRINK_BUDGET: u32 = 2_000;
 
-/// Looks for a fault on the model that shows it; what only `--allow` permits is done where the fault needs it.
+/// Looks for a fault on the model that shows it; what has to be allowed is done where the fault needs it.
 ///
 /// # Errors
 /// [`FuzzError`] if the device can't be reached.

@@ -1,10 +1,14 @@
 //! Runs one sequence and holds every frame against the reference models.
 
+mod recovery;
+mod waits;
+
 use super::baseline::{self, Kept};
 use super::coverage::Coverage;
 use super::oracle::{Oracle, Violation};
 use super::property::Property;
-use super::stand::{Readiness, TestStand};
+use super::spent::{Cause, Spent};
+use super::stand::{Readiness, TestStand, wait_for_boot_up};
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use super::time_limit::TimeLimit;
 use super::trust::Trusts;
@@ -14,7 +18,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss;
 use canvass_analyzer::wire::sdo::{AbortCode, REQUEST_BASE, RESPONSE_BASE, Request};
 use canvass_bus::{BusError, Health};
-use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
+use canvass_traces::{Frame, Record, Timestamp};
 use std::any::Any;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,8 +51,15 @@ pub(super) struct Executor {
     pub kept: Vec<Kept>,
     /// Sequences since the last start.
     in_a_row: u32,
-    /// The last sequence has left the device where the next one can begin.
-    rests: bool,
+    /// Where the last sequence has left the device.
+    left: Left,
+    /// At that number of the frames since the last start the last sequence began, or its tail.
+    begun_at: usize,
+    /// At that stimulus the tail of the last sequence began: at rest, after a violation that was told of before.
+    tail: usize,
+    /// What of the frames since the last start needs no putting right: at that number of them the device held the values of
+    /// power-on.
+    settled: usize,
     pace: Pace,
     /// How long silence has to last, and what can stand for it.
     trusts: Trusts,
@@ -56,14 +67,26 @@ pub(super) struct Executor {
     presumed: Option<(Property, &'static str)>,
     /// That was seen again, without the whole of its time.
     has_hurried: bool,
-    /// Violations that need no further proof: for an answer that is known not to come nobody waits long.
+    /// Violations that were told of: they end no sequence.
     known: BTreeSet<(Property, &'static str)>,
+    /// Those of them that were silence: for an answer that is known not to come nobody waits long.
+    known_silence: BTreeSet<(Property, &'static str)>,
     /// How often an answer of the SDO server took so long that others have to be left out: by what was awaited.
     slow: BTreeMap<&'static str, u32>,
     /// An answer to this frame that must not come shows also when the next frame follows at once.
     followed: bool,
     keep: bool,
+    /// What the time went into.
+    pub spent: Spent,
+    /// What the wait that is under way, or was the last, was for.
+    awaited: Cause,
     time: TimeLimit,
+    /// The request to read that each sequence ends with is under way: its silence is a violation of its own.
+    probing: bool,
+    /// The last sequence has not begun: the device was not at rest before it, and has shown so.
+    pub is_between: bool,
+    /// What came last from others.
+    heard: Option<Frame>,
     /// Own frames that were handed over and have not been on the bus.
     outstanding: usize,
     /// Sequences that say nothing, because the way to the device failed.
@@ -84,6 +107,17 @@ pub(super) enum Pace {
     Swift,
 }
 
+/// Where a sequence has left the device.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Left {
+    /// Where the next one can begin.
+    AtRest,
+    /// Where the next one can begin once the device has said what it holds.
+    Recoverable,
+    /// Where only a reset helps.
+    Unknown,
+}
+
 /// How a sequence ended.
 #[derive(Debug)]
 pub(super) enum Ended {
@@ -94,6 +128,9 @@ pub(super) enum Ended {
     /// The device was lost before the sequence: the reset did not bring it back. `dead`: nor did further ones.
     Lost { violation: Violation, dead: bool },
 }
+
+/// What a server violates that can't be read any more.
+const WEDGED: (Property, &str) = (Property::Responsive, "canonical read");
 
 /// The rule that a device breaks that does nothing any more.
 pub(super) const DEATH: &str = "device death";
@@ -116,6 +153,9 @@ const MOST_QUIET: u64 = 10;
 /// On a device that goes on, an answer that may come or not is waited for so many times as long as silence has to last; and
 /// so is every one where a violation is repeated.
 const LATE_ANSWER: u64 = 3;
+
+/// So many frames may have their answers under way.
+const LATELY: usize = 8;
 
 /// An answer that is missing, as it was before, is waited for so many times as long as silence has to last: twelve times the
 /// usual time of an answer, and more.
@@ -177,16 +217,25 @@ impl Executor {
             before: (Sequence::default(), Vec::new()),
             kept: Vec::new(),
             in_a_row: 0,
-            rests: false,
+            left: Left::Unknown,
+            begun_at: 0,
+            tail: 0,
+            settled: 0,
             pace: Pace::Careful,
             trusts: Trusts::new(knowledge.patience.quiet),
             presumed: None,
             has_hurried: false,
             known: BTreeSet::new(),
+            known_silence: BTreeSet::new(),
             slow: BTreeMap::new(),
             followed: false,
             keep: false,
+            spent: Spent::default(),
+            awaited: Cause::Answer,
             time,
+            probing: false,
+            is_between: false,
+            heard: None,
             outstanding: 0,
             unjudged: 0,
             response: RESPONSE_BASE + node,
@@ -209,10 +258,13 @@ impl Executor {
     ) -> Result<Ended, BusError> {
         self.keep = keep;
         self.pace = pace;
+        (self.probing, self.is_between) = (false, false);
         self.outstanding = 0;
-        let goes_on = pace == Pace::Swift && self.rests && self.in_a_row < MOST_IN_A_ROW;
-        self.rests = false;
-        let is_begun = Cell::new(goes_on);
+        let goes_on = pace == Pace::Swift && self.in_a_row < MOST_IN_A_ROW && sequence.start == Start::Configured;
+        if !goes_on {
+            self.left = Left::Unknown;
+        }
+        let is_begun = Cell::new(self.left != Left::Unknown);
         // A device in this process can panic. What is left of it is not used any more: the next start makes it anew.
         let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(stand, sequence, &is_begun)));
         let ended = ended.unwrap_or_else(|panic| {
@@ -242,10 +294,24 @@ impl Executor {
             return Ok(());
         }
         self.in_time(stand)?;
-        if !is_begun.get() {
+        let goes_on = match std::mem::replace(&mut self.left, Left::Unknown) {
+            // What is to be shown again must not come from where the try before has ended.
+            Left::AtRest if self.presumed.is_none() => true,
+            Left::AtRest | Left::Recoverable if !self.is_recovery_faster() => false,
+            Left::AtRest | Left::Recoverable => {
+                self.is_between = true;
+                let recovered = self.recover(stand)?;
+                self.is_between = false;
+                recovered
+            }
+            Left::Unknown => false,
+        };
+        is_begun.set(goes_on);
+        if !goes_on {
             self.start(stand, sequence.start)?;
             is_begun.set(true);
         }
+        (self.begun_at, self.tail) = (self.sent.len(), 0);
         self.in_a_row += 1;
         self.trusts.regain();
         let before = stand.bus().health();
@@ -257,19 +323,35 @@ impl Executor {
             self.unjudged += 1;
             return Ok(());
         }
-        self.rests = ended.is_ok() && self.oracle.is_at_rest();
+        self.left = match &ended {
+            Ok(()) if self.oracle.is_at_rest() => Left::AtRest,
+            ended if self.may_recover(ended) => Left::Recoverable,
+            _ => Left::Unknown,
+        };
         ended
     }
 
     /// Brings the device to its start, with the values of power-on.
     fn start(&mut self, stand: &mut dyn TestStand, start: Start) -> Result<(), Stop> {
+        let begun = stand.bus().now();
+        let ended = self.bring_to_start(stand, start);
+        // A simulated device begins at a new time.
+        self.spent.add(Cause::Start, stand.bus().now().since(begun));
+        ended
+    }
+
+    fn bring_to_start(&mut self, stand: &mut dyn TestStand, start: Start) -> Result<(), Stop> {
         let is_repeatable = stand.is_repeatable();
         let evidence = std::mem::take(&mut self.evidence);
         if !is_repeatable {
             let stimuli = std::mem::take(&mut self.sent);
             self.before = (Sequence { start: Start::Configured, stimuli }, evidence);
         }
-        self.in_a_row = 0;
+        (self.in_a_row, self.begun_at, self.settled) = (0, 0, 0);
+        if !is_repeatable && self.knowledge.services.boot_up_message && self.oracle.is_booting() {
+            // Its boot-up message would be taken for that of the next reset.
+            wait_for_boot_up(stand.bus(), self.knowledge.node, self.knowledge.patience.boot)?;
+        }
         let health = stand.bus().health();
         let readiness = stand.begin(start)?;
         if readiness != Readiness::Ready && !is_troubled(stand, &health) {
@@ -278,14 +360,14 @@ impl Executor {
                 format!("a boot-up message, or an answer, within {within} of the reset between two sequences");
             let dead = readiness == Readiness::Dead;
             let violation = match dead {
-                true => self.death(DEATH, &expected, "neither of them, after repeated resets"),
+                true => self.death(DEATH, &expected, "neither of them, and no reset brought it back"),
                 false => self.death(REVIVED, &expected, "neither of them; a further reset brought it back"),
             };
             return Err(Stop::Lost { violation, dead });
         }
         self.kept.clear();
         if !is_repeatable {
-            self.kept = baseline::restore(stand.bus(), &self.before.0.stimuli, &self.knowledge)?;
+            self.kept = baseline::restore(stand.bus(), &self.before.0.stimuli, &self.knowledge, &mut |_| ())?;
         }
         self.trusts.awaits_lss = false;
         self.oracle.start(stand.bus().now(), start);
@@ -305,6 +387,11 @@ impl Executor {
         let ended = self.run(stand, &Sequence::default(), Pace::Careful, true);
         self.time = time;
         ended
+    }
+
+    /// The next sequence begins with a reset, wherever the last one has left the device.
+    pub const fn forget_rest(&mut self) {
+        self.left = Left::Unknown;
     }
 
     /// A sequence has shown something that did not come back: an answer may have come later than was waited for, or the
@@ -328,14 +415,39 @@ impl Executor {
         std::mem::replace(&mut self.has_hurried, false)
     }
 
-    /// That violation needs no further proof.
-    pub fn take_for_granted(&mut self, property: Property, rule: &'static str) {
-        self.known.insert((property, rule));
+    /// That violation was told of, and is no news any more.
+    pub fn take_for_granted(&mut self, violation: &Violation) {
+        let key = (violation.property, violation.rule);
+        self.known.insert(key);
+        if violation.is_silence {
+            self.known_silence.insert(key);
+        }
     }
 
     /// What was sent since the last start: all that has made the device what it is.
     pub fn since_start(&self) -> Sequence {
         Sequence { start: Start::Configured, stimuli: self.sent.clone() }
+    }
+
+    /// The stimulus of the last sequence from which on the device had violated nothing.
+    pub const fn tail(&self) -> usize {
+        self.tail
+    }
+
+    /// What was sent since the last start before the last sequence, or its tail.
+    pub fn before_sequence(&self) -> &[Stimulus] {
+        self.sent.get(..self.begun_at).unwrap_or_default()
+    }
+
+    /// What was sent since the last sequence began.
+    pub fn since_sequence(&self) -> Sequence {
+        let stimuli = self.sent.get(self.begun_at..).unwrap_or_default().to_vec();
+        Sequence { start: Start::Configured, stimuli }
+    }
+
+    /// What is known of the device.
+    pub fn knowledge(&self) -> &Knowledge {
+        &self.knowledge
     }
 
     /// What was sent between the last start and the one before, and the frames.
@@ -365,7 +477,16 @@ impl Executor {
             let next = sequence.stimuli.get(at + 1);
             self.followed = shows_late(&stimulus.frame)
                 || next.is_some_and(|next| next.frame.id() == stimulus.frame.id() && !stimulus.frame.is_remote());
-            self.step(stand, stimulus)?;
+            match self.step(stand, stimulus) {
+                Err(Stop::Violation(violation)) if self.is_tolerated(stand, &violation) => {
+                    if !self.recover(stand)? {
+                        return Err(violation.into());
+                    }
+                    (self.begun_at, self.tail) = (self.sent.len(), at + 1);
+                    continue;
+                }
+                done => done?,
+            }
             if is_live && stimulus.then == Then::AtOnce && next.is_some_and(|next| !self.are_told_apart(stimulus, next))
             {
                 self.settle(stand)?;
@@ -403,9 +524,12 @@ impl Executor {
             // There a request to read can't be told from a segment.
             self.step(stand, &Stimulus::settle(self.abort))?;
         }
-        match self.step(stand, &Stimulus::settle(self.probe)) {
+        self.probing = true;
+        let answered = self.step(stand, &Stimulus::settle(self.probe));
+        self.probing = false;
+        match answered {
             Err(Stop::Violation(violation)) if violation.is_silence => {
-                Err(Stop::Violation(Violation { property: Property::Responsive, rule: "canonical read", ..violation }))
+                Err(Stop::Violation(Violation { property: WEDGED.0, rule: WEDGED.1, ..violation }))
             }
             done => done,
         }
@@ -428,231 +552,10 @@ impl Executor {
             }
         }
     }
-
-    /// Nothing is under way any more.
-    fn be_quiet(&mut self) {
-        self.trusts.awaits_lss = false;
-        self.oracle.quiet();
-    }
-
-    /// Whether nobody need wait for silence: an answer that must not come shows before the answer to the next frame.
-    fn may_hurry(&self) -> bool {
-        self.pace == Pace::Swift && self.followed && !self.oracle.may_be_answered()
-    }
-
-    /// Until what is due has come, or no answer has come for a while where none is due.
-    fn settle(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
-        let answer = self.knowledge.patience.answer;
-        let mut quiet = self.trusts.quiet();
-        let must_be_sure = self.pace == Pace::Careful || self.oracle.may_be_answered();
-        if must_be_sure && !stand.is_repeatable() {
-            // What comes later would be taken for the answer to the next frame.
-            quiet = quiet.times(LATE_ANSWER);
-        }
-        let mut was_due = false;
-        let mut until = Timestamp::MAX;
-        let mut known_by = self.known_by(stand);
-        let longest = stand.bus().now() + quiet.times(MOST_QUIET);
-        let begun = stand.bus().now();
-        loop {
-            let due = self.oracle.due();
-            let awaited = self.oracle.awaits();
-            let deadline = match due {
-                _ if self.outstanding > 0 => stand.bus().now() + answer,
-                Some(due) => due.min(known_by),
-                None if was_due && !self.oracle.is_open() => return Ok(()),
-                None if self.may_hurry() => return Ok(()),
-                None if self.may_ask(stand) => return self.ask(stand),
-                None => {
-                    if until == Timestamp::MAX {
-                        until = stand.bus().now() + quiet;
-                    }
-                    until
-                }
-            };
-            was_due |= due.is_some();
-            match self.receive(stand, deadline)? {
-                // Several answers may be under way; heartbeats and PDOs come all the time.
-                Received::Answer => {
-                    until = Timestamp::MAX;
-                    self.remember_slow(awaited, stand.bus().now().since(begun));
-                }
-                // The answer may wait for the bus.
-                Received::Bystander if stand.bus().now() < longest => until = Timestamp::MAX,
-                Received::Bystander | Received::Other => {}
-                Received::Nothing => {
-                    self.oracle.expire(stand.bus().now())?;
-                    if self.outstanding > 0 {
-                        // The bus does not take the frame: nothing can be said about the device.
-                        self.outstanding = 0;
-                    } else if let Some(due) = due {
-                        if stand.bus().now() >= known_by {
-                            known_by = Timestamp::MAX;
-                            self.is_missing_as_before(due)?;
-                            self.give_up(stand)?;
-                        }
-                    } else {
-                        self.be_quiet();
-                        return Ok(());
-                    }
-                }
-            }
-        }
-    }
-
-    /// When an answer that has not come is held against those that are known not to come, or to be slow.
-    fn known_by(&self, stand: &mut dyn TestStand) -> Timestamp {
-        let is_known = match self.pace {
-            Pace::Careful => self.presumed.is_some() && !stand.is_repeatable(),
-            Pace::Swift => !self.known.is_empty() || !self.slow.is_empty(),
-        };
-        if is_known { stand.bus().now() + self.trusts.quiet().times(MISSING_ANSWER) } else { Timestamp::MAX }
-    }
-
-    /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
-    fn remember_slow(&mut self, awaited: Option<&'static str>, took: Duration) {
-        if let Some(awaited) =
-            awaited.filter(|_| self.pace == Pace::Swift && took > self.trusts.quiet().times(SLOW_ANSWER))
-        {
-            *self.slow.entry(awaited).or_default() += 1;
-        }
-    }
-
-    /// Aborts a transfer whose answer is known to be slow: it was judged when it came before.
-    fn give_up(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
-        let slow = self.oracle.awaits().and_then(|awaited| self.slow.get(awaited));
-        if self.pace == Pace::Careful || slow.is_none_or(|&times| times < MOST_SLOW) {
-            return Ok(());
-        }
-        stand.bus().send(&self.abort)?;
-        self.sent.push(Stimulus::settle(self.abort));
-        self.outstanding += 1;
-        Ok(())
-    }
-
-    /// Ends the sequence where the answer that is due until then is one that is known not to come: the whole of its time
-    /// was waited for when it was missing for the first time, and when that was repeated.
-    fn is_missing_as_before(&mut self, due: Timestamp) -> Result<(), Stop> {
-        match self.oracle.clone().expire(due) {
-            Err(violation) if self.is_known(&violation) => {
-                self.has_hurried = true;
-                Err(violation.into())
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn is_known(&self, violation: &Violation) -> bool {
-        let key = (violation.property, violation.rule);
-        match self.pace {
-            Pace::Careful => self.presumed == Some(key),
-            Pace::Swift => self.known.contains(&key),
-        }
-    }
-
-    /// Whether a request can take the place of waiting: its answer comes when what was sent before it is done.
-    fn may_ask(&self, stand: &dyn TestStand) -> bool {
-        self.pace == Pace::Swift && self.trusts.are_in_order() && !stand.is_repeatable() && self.oracle.may_be_asked()
-    }
-
-    /// Reads 1000h; what comes until the answer is judged. It is no exchange of the sequence, and not counted as one.
-    fn ask(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
-        let executions = self.executions;
-        stand.bus().send(&self.probe)?;
-        self.sent.push(Stimulus::settle(self.probe));
-        self.outstanding += 1;
-        let begun = stand.bus().now();
-        let until = begun + self.knowledge.patience.answer;
-        let longest = begun + self.trusts.quiet().times(MOST_QUIET);
-        loop {
-            let due = self.oracle.due();
-            let deadline = match due {
-                _ if self.outstanding > 0 => until,
-                Some(due) => due,
-                None if self.oracle.may_be_asked() => break,
-                // What came meanwhile leaves open whether it is answered.
-                None => longest.min(stand.bus().now() + self.trusts.quiet().times(LATE_ANSWER)),
-            };
-            if self.receive(stand, deadline)? == Received::Nothing {
-                self.oracle.expire(stand.bus().now())?;
-                if self.outstanding == 0 && due.is_none() {
-                    break;
-                }
-                self.outstanding = 0;
-            }
-        }
-        self.executions = executions;
-        self.be_quiet();
-        Ok(())
-    }
-
-    /// Lets time pass.
-    fn pass(&mut self, stand: &mut dyn TestStand, until: Timestamp) -> Result<(), Stop> {
-        let mut heard = stand.bus().now();
-        loop {
-            let deadline = self.oracle.due().unwrap_or(until).min(until);
-            match self.receive(stand, deadline)? {
-                Received::Answer => heard = stand.bus().now(),
-                Received::Bystander | Received::Other => {}
-                Received::Nothing => {
-                    let now = stand.bus().now();
-                    self.oracle.expire(now)?;
-                    if now >= until {
-                        // In a short pause an answer may still be under way.
-                        if now.since(heard) >= self.trusts.quiet() {
-                            self.be_quiet();
-                        }
-                        return Ok(());
-                    }
-                }
-            }
-        }
-    }
-
-    /// The next frame, if there is one until the deadline.
-    fn receive(&mut self, stand: &mut dyn TestStand, deadline: Timestamp) -> Result<Received, Stop> {
-        let Some(record) = stand.bus().receive(deadline)? else { return Ok(Received::Nothing) };
-        if record.frame.is_error() {
-            return Ok(Received::Other);
-        }
-        let (now, frame, own) = (record.timestamp, record.frame, record.direction == Direction::Tx);
-        if self.keep {
-            if self.evidence.len() >= 2 * LONGEST_EVIDENCE {
-                self.evidence.drain(..LONGEST_EVIDENCE);
-            }
-            self.evidence.push(record);
-        }
-        if own {
-            self.outstanding = self.outstanding.saturating_sub(1);
-            self.oracle.sent(now, &frame, &mut self.coverage)?;
-            self.executions += u64::from(self.oracle.judges(&frame));
-            return Ok(Received::Answer);
-        }
-        self.oracle.received(now, &frame, &mut self.coverage)?;
-        let id = frame.cob_id();
-        let is_answer = id == Some(self.response) || id == Some(lss::SLAVE_CAN_ID);
-        Ok(match id {
-            _ if is_answer => Received::Answer,
-            Some(id) if self.knowledge.bystanders.contains(&id) => Received::Bystander,
-            _ => Received::Other,
-        })
-    }
 }
 
 /// Whether frames were lost on this machine, or the bus was interrupted, since then.
 fn is_troubled(stand: &mut dyn TestStand, before: &Health) -> bool {
     let trouble = stand.bus().health().since(before);
     trouble.lost > 0 || trouble.interruptions > 0
-}
-
-/// What was received.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Received {
-    Nothing,
-    /// An own frame, or one with which servers and slaves answer.
-    Answer,
-    /// What others send, or the device beside its services.
-    Bystander,
-    /// What comes by itself.
-    Other,
 }

@@ -110,7 +110,7 @@ impl Patience {
 }
 
 /// What is added to twice the usual time of an answer.
-const LEAST_QUIET: Duration = Duration::from_millis(2);
+const LEAST_QUIET: Duration = Duration::from_millis(1);
 /// A device that boots at once is given that time all the same.
 const LEAST_BOOT: Duration = Duration::from_secs(1);
 
@@ -175,7 +175,7 @@ impl Knowledge {
             patience: Patience::default(),
             rpdos: entries
                 .iter()
-                .filter(|known| known.at.sub.0 == 1 && (0x1400..0x1600).contains(&known.at.index.0))
+                .filter(|known| known.at.sub.0 == 1 && object::is_rpdo_communication(known.at.index.0))
                 .map(|known| known.at.index.0)
                 .collect(),
             bystanders: BTreeSet::new(),
@@ -279,7 +279,7 @@ impl Services {
 
 /// Objects whose reading differs from what was written, by their purpose.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
-    matches!(at.index.0, object::ERROR_REGISTER | 0x1002 | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+    matches!(at.index.0, object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
 /// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).

@@ -11,6 +11,7 @@
 
 mod baseline;
 pub mod campaign;
+mod condense;
 pub mod coverage;
 pub mod detection;
 mod execute;
@@ -24,6 +25,7 @@ mod oracle;
 mod property;
 pub mod reproducer;
 mod shrink;
+mod spent;
 pub mod stand;
 mod stimulus;
 pub mod storm;
@@ -37,4 +39,5 @@ pub use live::Live;
 pub use oracle::Violation;
 pub use property::{Property, UnknownProperty};
 pub use shrink::SequenceTree;
+pub use spent::{Cause, Spent};
 pub use stimulus::{Sequence, Start, Stimulus, Then};

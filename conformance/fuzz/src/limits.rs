@@ -21,7 +21,7 @@ pub enum Forbidden {
 impl fmt::Display for Forbidden {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Touch(touch) => write!(f, "{}, which only --allow {touch} permits", touch.text()),
+            Self::Touch(touch) => write!(f, "{}, which is not allowed", touch.text()),
             Self::Program => f.write_str("writes the device's program"),
         }
     }

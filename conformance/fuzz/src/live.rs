@@ -28,6 +28,9 @@ const RESETS: u32 = 3;
 /// A device that was alive before its first reset is given that time to come back: nobody knows yet how long it takes.
 const FIRST_BOOT: Duration = Duration::from_secs(15);
 
+/// A boot-up message is waited for so long before an answer is asked for, again and again.
+const SOON: Duration = Duration::from_secs(1);
+
 impl<'a> Live<'a> {
     /// The device that `knowledge` is about.
     pub fn new(bus: &'a mut dyn Bus, knowledge: &Knowledge) -> Self {
@@ -57,18 +60,18 @@ impl<'a> Live<'a> {
         let reset = Nmt { command: Command::RESET_NODE, node: self.node.raw() };
         let begun = self.bus.now();
         self.bus.send(&reset.to_frame(nmt::CAN_ID))?;
-        if self.boot_up_message && wait_for_boot_up(self.bus, self.node, boot)? {
-            self.restart = Some(self.bus.now().since(begun));
-            return Ok(true);
+        if !self.boot_up_message {
+            self.drain(self.patience.quiet)?;
         }
-        // Where there is no boot-up message, an answer is the sign of life.
-        self.drain(self.patience.quiet)?;
+        // Where there is no boot-up message, or it does not come, an answer is the sign of life.
         loop {
-            if self.is_alive()? {
+            let soon = SOON.max(self.patience.quiet).min(boot);
+            if self.boot_up_message && wait_for_boot_up(self.bus, self.node, soon)? || self.is_alive()? {
                 self.restart = Some(self.bus.now().since(begun));
                 return Ok(true);
             }
-            if self.bus.now() >= begun + boot || self.time.is_over() {
+            // Also where the run's time is over: a device that is still starting is not dead.
+            if self.bus.now() >= begun + boot {
                 return Ok(false);
             }
         }

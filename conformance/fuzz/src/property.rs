@@ -67,7 +67,7 @@ properties! {
     LegalLss = "PROP-10" "every LSS response is legal in its state",
     /// Fastscan identifies, and switches to configuration, only after all 128 bits of the address have matched.
     Fastscan = "PROP-11" "Fastscan compares every bit",
-    /// Whatever comes in, EMCY messages stay few, and each error is told once.
+    /// Whatever comes in, EMCY messages stay few, and each error is reported once.
     EmcyRate = "PROP-12" "no storm of EMCY messages",
     /// No boot-up message without a reset: the device did not restart by itself.
     NoRestart = "PROP-13" "no restart by itself",

@@ -72,6 +72,11 @@ impl SequenceTree {
         self.variant.as_ref().unwrap_or(&self.best)
     }
 
+    /// The variant that was to be tried, or the next one; `false` if there is none.
+    pub(super) fn go_on(&mut self) -> bool {
+        self.variant.is_some() || self.advance()
+    }
+
     /// Makes the next variant; `false` if there is none.
     fn advance(&mut self) -> bool {
         loop {

@@ -3,6 +3,7 @@
 use super::Script;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::{CanId, Frame};
@@ -136,8 +137,8 @@ impl Script<'_> {
             (object::COB_ID_SYNC, 0),
             (object::COB_ID_TIME, 0),
             (object::COB_ID_EMCY, 0),
-            (0x1201, 1),
-            (0x1201, 2),
+            (object::FURTHER_SDO_SERVER_PARAMETER, 1),
+            (object::FURTHER_SDO_SERVER_PARAMETER, 2),
         ]);
         let at = Multiplexer::new(index, sub);
         let Some(own) = self.knowledge().entry(at).filter(|known| known.writable).and_then(|known| known.power_on)
@@ -146,7 +147,7 @@ impl Script<'_> {
         };
         let flag = self.dice.one_of([0, 1 << 30, 1 << 31]);
         let free = 0x181 + self.dice.below(0x3F0) as u32;
-        let own = if index == 0x1201 { free } else { own as u32 & 0x7FFF_FFFF | flag };
+        let own = if index == object::FURTHER_SDO_SERVER_PARAMETER { free } else { own as u32 & 0x7FFF_FFFF | flag };
         self.sdo(Request::download(at, &own.to_le_bytes()));
         let other = own ^ 1 << self.dice.below(11);
         self.sdo(Request::download(at, &other.to_le_bytes()));
@@ -204,8 +205,12 @@ impl Script<'_> {
 
     /// Limits that the present value exceeds make the device report an error.
     fn provoke(&mut self) {
-        let Some(known) =
-            self.object_where(|known| known.writable && matches!(known.at.index.0, 0x2120 | 0x6401 | 0x6402)).cloned()
+        let Some(known) = self
+            .object_where(|known| {
+                known.writable
+                    && matches!(known.at.index.0, 0x2120 | encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
+            })
+            .cloned()
         else {
             return self.short_pdos();
         };

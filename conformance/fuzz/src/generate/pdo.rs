@@ -2,6 +2,7 @@
 
 use super::Script;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::Frame;
 
@@ -50,7 +51,7 @@ impl Script<'_> {
         let found = self.object_where(|known| known.at.sub.0 == 1 && range.contains(&known.at.index.0));
         let index = found.map(|known| known.at.index.0);
         index.or_else(|| {
-            self.object_where(|known| known.at.sub.0 == 1 && (0x1800..0x1A00).contains(&known.at.index.0))
+            self.object_where(|known| known.at.sub.0 == 1 && object::is_tpdo_communication(known.at.index.0))
                 .map(|known| known.at.index.0)
         })
     }

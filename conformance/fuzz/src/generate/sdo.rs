@@ -6,6 +6,7 @@ use super::super::stimulus::Then;
 use super::Script;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, REQUEST_BASE, Request, Segment, crc16};
 use canvass_traces::{CanId, Frame};
@@ -80,12 +81,12 @@ impl Script<'_> {
             let known = script.knowledge().entry(at).filter(|known| known.writable).cloned();
             known.map(|known| script.value_of(&known))
         };
-        let position = Multiplexer::new(0x6004, 0);
+        let position = Multiplexer::new(encoder::POSITION_VALUE, 0);
         if self.knowledge().entry(position).is_none() {
             return self.read();
         }
-        self.sdo(Request::download(Multiplexer::new(0x6000, 0), &[4, 0]));
-        for index in [0x6001, 0x6002, 0x6003] {
+        self.sdo(Request::download(Multiplexer::new(encoder::OPERATING_PARAMETERS, 0), &[4, 0]));
+        for index in [encoder::UNITS_PER_REVOLUTION, encoder::TOTAL_MEASURING_RANGE, encoder::PRESET_VALUE] {
             if self.dice.one_in(3) {
                 continue;
             }
@@ -98,7 +99,7 @@ impl Script<'_> {
                 self.sdo(Request::download(Multiplexer::new(index, 0), &value.to_le_bytes()[..4]));
             }
         }
-        self.sdo(Request::upload(Multiplexer::new(0x6000, 0)));
+        self.sdo(Request::upload(Multiplexer::new(encoder::OPERATING_PARAMETERS, 0)));
         self.sdo(Request::upload(position));
     }
 
@@ -224,6 +225,14 @@ impl Script<'_> {
         self.object_where(|known| known.size.is_none_or(|size| size > 4) && known.readable).map(|known| known.at)
     }
 
+    /// What can be read in blocks: if nothing is long, anything.
+    fn for_blocks(&mut self) -> Option<Multiplexer> {
+        match self.text() {
+            None => self.object_where(|known| known.readable).map(|known| known.at),
+            text => text,
+        }
+    }
+
     fn segmented_upload(&mut self) {
         let Some(at) = self.text() else { return self.read() };
         self.sdo(Request::upload(at));
@@ -319,7 +328,7 @@ impl Script<'_> {
     fn block_upload(&mut self) {
         let at = match self.dice.below(4) {
             0 => self.object(),
-            _ => self.text().unwrap_or(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)),
+            _ => self.for_blocks().unwrap_or(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)),
         };
         let block_size = self.dice.one_of([1, 2, 3, 7, 127, 127, 127, 0, 128, 255]);
         let threshold = self.dice.one_of([0, 0, 0, 4, 255]);
@@ -425,7 +434,7 @@ impl Script<'_> {
                 }
             }
             SdoState::BlockUploadReady | SdoState::BlockUpload | SdoState::BlockUploadEnd => {
-                let Some(at) = self.text() else { return };
+                let Some(at) = self.for_blocks() else { return };
                 let begin = Request::InitiateBlockUpload { multiplexer: at, crc: true, block_size: 127, threshold: 0 };
                 self.sdo(begin);
                 if state != SdoState::BlockUploadReady {

@@ -8,6 +8,13 @@ use canvass_analyzer::object;
 impl Script<'_> {
     /// An object that exists, or nearly.
     pub(super) fn object(&mut self) -> Multiplexer {
+        // There is little time on a bus that goes on: mappings, which have many entries, are not to take most of it.
+        if !self.plan.patient
+            && self.dice.flip()
+            && let Some(at) = self.entry_of_any_object()
+        {
+            return at;
+        }
         let entries = self.knowledge().entries();
         match (self.dice.below(12), self.dice.pick(entries)) {
             (0, Some(known)) => Multiplexer::new(known.at.index.0, known.at.sub.0.wrapping_add(self.dice.byte() | 1)),
@@ -33,6 +40,14 @@ impl Script<'_> {
         }
     }
 
+    /// An entry of an object, each of which is as likely as another, however many entries it has.
+    fn entry_of_any_object(&mut self) -> Option<Multiplexer> {
+        let objects = self.plan.knowledge.entries().chunk_by(|one, next| one.at.index == next.at.index);
+        let objects: Vec<&[Known]> = objects.collect();
+        let entries = self.dice.pick(&objects)?;
+        self.dice.pick(entries).map(|known| known.at)
+    }
+
     /// An object that fits, if chance meets one.
     pub(super) fn object_where(&mut self, fits: impl Fn(&Known) -> bool) -> Option<&'_ Known> {
         let entries = self.plan.knowledge.entries();
@@ -43,6 +58,9 @@ impl Script<'_> {
 
     /// A value near the edges of what the object takes.
     pub(super) fn value_of(&mut self, known: &Known) -> u64 {
+        if !self.plan.patient && known.at.index.0 == object::CONSUMER_HEARTBEAT_TIME && known.at.sub.0 > 0 {
+            return self.consumer_entry();
+        }
         let (low, high) = known.limits;
         let power_on = known.power_on.unwrap_or(0);
         match self.dice.below(12) {
@@ -59,6 +77,12 @@ impl Script<'_> {
             10 => self.dice.number() & 0xFFFF,
             _ => self.dice.number(),
         }
+    }
+
+    /// An entry of 1016h with a node-ID and a time at the edges of what they take.
+    fn consumer_entry(&mut self) -> u64 {
+        let node = self.dice.one_of([0_u64, 1, 127, 128, 255]);
+        node << 16 | self.dice.one_of([0, 1, 50, 1_000])
     }
 
     /// The bytes of a value of that object; `None` length: a text.

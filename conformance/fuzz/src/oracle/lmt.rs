@@ -50,6 +50,12 @@ impl Slave {
         self.at.awaited = Awaited::Anything;
     }
 
+    /// The slave is in operation; which parts of an address have matched is not known.
+    pub fn go_on(&mut self) {
+        self.at = LayerSetting::new(Mode::Waiting);
+        (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
+    }
+
     /// A request of the fuzzer.
     pub fn asked(
         &mut self,

@@ -1,7 +1,7 @@
 //! The LSS slave as CiA 305 demands it, seen from outside.
 
 use super::Violation;
-use super::layer_setting::{Effect, LayerSetting, Mode, Options, includes};
+use super::layer_setting::{Effect, InOrder, LayerSetting, Mode, Options, includes};
 use super::nmt::Phase;
 use crate::Knowledge;
 use crate::coverage::{Coverage, LssState};
@@ -88,7 +88,18 @@ impl Slave {
 
     /// Whether the slave waits, and nothing that was configured waits for a reset.
     pub fn is_at_rest(&self) -> bool {
-        self.at.is_at_rest() && self.pending.is_none() && !self.given && !self.timing_changed
+        self.at.is_at_rest() && self.is_settled()
+    }
+
+    /// Whether nothing that was configured waits for a reset.
+    pub fn is_settled(&self) -> bool {
+        self.pending.is_none() && !self.given && !self.timing_changed
+    }
+
+    /// The slave waits; which parts of an address have matched is not known.
+    pub fn go_on(&mut self) {
+        *self = Self { unconfigured: self.unconfigured, ..Self::new() };
+        (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
     }
 
     /// A request of the fuzzer.

@@ -177,7 +177,7 @@ impl Oracle {
             nmt::Change::None => {}
             nmt::Change::State => {
                 self.doubt(now);
-                self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
+                self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late(), self.knowledge.patience.quiet);
                 self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
@@ -247,8 +247,8 @@ impl Oracle {
             }
             _ => {
                 let judged = self.pdo.came(now, frame, &self.nmt, &self.expected_values, &self.knowledge);
-                // It may be the first frame of a configuration that is not confirmed yet.
-                if self.sdo.is_writing() { Ok(()) } else { judged }
+                // It may be the first frame of a configuration that is not confirmed yet, or the last one before a reset.
+                if self.sdo.is_writing() || self.nmt.was_just_reset(now) { Ok(()) } else { judged }
             }
         }
     }
@@ -295,7 +295,7 @@ impl Oracle {
             judged?;
         }
         if self.nmt.erred(now, frame, &self.expected_values, &self.knowledge) == nmt::Change::State {
-            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
+            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late(), self.knowledge.patience.quiet);
             self.pdo.state_changed(now, &self.nmt);
         }
         Ok(())
@@ -371,6 +371,11 @@ impl Oracle {
         self.serves_sdo() && !self.sdo.is_busy() && !self.sdo.is_open()
     }
 
+    /// Whether a request to read would tell where the SDO server is, which nobody knows.
+    pub fn is_lost(&self) -> bool {
+        self.serves_sdo() && self.sdo.is_lost() && !self.lss.at.is_open() && !self.lmt.at.is_open()
+    }
+
     /// Whether it is known where the device is, so that a next sequence can begin from there: it runs, no transfer is under
     /// way, and neither node-ID nor bit rate has changed.
     pub fn is_at_rest(&self) -> bool {
@@ -381,6 +386,26 @@ impl Oracle {
             && !self.sdo.is_open()
             && self.waits_for_lss()
             && !self.expected_values.bus_changed()
+    }
+
+    /// Whether a device that is not at rest can be brought there without a reset: it runs, and nothing was changed that only
+    /// a reset brings into force.
+    pub fn may_go_on(&self) -> bool {
+        let runs = !matches!(self.nmt.phase(), nmt::Phase::Unconfigured | nmt::Phase::Booting);
+        let settled = self.lss.is_settled() || self.knowledge.services.lss == Some(false);
+        !self.blind && runs && settled && !self.expected_values.bus_changed()
+    }
+
+    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS waits, and it holds the values
+    /// of power-on; what else has become of it is not known.
+    pub fn go_on(&mut self, now: Timestamp) {
+        self.expected_values.power_on(&self.knowledge);
+        self.nmt.go_on(now);
+        self.sdo.reset();
+        self.lss.go_on();
+        self.lmt.go_on();
+        self.pdo.go_on(now);
+        self.emcy.reset();
     }
 
     /// Whether the slave of LSS, or that of LMT, waits, if there is one.
@@ -429,6 +454,11 @@ impl Oracle {
         }
         self.nmt.finish(now, &self.expected_values, &self.knowledge)?;
         self.pdo.finish(now, &self.nmt, &self.expected_values, &self.knowledge)
+    }
+
+    /// Whether the device starts, as far as is known.
+    pub fn is_booting(&self) -> bool {
+        self.nmt.phase() == nmt::Phase::Booting
     }
 
     /// Whether the SDO server has to answer now.

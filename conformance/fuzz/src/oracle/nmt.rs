@@ -56,6 +56,8 @@ pub(crate) struct Slave {
     guard_due: Timestamp,
     /// Guarding requests that may be answered.
     guard_open: u8,
+    /// When the last of them came.
+    guarded: Timestamp,
     /// The toggle bit of the next answer; `None`: not known.
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
@@ -93,6 +95,7 @@ impl Slave {
             boot_due: Timestamp::MAX,
             guard_due: Timestamp::MAX,
             guard_open: 0,
+            guarded: Timestamp::ZERO,
             toggle: Some(false),
             last_heartbeat: None,
             commanded_early: Timestamp::ZERO,
@@ -112,6 +115,14 @@ impl Slave {
             Start::Unconfigured => Phase::Unconfigured,
         };
         self.changed = now;
+    }
+
+    /// The device was commanded to pre-operational a moment ago, from wherever it was.
+    pub fn go_on(&mut self, now: Timestamp) {
+        *self = Self::new(self.jitter, self.announces);
+        (self.before, self.phase) = (Phase::Operational, Phase::PreOperational);
+        self.changed = now;
+        self.toggle = None;
     }
 
     /// Whether the device has certainly not been operational before the last change.
@@ -150,6 +161,11 @@ impl Slave {
             }
             _ => Served::No,
         }
+    }
+
+    /// Whether a frame may have been on its way when a reset was commanded.
+    pub fn was_just_reset(&self, now: Timestamp) -> bool {
+        self.phase == Phase::Booting && now < self.changed + self.grace
     }
 
     /// Whether an EMCY may come now.
@@ -228,6 +244,7 @@ impl Slave {
         }
         if knowledge.services.guarding != Some(false) {
             self.guard_open = self.guard_open.saturating_add(1);
+            self.guarded = now;
         }
         // What is being written may switch the heartbeat on.
         let known = self.phase != Phase::Unsure && !writing;
@@ -307,8 +324,10 @@ impl Slave {
             return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
         }
         self.learn(now, expected_values, knowledge);
+        let mut may_be_old = self.may_be_old(now);
         match produces_heartbeat(expected_values, knowledge) {
             Some(false) if self.guard_open > 0 => {
+                may_be_old &= !self.is_fresh(now, knowledge);
                 self.guard_open -= 1;
                 self.guard_due = Timestamp::MAX;
                 self.check_toggle(now, message)?;
@@ -325,7 +344,7 @@ impl Slave {
                 (self.guard_open, self.guard_due) = (0, Timestamp::MAX);
             }
         }
-        self.check_state(now, message)
+        self.check_state(now, message, may_be_old)
     }
 
     fn booted(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
@@ -452,7 +471,7 @@ impl Slave {
         Ok(())
     }
 
-    fn check_state(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
+    fn check_state(&mut self, now: Timestamp, message: ErrorControl, may_be_old: bool) -> Result<Change, Violation> {
         let shown = match message.state {
             State::PRE_OPERATIONAL => Phase::PreOperational,
             State::OPERATIONAL => Phase::Operational,
@@ -465,10 +484,10 @@ impl Slave {
         };
         match self.phase {
             Phase::Unsure => Ok(self.enter(now, shown)),
-            Phase::Running if self.may_be_old(now) => Ok(Change::None),
+            Phase::Running if may_be_old => Ok(Change::None),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
             phase if phase == shown => Ok(Change::None),
-            _ if self.may_be_old(now) => Ok(Change::None),
+            _ if may_be_old => Ok(Change::None),
             phase => {
                 let rule = "state in error control";
                 Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
@@ -479,6 +498,12 @@ impl Slave {
     /// Whether a heartbeat may be of the time before the last change: it waited for the bus since.
     fn may_be_old(&self, now: Timestamp) -> bool {
         now < (self.changed + self.grace).max(self.old_until)
+    }
+
+    /// Whether the answer to guarding that comes now was asked for when the last command had been done long since: by then an
+    /// answer to another request would have come, and no other guarding request waits for its own.
+    fn is_fresh(&self, now: Timestamp, knowledge: &Knowledge) -> bool {
+        self.guard_open == 1 && self.guarded >= self.changed + knowledge.patience.quiet && now >= self.old_until
     }
 
     /// When something is overdue.

@@ -51,7 +51,7 @@ impl Pdos {
         let parameters = knowledge
             .entries()
             .iter()
-            .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
+            .filter(|known| object::is_tpdo_communication(known.at.index.0) && known.at.sub.0 == 1);
         let seen = parameters.map(|known| Seen::new(known.at.index.0)).collect();
         Self { seen, version: None, may_be_due: false }
     }
@@ -108,6 +108,15 @@ impl Pdos {
             if seen.heard {
                 seen.count.doubt();
             }
+        }
+    }
+
+    /// The device goes on in pre-operational with the configuration of power-on; what was counted and timed is not known.
+    pub fn go_on(&mut self, now: Timestamp) {
+        self.reset();
+        for seen in &mut self.seen {
+            seen.begin(now);
+            seen.count.doubt();
         }
     }
 

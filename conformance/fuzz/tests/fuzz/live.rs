@@ -7,11 +7,14 @@ use canvass_bus::{Machine, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Faults, Firmware, Liberties, Liberty};
 use canvass_fuzzer::campaign::{Found, Outcome, Plan, campaign, replay};
-use canvass_fuzzer::{Knowledge, Live, Property, Target, reproducer};
+use canvass_fuzzer::coverage::SdoReach;
+use canvass_fuzzer::stand::{Readiness, TestStand};
+use canvass_fuzzer::time_limit::TimeLimit;
+use canvass_fuzzer::{Knowledge, Live, Property, Start, Target, reproducer};
 use canvass_traces::{Frame, Timestamp};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 const NODE: NodeId = NodeId::MIN;
 
@@ -32,7 +35,7 @@ fn plan(target: Target) -> Plan {
         seed: 4,
         allow: BTreeSet::new(),
         shrink_budget: 60,
-        time: canvass_fuzzer::time_limit::TimeLimit::default(),
+        time: TimeLimit::default(),
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
@@ -46,7 +49,11 @@ fn with(firmware: impl Into<Firmware>, target: Target, sequences: u64) -> Outcom
 }
 
 fn told(outcome: &Outcome) -> Vec<String> {
-    outcome.violations.iter().map(|found| format!("{:?}", found.violation)).collect()
+    let tell = |found: &Found| {
+        let frames = found.sequence.stimuli.len();
+        format!("{:?}, confirmed {}, {frames} frames", found.violation, found.confirmed)
+    };
+    outcome.violations.iter().map(tell).collect()
 }
 
 #[test]
@@ -71,36 +78,69 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
     }
 }
 
+/// Counts the resets that a device gets.
+struct Counted(Device, Arc<AtomicU64>);
+
+impl Machine for Counted {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()] {
+            self.1.fetch_add(1, Ordering::Relaxed);
+        }
+        self.0.handle(now, frame);
+    }
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        self.0.poll_transmit(now)
+    }
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.0.poll_timeout()
+    }
+    fn handle_timeout(&mut self, now: Timestamp) {
+        self.0.handle_timeout(now);
+    }
+}
+
+/// A run of the SDO target on a device with those faults, and how many resets it took.
+fn counted(faults: Faults, sequences: u64) -> (Outcome, u64) {
+    let resets = Arc::new(AtomicU64::new(0));
+    let device = Counted(Device::new(model(), Some(NODE), faults, 0), Arc::clone(&resets));
+    let outcome = fuzz(Box::new(device), model(), Target::Sdo, sequences);
+    (outcome, resets.load(Ordering::Relaxed))
+}
+
+/// All but a few of what can be reached was reached.
+fn assert_covered(outcome: &Outcome) {
+    let (reached, all) = outcome.coverage.sdo_share(SdoReach { blocks: true, long_values: true });
+    assert!(reached * 100 >= all * 95, "{reached} of {all}");
+}
+
 /// Most sequences begin where the one before has ended, and what is reached is as much as with a new device each time.
 #[test]
 fn few_resets_are_needed() {
-    struct Counted(Device, Arc<AtomicU64>);
-    impl Machine for Counted {
-        fn handle(&mut self, now: Timestamp, frame: &Frame) {
-            if frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()] {
-                self.1.fetch_add(1, Ordering::Relaxed);
-            }
-            self.0.handle(now, frame);
-        }
-        fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
-            self.0.poll_transmit(now)
-        }
-        fn poll_timeout(&self) -> Option<Timestamp> {
-            self.0.poll_timeout()
-        }
-        fn handle_timeout(&mut self, now: Timestamp) {
-            self.0.handle_timeout(now);
-        }
-    }
-    let resets = Arc::new(AtomicU64::new(0));
-    let device = Counted(Device::new(model(), Some(NODE), Faults::NONE, 0), Arc::clone(&resets));
-    let outcome = fuzz(Box::new(device), model(), Target::Sdo, 1_500);
+    let (outcome, resets) = counted(Faults::NONE, 1_500);
     assert!(outcome.violations.is_empty(), "{:#?}", told(&outcome));
     // Sequences of this target have resets of their own too, about one in ten.
-    let resets = resets.load(Ordering::Relaxed);
     assert!(resets * 3 < outcome.sequences, "{resets} resets for {} sequences", outcome.sequences);
-    let (reached, all) = outcome.coverage.sdo_share(true);
-    assert!(reached * 100 >= all * 95, "{reached} of {all}");
+    assert_covered(&outcome);
+}
+
+/// What was told of before ends no sequence and needs no reset, so that what lies behind it is reached.
+#[test]
+fn a_device_that_breaks_most_sequences_is_covered_too() {
+    let faults = [
+        Fault::SdoAbortAnswered,
+        Fault::SdoAbortMultiplexerZero,
+        Fault::SdoToggleWrongCode,
+        Fault::SdoUnknownCommandSilent,
+        Fault::SdoLengthUnchecked,
+        Fault::SdoBusyAfterAbandonedTransfer,
+        Fault::SdoBusyAfterAbandonedDownload,
+    ];
+    let all = faults.into_iter().fold(Faults::NONE, Faults::with);
+    let (outcome, resets) = counted(all, 1_500);
+    assert!(outcome.violations.len() >= faults.len(), "{:#?}", told(&outcome));
+    assert!(outcome.violations.iter().all(|found| found.confirmed), "{:#?}", told(&outcome));
+    assert!(resets * 2 < outcome.sequences, "{resets} resets for {} sequences", outcome.sequences);
+    assert_covered(&outcome);
 }
 
 /// The last that the device gets, also when the time of the run is over: what was not stored is as it was.
@@ -142,7 +182,7 @@ fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
     assert!(outcome.sequences == 20 && was_reset.load(Ordering::Relaxed) == 1, "{}", outcome.sequences);
 }
 
-/// Resets that bring nothing back are told; what comes after them is judged by the values that are there.
+/// Resets that bring nothing back are reported; what comes after them is judged by the values that are there.
 #[test]
 fn memory_that_is_kept_over_resets_is_written_back() {
     let faults = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
@@ -222,4 +262,92 @@ fn a_device_that_needs_another_reset_is_a_violation_too_and_the_run_goes_on() {
     assert_eq!(outcome.sequences, 300);
     let found = outcome.violations.iter().find(|found| found.violation.property == Property::Alive).unwrap();
     assert!(!found.evidence.is_empty(), "{:#?}", told(&outcome));
+}
+
+/// The device is operational from an earlier sequence on; the last one alone shows nothing from power-on.
+#[test]
+fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
+    for seed in 1..=6 {
+        let mut bus = SimulatedBus::new(250_000);
+        let faults = Faults::from(Fault::NmtStopWhenOperationalIgnored);
+        bus.attach(Box::new(Device::new(model(), Some(NODE), faults, 0)));
+        let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
+        let plan = Plan { seed, stop_at_first: true, shrink_budget: 100, ..plan(Target::Nmt) };
+        let outcome = campaign(&mut bus, knowledge, &plan, &mut |progress| progress.sequences < 300).unwrap();
+        let found = &outcome.violations[0];
+        // It shows in error control, or in that it answers.
+        let is_it = matches!(found.violation.property, Property::NmtState | Property::Silent);
+        assert!(is_it && found.confirmed, "{seed}: {found:#?}");
+        assert!(found.sequence.stimuli.len() <= 8, "{seed}: {found:#?}");
+        assert!(outcome.sequences <= 40, "{seed}: {} sequences", outcome.sequences);
+    }
+}
+
+/// What a device with many faults violates takes no more than its share of the time, and is short at the end.
+#[test]
+fn violations_are_made_shorter_beside_the_run() {
+    let all = [Fault::SdoUnknownCommandSilent, Fault::SdoToggleWrongCode, Fault::SdoLengthUnchecked];
+    let outcome = with(all.into_iter().fold(Faults::NONE, Faults::with), Target::Sdo, 1_500);
+    assert!(outcome.violations.len() >= 3, "{:#?}", told(&outcome));
+    for found in &outcome.violations {
+        assert!(found.confirmed && found.sequence.stimuli.len() <= 8, "{:#?}", told(&outcome));
+    }
+    let (shortening, all) = (outcome.spent_on_violations.total(), outcome.spent.total());
+    assert!(shortening.nanos() * 2 < all.nanos(), "{shortening} of {all}");
+}
+
+/// Each reset takes its time, in which nothing is heard.
+struct Deaf {
+    device: Device,
+    /// The reset that is under way, and when it is done.
+    reset: Option<(Timestamp, Frame)>,
+}
+
+impl Machine for Deaf {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        let is_reset = frame.cob_id() == Some(0) && matches!(frame.data(), [0x81 | 0x82, 0 | 1]);
+        match self.reset {
+            Some(_) => {}
+            None if is_reset => self.reset = Some((now + canvass_traces::Duration::from_millis(60), *frame)),
+            None => self.device.handle(now, frame),
+        }
+    }
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        if self.reset.is_some() { None } else { self.device.poll_transmit(now) }
+    }
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.reset.map_or_else(|| self.device.poll_timeout(), |(at, _)| Some(at))
+    }
+    fn handle_timeout(&mut self, now: Timestamp) {
+        match self.reset.take_if(|(at, _)| *at <= now) {
+            Some((_, frame)) => self.device.handle(now, &frame),
+            None if self.reset.is_none() => self.device.handle_timeout(now),
+            None => {}
+        }
+    }
+}
+
+/// The boot-up message of an earlier reset is not taken for that of the next one, in which requests are lost.
+#[test]
+fn a_reset_that_is_under_way_is_waited_for() {
+    let device = Device::new(model(), Some(NODE), Fault::SdoToggleWrongCode, 0);
+    let outcome = fuzz(Box::new(Deaf { device, reset: None }), model(), Target::All, 400);
+    let rules: Vec<_> = outcome.violations.iter().map(|found| found.violation.property).collect();
+    assert_eq!(rules, [Property::LegalSdo], "{:#?}", told(&outcome));
+    let (starts, time) = outcome.spent.of(canvass_fuzzer::Cause::Start);
+    assert!(starts > 3 && time.nanos() / starts < 1_000_000_000, "{starts} starts took {time}");
+}
+
+#[test]
+fn a_run_whose_time_ends_while_the_device_starts_does_not_call_it_dead() {
+    let firmware = Firmware::from(Liberties::from(Liberty::RestartIn5S));
+    let described = model().taking(firmware.liberties);
+    let mut bus = SimulatedBus::new(250_000);
+    bus.attach(Box::new(Device::new(model(), Some(NODE), firmware, 0)));
+    let knowledge = Knowledge::new(NODE, Some(described.description()), Some(described.sheet()));
+    let over = TimeLimit { cancelled: Arc::new(AtomicBool::new(true)), ..TimeLimit::default() };
+    let mut live = Live::new(&mut bus, &knowledge).until(over);
+    for _ in 0..3 {
+        assert_eq!(live.begin(Start::Configured).unwrap(), Readiness::Ready);
+    }
 }

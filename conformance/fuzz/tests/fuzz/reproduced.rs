@@ -16,7 +16,7 @@ const SEED: u64 = 7;
 fn the_generated_test_is_current_and_shows_the_fault() {
     let limit = Limit { exchanges: 100_000, time: Duration::from_secs(60) };
     let found = detect(FAULT, SEED, limit).unwrap().found.unwrap().found;
-    // As for the user who has mended the firmware: the bus has no fault any more.
+    // As for the user who has fixed the firmware: the bus has no fault any more.
     let text = rust_test(&found, "sim:reference-301", NodeId::new(10).unwrap(), SEED);
     if std::env::var_os("CANVASS_UPDATE").is_some() {
         std::fs::write(FILE, &text).unwrap();

@@ -66,7 +66,7 @@ impl Server {
         match (gap, is_end) {
             (false, false) => Awaited::Nothing,
             (_, true) => Awaited::ConfirmBlock { sequence, required: true, last: false },
-            // A gap can be told at once, after as many segments as the block has, or at its end.
+            // A gap can be reported at once, after as many segments as the block has, or at its end.
             (true, false) => Awaited::ConfirmBlock { sequence, required: false, last: false },
         }
     }
@@ -89,7 +89,7 @@ impl Server {
         let is_announced = announced.is_none_or(|announced| announced as usize == len);
         let is_right_length = is_announced && knowledge.entry(at).is_none_or(|known| known.size.is_some());
         if checked && crc16(0, &self.data) != crc {
-            // What else is wrong may be told as well.
+            // What else is wrong may be reported as well.
             let others = if is_right_length { writing.must } else { writing.must.or(lengths) };
             (writing.must, writing.why) = (codes::CRC.or(others), "the checksum is wrong");
         } else if !is_announced {

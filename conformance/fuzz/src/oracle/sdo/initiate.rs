@@ -73,7 +73,7 @@ impl Server {
                 Awaited::BeginDownload { at, writing, announced: Some(size) }
             }
             Payload::SegmentedUnsized => {
-                // Four reserved bytes: whoever fills them may be refused.
+                // Four reserved bytes: a request that fills them may be refused.
                 let mut writing = in_segments(announced(at, None, knowledge), knowledge);
                 if frame.bytes()[4..] != [0; 4] {
                     writing.may = writing.may.or(codes::COMMAND);

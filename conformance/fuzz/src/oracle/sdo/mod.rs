@@ -1,6 +1,6 @@
 //! The SDO server as CiA 301 demands it, seen from outside: which answers are right in which state.
 //!
-//! A request is first turned into what is awaited ([`Awaited`]); the answer is then held against it. States are those
+//! A request is first turned into what is awaited ([`Awaited`]); the answer is then compared with it. States are those
 //! of the transfer; a state carries only what it knows.
 
 mod awaited;
@@ -41,6 +41,8 @@ pub(crate) struct Server {
     /// Nobody has waited since the last request for an answer that need not come.
     unsettled: bool,
     grace: Timestamp,
+    /// From then on a request comes when the last change of state has been done long since.
+    settled: Timestamp,
     /// When the client or the server said something last.
     last: Timestamp,
     /// When the last request came that was not due to be served.
@@ -144,6 +146,7 @@ impl Server {
             overlapped: false,
             unsettled: false,
             grace: Timestamp::ZERO,
+            settled: Timestamp::ZERO,
             last: Timestamp::ZERO,
             unserved: None,
             data: Vec::with_capacity(256),
@@ -176,12 +179,13 @@ impl Server {
         }
     }
 
-    /// Another NMT state. Responses that were on their way already may still come for `grace`.
-    pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration) {
+    /// Another NMT state. Responses that were on their way already may still come for `grace`, unless nothing was asked for
+    /// `quiet`: what is asked then is asked in the new state.
+    pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
         match served {
             Served::No => {
                 self.reset();
-                self.grace = now + grace;
+                (self.grace, self.settled) = (now + grace, now + quiet);
             }
             // What was under way may go on.
             Served::Unsure => {
@@ -230,6 +234,9 @@ impl Server {
         match served {
             Served::Yes => {}
             Served::No => {
+                if self.unserved.is_none() && now >= self.settled {
+                    self.grace = Timestamp::ZERO;
+                }
                 self.unserved = Some(now);
                 return false;
             }
@@ -315,6 +322,11 @@ impl Server {
             Awaited::Anything => !objects.is_empty(),
             _ => self.written_object().is_some_and(|at| objects.contains(&at)),
         }
+    }
+
+    /// Whether nobody knows what comes next, nor whether a transfer is under way.
+    pub fn is_lost(&self) -> bool {
+        matches!(self.state, TransferState::Unsure | TransferState::Idle) && self.is_open()
     }
 
     /// Whether an answer may come that need not come.

@@ -13,7 +13,7 @@ use crate::property::Property;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, BlockSegment, Payload, Response, Segment, crc16};
-use canvass_traces::{Frame, Timestamp};
+use canvass_traces::{Frame, Timestamp, hex};
 
 /// What an answer shows to be wrong: the property, what was expected instead of the awaited text, what came.
 struct Wrong {
@@ -470,14 +470,12 @@ impl Server {
 
 /// `43 00 10 00 96 01 01 00`, or the abort in words.
 fn shown(frame: &Frame) -> String {
-    let bytes: Vec<String> = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
-    let bytes = bytes.join(" ");
+    let bytes = hex::spaced(frame.data());
     match Response::read(frame.data()) {
         Ok(Response::Abort(abort)) => {
-            let code = abort.code.0;
-            format!("{bytes} (abort {:04X} {:04X}h of {})", code >> 16, code & 0xFFFF, abort.multiplexer)
+            format!("{bytes} (abort {} of {})", abort.code.digits(), abort.multiplexer)
         }
-        _ => bytes,
+        _ => bytes.to_string(),
     }
 }
 

@@ -1,0 +1,313 @@
+//! A confirmed violation is made shorter: at once on a simulated bus; on a device that goes on a little at a time, so that most
+//! of the run's time is left for what was not tried yet.
+
+use super::violations::{Confirmed, is_same};
+use super::{Campaign, Found, Standing};
+use crate::execute::{Ended, Pace};
+use crate::property::Property;
+use crate::shrink::SequenceTree;
+use crate::stand::TestStand;
+use crate::stimulus::Sequence;
+use canvass_bus::BusError;
+use canvass_traces::{Duration, Record, Timestamp};
+use proptest::strategy::ValueTree;
+use std::time;
+
+/// On a device that goes on, the tries for one violation at one pace end after that time of the bus.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// As many tries are made on the slowest device.
+const LEAST_TRIES: u32 = 24;
+
+/// So long one violation is made shorter before the run goes on.
+const TURN: Duration = Duration::from_millis(250);
+
+/// One part in so many of the time is spent on making sequences shorter while the run goes on.
+const SHARE: u64 = 4;
+
+/// For the last part in so many of a run, what was made shorter so far is shown from power-on.
+const LAST_PART: u32 = 20;
+
+/// A confirmed violation that is being made shorter. On a device that goes on most tries begin where the one before has ended,
+/// which takes far less time than a reset; what they leave has to show it from power-on. If it does not, each try begins there.
+pub(super) struct Shortening {
+    /// As it was confirmed, or seen.
+    whole: Found,
+    /// All that was sent since a start, which has shown it at the swift pace only: what that leaves has to be confirmed.
+    history: Option<Sequence>,
+    tree: SequenceTree,
+    pace: Pace,
+    tries: u32,
+    spent: Duration,
+    /// The frames of the shortest sequence so far, where they are kept.
+    evidence: Vec<Record>,
+    /// Those that showed it, each shorter than the one before.
+    shown: Vec<Sequence>,
+    /// Some of it was shown without the whole of its time.
+    has_hurried: bool,
+}
+
+impl Shortening {
+    /// Of that violation, which was confirmed from power-on.
+    pub fn new(whole: Found, is_repeatable: bool) -> Self {
+        Self::at(whole, None, if is_repeatable { Pace::Careful } else { Pace::Swift })
+    }
+
+    /// Of a violation that was seen, and that all that was sent since a start has shown again at the swift pace.
+    pub fn of_history(history: Sequence, seen: Found) -> Self {
+        Self::at(seen, Some(history), Pace::Swift)
+    }
+
+    fn at(whole: Found, history: Option<Sequence>, pace: Pace) -> Self {
+        Self {
+            tree: SequenceTree::new(history.as_ref().unwrap_or(&whole.sequence).clone()),
+            history,
+            pace,
+            tries: 0,
+            spent: Duration::ZERO,
+            evidence: whole.evidence.clone(),
+            shown: Vec::new(),
+            has_hurried: false,
+            whole,
+        }
+    }
+
+    fn key(&self) -> (Property, &'static str) {
+        (self.whole.violation.property, self.whole.violation.rule)
+    }
+
+    /// The shortest so far.
+    fn best(&self) -> Found {
+        Found { sequence: self.tree.best().clone(), evidence: self.evidence.clone(), ..self.whole.clone() }
+    }
+}
+
+impl Campaign<'_> {
+    /// Makes it shorter at once, or as it is confirmed, to be made shorter while the run goes on.
+    pub(super) fn shorten_now_or_later(
+        &mut self,
+        stand: &mut dyn TestStand,
+        mut shortening: Shortening,
+    ) -> Result<Found, BusError> {
+        if !stand.is_repeatable() {
+            let whole = shortening.whole.clone();
+            self.unshortened.push_back(shortening);
+            return Ok(whole);
+        }
+        self.shorten_at_once(stand, &mut shortening)
+    }
+
+    /// Makes it shorter until there is nothing left to try.
+    pub(super) fn shorten_at_once(
+        &mut self,
+        stand: &mut dyn TestStand,
+        shortening: &mut Shortening,
+    ) -> Result<Found, BusError> {
+        loop {
+            if let Some(found) = self.shorten(stand, shortening, Timestamp::MAX)? {
+                return Ok(found);
+            }
+        }
+    }
+
+    /// Gives one violation a turn, if there were not too many turns already.
+    pub(super) fn shorten_in_turn(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
+        if self.unshortened.is_empty() {
+            return Ok(());
+        }
+        if self.is_ending(stand) {
+            return self.show_shortest(stand);
+        }
+        let elapsed = stand.bus().now().since(self.begun);
+        if self.shortened_for.times(SHARE) > elapsed { Ok(()) } else { self.take_turn(stand) }
+    }
+
+    /// Makes what is left shorter, as long as there is time.
+    pub(super) fn shorten_rest(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
+        while !self.unshortened.is_empty() && !self.dead && !self.is_ending(stand) {
+            self.take_turn(stand)?;
+        }
+        self.show_shortest(stand)
+    }
+
+    fn take_turn(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
+        let Some(mut shortening) = self.unshortened.pop_front() else { return Ok(()) };
+        let (begun, spent) = (stand.bus().now(), self.executor.spent);
+        let found = self.shorten(stand, &mut shortening, begun + TURN)?;
+        self.shortened_for = self.shortened_for + stand.bus().now().since(begun);
+        self.spent_on_violations += self.executor.spent.since(&spent);
+        match found {
+            Some(found) => self.replace(&shortening, found),
+            None => self.unshortened.push_back(shortening),
+        }
+        Ok(())
+    }
+
+    fn is_ending(&self, stand: &mut dyn TestStand) -> bool {
+        if self.plan.time.is_over() {
+            return true;
+        }
+        let elapsed = time::Duration::from(stand.bus().now().since(self.begun));
+        self.plan.time.left().is_some_and(|left| left * LAST_PART < elapsed)
+    }
+
+    /// Shows the shortest so far of each violation from power-on, at the end of the run.
+    fn show_shortest(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
+        while let Some(shortening) = self.unshortened.pop_front() {
+            let may_show = !shortening.shown.is_empty() && !self.dead && !self.plan.time.is_over();
+            let shown = match may_show {
+                true => self.show(stand, shortening.best(), shortening.pace)?,
+                false => shortening.whole.clone(),
+            };
+            let found = if shown.confirmed { shown } else { shortening.whole.clone() };
+            self.replace(&shortening, found);
+        }
+        Ok(())
+    }
+
+    /// It is as short as it gets.
+    fn replace(&mut self, shortening: &Shortening, found: Found) {
+        let key = shortening.key();
+        if shortening.history.is_some() {
+            let doubts = match self.seen.get(&key) {
+                Some(Standing::InHistory(doubts)) => *doubts,
+                _ => 0,
+            };
+            return self.tell(found, doubts, true);
+        }
+        let is_it = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
+        if let Some(whole) = self.violations.iter_mut().find(is_it) {
+            *whole = found;
+        }
+    }
+
+    /// Makes it shorter until then; the result, once there is one.
+    fn shorten(
+        &mut self,
+        stand: &mut dyn TestStand,
+        shortening: &mut Shortening,
+        until: Timestamp,
+    ) -> Result<Option<Found>, BusError> {
+        if !self.try_shorter(stand, shortening, until)? {
+            return Ok(None);
+        }
+        let found = self.show_best(stand, shortening)?;
+        let whole = shortening.whole.clone();
+        Ok(match shortening.pace {
+            _ if found.confirmed => Some(found),
+            Pace::Swift if self.dead || self.plan.time.is_over() => Some(whole),
+            Pace::Swift => {
+                *shortening = Shortening::at(whole, shortening.history.take(), Pace::Careful);
+                self.confirm_history(stand, shortening)?
+            }
+            Pace::Careful if shortening.has_hurried || shortening.history.is_some() => Some(whole),
+            Pace::Careful => Some(found),
+        })
+    }
+
+    /// A history has to show the violation at the careful pace, too; what was seen, if it does not.
+    fn confirm_history(
+        &mut self,
+        stand: &mut dyn TestStand,
+        shortening: &mut Shortening,
+    ) -> Result<Option<Found>, BusError> {
+        let Some(history) = &shortening.history else { return Ok(None) };
+        match self.confirm(stand, history, &shortening.whole.violation, Pace::Careful)? {
+            Confirmed::Again => {
+                let evidence = std::mem::take(&mut self.executor.evidence);
+                (shortening.whole.sequence, shortening.whole.evidence) = (history.clone(), evidence);
+                shortening.whole.confirmed = true;
+                Ok(None)
+            }
+            Confirmed::No => Ok(Some(shortening.whole.clone())),
+            Confirmed::Lost(lost, dead) => {
+                self.lose(stand, lost, dead)?;
+                Ok(Some(shortening.whole.clone()))
+            }
+        }
+    }
+
+    /// Whether there is nothing left to try.
+    fn try_shorter(
+        &mut self,
+        stand: &mut dyn TestStand,
+        shortening: &mut Shortening,
+        until: Timestamp,
+    ) -> Result<bool, BusError> {
+        let Shortening { whole, tree, pace, tries, spent, evidence, shown, has_hurried, .. } = shortening;
+        let is_repeatable = stand.is_repeatable();
+        // For what was found missing nobody waits as long again with each try.
+        self.executor.presume(Some((whole.violation.property, whole.violation.rule)));
+        let mut more = tree.go_on();
+        let over = loop {
+            let begun = stand.bus().now();
+            let is_long = !is_repeatable && *spent >= LONGEST && *tries >= LEAST_TRIES;
+            let is_enough = *tries >= self.plan.shrink_budget || is_long;
+            if !more || is_enough || self.plan.time.is_over() {
+                break true;
+            }
+            if !is_repeatable && begun >= until {
+                break false;
+            }
+            *tries += 1;
+
+            more = match self.confirm(stand, tree.tried(), &whole.violation, *pace)? {
+                Confirmed::Again => {
+                    *evidence = std::mem::take(&mut self.executor.evidence);
+                    shown.push(tree.tried().clone());
+                    tree.simplify()
+                }
+                Confirmed::No => tree.complicate(),
+                Confirmed::Lost(lost, dead) => {
+                    self.lose(stand, lost, dead)?;
+                    !self.dead && tree.complicate()
+                }
+            };
+            if !is_repeatable {
+                *spent = *spent + stand.bus().now().since(begun);
+            }
+        };
+        *has_hurried |= self.executor.presume(None);
+        Ok(over)
+    }
+
+    /// The shortest from power-on. What a try left out may have been there from the one before: then a longer one shows it.
+    fn show_best(&mut self, stand: &mut dyn TestStand, shortening: &Shortening) -> Result<Found, BusError> {
+        let pace = shortening.pace;
+        let mut found = self.show(stand, shortening.best(), pace)?;
+        let shown = &shortening.shown;
+        let longer =
+            (1..u32::BITS).map_while(|doubled| shown.len().checked_sub(1 << doubled).and_then(|n| shown.get(n)));
+        for sequence in longer.filter(|_| pace == Pace::Swift) {
+            if found.confirmed || self.dead || self.plan.time.is_over() {
+                break;
+            }
+            found = self.show(stand, Found { sequence: sequence.clone(), confirmed: true, ..found }, pace)?;
+        }
+        Ok(found)
+    }
+
+    /// Once more from power-on with its frames, and with the words for this sequence, if there is time for it. Without that,
+    /// what was shortened at the swift pace is not confirmed.
+    fn show(&mut self, stand: &mut dyn TestStand, shortest: Found, pace: Pace) -> Result<Found, BusError> {
+        if self.plan.time.is_over() && !shortest.evidence.is_empty() {
+            return Ok(Found { confirmed: pace == Pace::Careful, ..shortest });
+        }
+        let last = match self.dead {
+            true => Ended::Well,
+            false => self.executor.run(stand, &shortest.sequence, Pace::Careful, true)?,
+        };
+        let evidence = std::mem::take(&mut self.executor.evidence);
+        let shown = Found { evidence, state: self.executor.kept.clone(), ..shortest };
+        Ok(match last {
+            Ended::Violation(last) if is_same(&last, &shown.violation) => {
+                Found { violation: last, confirmed: true, ..shown }
+            }
+            Ended::Lost { violation: lost, dead } => {
+                self.lose(stand, lost, dead)?;
+                Found { confirmed: false, ..shown }
+            }
+            _ => Found { confirmed: false, ..shown },
+        })
+    }
+}

@@ -1,0 +1,202 @@
+//! What becomes of a violation that was seen: it is repeated from power-on, and told of once.
+
+use super::shortening::Shortening;
+use super::{Campaign, Found, Standing};
+use crate::condense::condense;
+use crate::execute::{Ended, Pace};
+use crate::oracle::Violation;
+use crate::property::Property;
+use crate::shrink::SequenceTree;
+use crate::stand::TestStand;
+use crate::stimulus::Sequence;
+use canvass_bus::BusError;
+use proptest::strategy::ValueTree;
+
+/// A violation that did not come back so often is not tried again.
+const MOST_DOUBTS: u32 = 3;
+
+impl Campaign<'_> {
+    /// A violation was seen: it is repeated from power-on, with its sequence alone or, on a device that goes on, after what
+    /// brought it to where the sequence began, or else with all that came before. What was seen at the swift pace and does
+    /// not come back may have been a late answer to another frame: it is reported when it was seen several times.
+    pub(super) fn judge(
+        &mut self,
+        stand: &mut dyn TestStand,
+        mut tree: SequenceTree,
+        violation: Violation,
+        pace: Pace,
+    ) -> Result<(), BusError> {
+        let key = (violation.property, violation.rule);
+        let doubts = match self.seen.get(&key) {
+            Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
+                // What is silence this time was waited for in full, and is not waited for so long again.
+                self.executor.take_for_granted(&violation);
+                return Ok(());
+            }
+            Some(Standing::InHistory(_)) => return Ok(()),
+            Some(Standing::Doubtful(doubts)) => *doubts,
+            None => 0,
+        };
+        if self.executor.tail() > 0 && !self.executor.is_between {
+            // What came before was another violation, after which the device was brought to rest.
+            let mut tail = tree.current();
+            tail.stimuli.drain(..self.executor.tail().min(tail.stimuli.len()));
+            tree = SequenceTree::new(tail);
+        }
+        let (sequence, whole) = (tree.current(), self.executor.since_start());
+        let before = condense(self.executor.before_sequence(), self.executor.knowledge());
+        let seen = Found {
+            violation,
+            sequence,
+            evidence: self.executor.evidence.clone(),
+            confirmed: false,
+            state: self.executor.kept.clone(),
+        };
+        let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation, Pace::Careful)?;
+        if matches!(confirmed, Confirmed::No) && !before.is_empty() {
+            let mut led = seen.sequence.clone();
+            led.stimuli.splice(0..0, before);
+            confirmed = self.confirm(stand, &led, &seen.violation, Pace::Careful)?;
+            if matches!(confirmed, Confirmed::Again) {
+                tree = SequenceTree::new(led);
+            }
+        }
+        let is_whole = matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len();
+        if is_whole {
+            // It is long: whether it shows anything is tried at the pace at which it was seen.
+            self.executor.forget_rest();
+            confirmed = self.confirm(stand, &whole, &seen.violation, Pace::Swift)?;
+            tree = SequenceTree::new(whole);
+        }
+        let (found, lost) = match confirmed {
+            Confirmed::Again if is_whole && self.plan.stop_at_first => {
+                let mut shortening = Shortening::of_history(tree.best().clone(), seen);
+                (self.shorten_at_once(stand, &mut shortening)?, None)
+            }
+            Confirmed::Again if is_whole => {
+                self.unshortened.push_back(Shortening::of_history(tree.best().clone(), seen));
+                self.seen.insert(key, Standing::InHistory(doubts));
+                return Ok(());
+            }
+            Confirmed::Again => {
+                let whole = Found {
+                    sequence: tree.best().clone(),
+                    evidence: std::mem::take(&mut self.executor.evidence),
+                    state: self.executor.kept.clone(),
+                    violation: seen.violation,
+                    confirmed: true,
+                };
+                let shortening = Shortening::new(whole, stand.is_repeatable());
+                (self.shorten_now_or_later(stand, shortening)?, None)
+            }
+            Confirmed::No => (seen, None),
+            Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
+        };
+        let is_swift = lost.is_none() && pace == Pace::Swift;
+        self.tell(found, doubts, is_swift);
+        match lost {
+            Some((violation, dead)) => self.lose(stand, violation, dead),
+            None => Ok(()),
+        }
+    }
+
+    /// A violation is told of, unless it was seen at the swift pace, does not come back and may have been
+    /// a late answer to another frame.
+    pub(super) fn tell(&mut self, found: Found, doubts: u32, is_swift: bool) {
+        let key = (found.violation.property, found.violation.rule);
+        if !found.confirmed && is_swift && doubts + 1 < MOST_DOUBTS && self.may_be_mixed_up(&found.violation) {
+            self.executor.distrust(key.0);
+            self.seen.insert(key, Standing::Doubtful(doubts + 1));
+            return;
+        }
+        let standing = if found.confirmed { Standing::Confirmed } else { Standing::Doubtful(doubts + 1) };
+        self.seen.insert(key, standing);
+        if matches!(standing, Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) {
+            self.executor.take_for_granted(&found.violation);
+        }
+        let is_known = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
+        match self.violations.iter_mut().find(is_known) {
+            Some(before) if found.confirmed => *before = found,
+            Some(_) => {}
+            None => self.violations.push(found),
+        }
+    }
+
+    /// Whether what was seen at the swift pace may come from an answer to another frame, or from an order of service that
+    /// nobody has promised.
+    fn may_be_mixed_up(&self, violation: &Violation) -> bool {
+        // A device that has died is no matter of order.
+        violation.property != Property::Alive
+            && !violation.is_silence
+            && (self.executor.is_in_order(violation.property) || is_mixable(violation))
+    }
+
+    /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
+    /// its end. `dead`: nor did further resets bring it back.
+    pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
+        self.dead |= dead;
+        let (sequence, evidence) = self.executor.before_start();
+        let key = (violation.property, violation.rule);
+        if self.seen.insert(key, Standing::Confirmed).is_some() {
+            return Ok(());
+        }
+        let mut confirmed = false;
+        if !dead {
+            self.executor.run(stand, &sequence, Pace::Careful, true)?;
+            if let Ended::Lost { dead, .. } = self.executor.restart(stand)? {
+                confirmed = true;
+                self.dead |= dead;
+            }
+        }
+        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new() });
+        Ok(())
+    }
+
+    /// Whether the sequence shows the same violation again: at the careful pace from power-on.
+    pub(super) fn confirm(
+        &mut self,
+        stand: &mut dyn TestStand,
+        sequence: &Sequence,
+        as_in: &Violation,
+        pace: Pace,
+    ) -> Result<Confirmed, BusError> {
+        let keep = !stand.is_repeatable();
+        Ok(match self.executor.run(stand, sequence, pace, keep)? {
+            Ended::Violation(violation) if is_same(&violation, as_in) => Confirmed::Again,
+            Ended::Lost { violation, dead } if keep => Confirmed::Lost(violation, dead),
+            _ => Confirmed::No,
+        })
+    }
+}
+
+/// What became of a repetition.
+pub(super) enum Confirmed {
+    /// The same violation.
+    Again,
+    /// Another one, or none.
+    No,
+    /// The device did not come back from the reset before it, which is a violation of its own; whether further resets
+    /// did not bring it back either.
+    Lost(Violation, bool),
+}
+
+/// Whether the answer to another frame, come late, can look like that.
+fn is_mixable(violation: &Violation) -> bool {
+    let is_answer = matches!(
+        violation.property,
+        Property::LegalSdo
+            | Property::OneAnswer
+            | Property::Silent
+            | Property::Consistent
+            | Property::ReadBack
+            | Property::AbortedUnchanged
+            | Property::Restored
+            | Property::LegalLss
+            | Property::Fastscan
+    );
+    is_answer && !violation.is_silence
+}
+
+pub(super) fn is_same(one: &Violation, other: &Violation) -> bool {
+    (one.property, one.rule) == (other.property, other.rule)
+}

@@ -1,0 +1,140 @@
+//! A device that has violated something goes on without a reset, where its own answers tell what it does and holds.
+
+use super::{Cause, Executor, Pace, Stop, WEDGED};
+use crate::baseline;
+use crate::oracle::Violation;
+use crate::property::Property;
+use crate::stand::TestStand;
+use crate::stimulus::Stimulus;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::nmt::{self, Command, Nmt};
+use canvass_bus::BusError;
+use canvass_traces::{Direction, Duration, Record};
+
+impl Executor {
+    /// Whether a sequence goes on after that violation, which was told of before: what comes after it shows more than its
+    /// end would.
+    pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
+        let key = (violation.property, violation.rule);
+        self.pace == Pace::Swift
+            && self.presumed != Some(key)
+            && !stand.is_repeatable()
+            && self.known.contains(&key)
+            && self.is_alive_after(violation)
+    }
+
+    /// Whether the device may go on from where a sequence has left it, once its answers tell where that is: nothing that
+    /// only a reset brings into force was changed, and it is neither starting nor without node-ID.
+    pub(super) fn may_recover(&self, ended: &Result<(), Stop>) -> bool {
+        match ended {
+            Ok(()) => self.oracle.may_go_on(),
+            Err(Stop::Violation(violation)) => self.is_alive_after(violation),
+            Err(_) => false,
+        }
+    }
+
+    /// Whether the device answers, as far as that violation says, and may go on.
+    fn is_alive_after(&self, violation: &Violation) -> bool {
+        let is_of_lss = matches!(violation.property, Property::LegalLss | Property::Fastscan);
+        let is_alive = violation.property != Property::Alive && (!violation.is_silence || is_of_lss);
+        is_alive && self.oracle.may_go_on()
+    }
+
+    /// Whether going on without a reset has taken less time so far than resets have.
+    pub(super) fn is_recovery_faster(&self) -> bool {
+        let usual = |cause| match self.spent.of(cause) {
+            (0, _) => None,
+            (count, time) => Some(time.nanos() / count),
+        };
+        match (usual(Cause::Recovery), usual(Cause::Start)) {
+            (Some(recovery), Some(start)) => recovery <= start,
+            _ => true,
+        }
+    }
+
+    /// Ends what may be under way, and reads what the device holds; what differs from power-on is written back. `false`: it
+    /// does not answer as a device at rest does.
+    pub(super) fn recover(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
+        let begun = stand.bus().now();
+        let recovered = self.bring_to_rest(stand);
+        self.outstanding = 0;
+        self.spent.add(Cause::Recovery, stand.bus().now().since(begun));
+        recovered
+    }
+
+    fn bring_to_rest(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
+        let node = self.knowledge.node.raw();
+        let rest = Nmt { command: Command::ENTER_PRE_OPERATIONAL, node }.to_frame(nmt::CAN_ID);
+        for frame in [rest, self.abort] {
+            self.hand_over(stand, frame)?;
+        }
+        // Late answers come within the time of silence.
+        self.drain(stand, self.trusts.quiet())?;
+        if !self.is_idle(stand)? {
+            return Ok(false);
+        }
+        let unsettled = self.sent.get(self.settled..).unwrap_or_default().to_vec();
+        let (sent, evidence, keep) = (&mut self.sent, &mut self.evidence, self.keep);
+        let kept = baseline::restore(stand.bus(), &unsettled, &self.knowledge, &mut |record| {
+            if record.direction == Direction::Tx {
+                sent.push(Stimulus::settle(record.frame));
+            }
+            if keep {
+                evidence.push(record.clone());
+            }
+        })?;
+        self.settled = self.sent.len();
+        self.kept.retain(|before| kept.iter().all(|now| now.at != before.at));
+        self.kept.extend(kept);
+        self.trusts.awaits_lss = false;
+        self.oracle.go_on(stand.bus().now());
+        for kept in &self.kept {
+            self.oracle.holds(kept.at, kept.value);
+        }
+        Ok(true)
+    }
+
+    /// Whether 1000h is read as it is of a server without a transfer. It must be: silence is a violation (PROP-01), unless it is
+    /// none for the first time.
+    fn is_idle(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
+        self.hand_over(stand, self.probe)?;
+        let is_news = self.presumed.is_none() && !self.known_silence.contains(&WEDGED) && !self.known.contains(&WEDGED);
+        let within = if is_news { self.knowledge.patience.answer } else { self.missing_after() };
+        let until = stand.bus().now() + within;
+        while let Some(record) = stand.bus().receive(until)? {
+            let frame = record.frame;
+            self.note(record);
+            if frame.cob_id() == Some(self.response) {
+                return Ok(self.is_value(&frame, Multiplexer::new(object::DEVICE_TYPE, 0)));
+            }
+        }
+        if !is_news {
+            return Ok(false);
+        }
+        Err(Stop::Violation(Violation {
+            property: WEDGED.0,
+            rule: WEDGED.1,
+            expected: format!("the value of 1000h within {within}, after an abort in pre-operational"),
+            actual: "no answer".to_owned(),
+            is_silence: true,
+            at: stand.bus().now(),
+        }))
+    }
+
+    /// A frame that is evidence only.
+    fn note(&mut self, record: Record) {
+        if self.keep {
+            self.evidence.push(record);
+        }
+    }
+
+    fn drain(&mut self, stand: &mut dyn TestStand, time: Duration) -> Result<(), BusError> {
+        let until = stand.bus().now() + time;
+        while let Some(record) = stand.bus().receive(until)? {
+            self.note(record);
+        }
+        Ok(())
+    }
+}
