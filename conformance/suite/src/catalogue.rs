@@ -25,7 +25,7 @@ pub(crate) fn expect(pattern: &str) -> Result<(), String> {
     }
 }
 
-/// One part of `--select`.
+/// One part of a selection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Selector {
     /// The beginning of an id, whole words: `301/sdo`.

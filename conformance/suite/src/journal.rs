@@ -18,6 +18,7 @@
 //! A last line without its end is one whose change was not made yet.
 
 use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::hex;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -129,8 +130,7 @@ fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
 }
 
 fn value_line(text: &mut String, multiplexer: Multiplexer, value: &[u8]) {
-    let digits: String = value.iter().map(|byte| format!("{byte:02X}")).collect();
-    let _ = writeln!(text, "value {:04X}:{:02X} {digits}", multiplexer.index.0, multiplexer.sub.0);
+    let _ = writeln!(text, "value {:04X}:{:02X} {}", multiplexer.index.0, multiplexer.sub.0, hex::compact(value));
 }
 
 /// A run that was interrupted, as its journal tells it.
@@ -225,11 +225,7 @@ fn value(text: &str) -> Result<(Multiplexer, Vec<u8>), &'static str> {
     let (index, sub) = object.split_once(':').ok_or(expected)?;
     let index = u16::from_str_radix(index, 16).map_err(|_| expected)?;
     let sub = u8::from_str_radix(sub, 16).map_err(|_| expected)?;
-    let pairs = digits.as_bytes().chunks(2).map(|pair| {
-        let pair = std::str::from_utf8(pair).ok().filter(|pair| pair.len() == 2)?;
-        u8::from_str_radix(pair, 16).ok()
-    });
-    Ok((Multiplexer::new(index, sub), pairs.collect::<Option<_>>().ok_or(expected)?))
+    Ok((Multiplexer::new(index, sub), hex::parse(digits).ok_or(expected)?))
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ pub mod catalogue;
 pub use canvass_analyzer::clause;
 pub mod comparison;
 pub mod glob;
+pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
@@ -29,4 +30,4 @@ pub mod verdict;
 pub mod waiver;
 
 pub(crate) use canvass_device::Fault;
-use canvass_suite_macros::case;
+use canvass_macros::case;

@@ -57,6 +57,12 @@ impl Need {
         self.text
     }
 
+    /// Asks for it, whatever is known.
+    #[cfg(test)]
+    pub(crate) fn check(&self, bench: &mut Bench<'_>) -> Result<Met, Stop> {
+        (self.check)(bench)
+    }
+
     pub(crate) const fn rescue(&self) -> Option<Rescue> {
         self.rescue
     }

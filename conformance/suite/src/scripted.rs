@@ -111,11 +111,7 @@ pub fn described(sections: &[(&str, &str)]) -> Target {
 
 /// A frame in the notation of `cansend`.
 pub fn frame(text: &str) -> Frame {
-    let (id, data) = text.split_once('#').unwrap();
-    let id = canvass_traces::CanId::standard(u32::from_str_radix(id, 16).unwrap()).unwrap();
-    let data: Vec<u8> =
-        (0..data.len()).step_by(2).map(|at| u8::from_str_radix(&data[at..at + 2], 16).unwrap()).collect();
-    Frame::new(id, &data).unwrap()
+    canvass_traces::parse_frame(text).unwrap().frame
 }
 
 /// Answers frames from a table, each after 1 ms; a reset with boot-up.
@@ -167,8 +163,13 @@ pub fn dictionary(rows: Vec<Row>) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)
     }
 }
 
-/// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
-pub fn unmet(need: &'static crate::need::Need, rows: &[Row]) -> Option<String> {
+/// What comes of asking a device of that script, and of which that is known, for a need.
+pub fn asked(
+    need: &'static crate::need::Need,
+    script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
+    target: &Target,
+    options: &Options,
+) -> Result<(), crate::verdict::Stop> {
     use crate::clause::{Clause, Confidence, Level};
     let needs: &'static [&'static crate::need::Need] = vec![need].leak();
     let case = crate::case::Case {
@@ -183,7 +184,14 @@ pub fn unmet(need: &'static crate::need::Need, rows: &[Row]) -> Option<String> {
         cct: None,
         run: |_| Ok(()),
     };
-    with_bench(dictionary(rows.to_vec()), |bench| case.require(bench)).err().map(|stop| stop.reason().actual)
+    with_target(script, target, options, |bench| case.require(bench))
+}
+
+/// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
+pub fn unmet(need: &'static crate::need::Need, rows: &[Row]) -> Option<String> {
+    let target = Target::unknown(NodeId::new(NODE).unwrap());
+    let asked = asked(need, dictionary(rows.to_vec()), &target, &Options::default());
+    asked.err().map(|stop| stop.reason().actual)
 }
 
 /// A need is met where all of these objects are there, and can be written where that is asked; and where one of them is

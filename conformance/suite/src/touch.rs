@@ -22,7 +22,7 @@ impl Touch {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults];
 
-    /// The name for `--allow`.
+    /// The name by which the user allows it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nvm => "nvm",

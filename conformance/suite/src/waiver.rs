@@ -305,4 +305,47 @@ mod tests {
             assert!(error.line == line && error.problem.contains(says), "{to}: {error}");
         }
     }
+
+    /// What was found instead is named, three of it, each once in a row; a case that did not run to its end says nothing.
+    #[test]
+    fn what_was_found_instead_is_named() {
+        let waivers = Waivers::read(FILE).unwrap();
+        let wrong = |subject: &str| Ruled { breach: breach(subject), excuse: None };
+        let found = |subjects: &[&str]| {
+            let report = report(subjects.iter().map(|subject| wrong(subject)).collect());
+            let told = waivers.idle("2027-01-01", &[&report]);
+            assert_eq!(told.len(), 1, "the other waiver's case did not run: {told:?}");
+            told[0].split("found was ").nth(1).unwrap().to_owned()
+        };
+        assert_eq!(found(&["1009:00", "1009:00"]), "1009h:00: value 07");
+        let three = "1009h:00: value 07; 100Ah:00: value 07; 100Bh:00: value 07";
+        assert_eq!(found(&["1009:00", "100A:00", "100B:00"]), three);
+        assert_eq!(found(&["1009:00", "100A:00", "100B:00", "100C:00"]), format!("{three} and 1 more"));
+        let tolerated = Ruled { breach: breach("1009:00").tolerated(), excuse: None };
+        let told = waivers.idle("2027-01-01", &[&report(vec![tolerated])]);
+        assert!(told[0].ends_with("nothing was found wrong"), "{told:?}");
+        let ended =
+            CaseReport { verdict: Verdict::inconclusive(crate::verdict::Reason::default()), ..report(Vec::new()) };
+        assert_eq!(waivers.idle("2027-01-01", &[&ended]), Vec::<String>::new());
+        assert_eq!(waivers.idle("2027-01-01", &[]), Vec::<String>::new());
+        // The manual's excuse of the same breach is not the waiver's.
+        let excuse = Some(Excuse { documented: String::new(), by: Authority::Manual });
+        let by_manual = report(vec![Ruled { breach: breach("1008:00"), excuse }]);
+        assert_eq!(waivers.idle("2027-01-01", &[&by_manual]).len(), 1);
+    }
+
+    /// Reports say who accepts a breach, until when, and why.
+    #[test]
+    fn who_accepts_a_breach_is_told() {
+        let documented = |more: &str| {
+            let file = format!("{}{more}", FILE.split("expires").next().unwrap());
+            Waivers::read(&file).unwrap().deviations("2027-01-01")[1].documented.clone()
+        };
+        assert_eq!(documented(""), "waived: ticket 7 (line 9)");
+        assert_eq!(documented("owner = \"Ann\"\n"), "waived: ticket 7 (line 9, Ann)");
+        assert_eq!(
+            documented("owner = \"Ann\"\nexpires = 2027-06-30\n"),
+            "waived: ticket 7 (line 9, Ann, until 2027-06-30)"
+        );
+    }
 }

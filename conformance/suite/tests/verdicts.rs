@@ -1,4 +1,4 @@
-//! How verdicts are made of breaches, what is told of them, and what a run's numbers say.
+//! How verdicts are made of breaches, what is reported about them, and what a run's numbers say.
 
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]

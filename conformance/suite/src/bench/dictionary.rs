@@ -6,6 +6,7 @@ use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
 
@@ -65,7 +66,7 @@ impl Bench<'_> {
     /// An object of which only the index is known: its sub-index 0, and what that counts where there is more.
     fn dump_object(&mut self, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
         let Some(first) = self.value_of(Multiplexer::new(index, 0)) else { return };
-        let highest = first.first().copied().filter(|_| first.len() == 1).unwrap_or(0);
+        let highest = if let [highest] = first[..] { highest } else { 0 };
         values.push((Multiplexer::new(index, 0), first));
         for sub in 1..=highest.min(MOST_SUBS) {
             let multiplexer = Multiplexer::new(index, sub);
@@ -140,7 +141,11 @@ impl Bench<'_> {
         let nature = match multiplexer.index.0 {
             _ if self.is_put_back(multiplexer) => Nature::Setting,
             // Writing them moves the position, so that they are not written back; but they are settings.
-            0x6003 | 0x6009 if entry.is_some_and(|entry| entry.access.is_writable()) => Nature::Setting,
+            encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET
+                if entry.is_some_and(|entry| entry.access.is_writable()) =>
+            {
+                Nature::Setting
+            }
             object::DEVICE_TYPE
             | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION
             | IDENTITY => Nature::Constant,

@@ -64,6 +64,7 @@ mod tests {
         assert_eq!(foreign.load(Duration::from_secs(1), None), bits * 4_000 * 100 / 1_000_000);
         assert_eq!(foreign.load(Duration::from_secs(2), None), bits * 4_000 * 100 / 2_000_000);
         assert_eq!(foreign.load(Duration::ZERO, None), bits * 4_000 * 100);
+        assert_eq!(foreign.load(Duration::from_secs(1), Some(2)), bits * 4_000 * 100 / 2);
         assert_eq!(Foreign::default().load(Duration::from_secs(1), None), 0);
     }
 

@@ -39,9 +39,7 @@ impl Bench<'_> {
         let journal = self.journal.take()?;
         let path = journal.path().display().to_string();
         if !is_put_back {
-            return Some(format!(
-                "what is not as it was stands in {path}: `canvass restore BUS --journal {path}` tries again"
-            ));
+            return Some(format!("{path} lists what could not be restored"));
         }
         journal.remove().err().map(|error| format!("{path} is not needed any more and could not be removed: {error}"))
     }
@@ -56,7 +54,7 @@ impl Bench<'_> {
         }
     }
 
-    /// The case has put back what it changed, or what it could not put back is told.
+    /// The case has put back what it changed, or what it could not put back is reported.
     pub(super) fn settle_journal(&mut self) {
         // A journal that can't be written ends the next case that changes something.
         let _ = self.journal.as_mut().map_or(Ok(()), Journal::settle);

@@ -236,7 +236,7 @@ impl<'a> Bench<'a> {
         self.health().latest().unwrap_or_default().min(HOST_LATE)
     }
 
-    /// How long after a frame the device has acted on it, where it acts at once: what `--timeout reaction` says, and what bus
+    /// How long after a frame the device has acted on it, where it acts at once: what the timing says, and what bus
     /// and host add.
     pub fn shortly(&self) -> Duration {
         self.timing().reaction + self.bus_delay() + self.host_delay()

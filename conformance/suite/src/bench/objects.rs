@@ -5,6 +5,7 @@ use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 use canvass_bus::client::Outcome;
@@ -58,8 +59,8 @@ const CANDIDATES: [Candidate; 9] = [
     // Only a SYNC producer uses the period, only synchronous PDOs the window.
     candidate(object::COMMUNICATION_CYCLE_PERIOD, 0, DataType::UNSIGNED32, [100_000, 200_000]),
     candidate(object::SYNCHRONOUS_WINDOW_LENGTH, 0, DataType::UNSIGNED32, [0, 100_000]),
-    candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
-    candidate(0x6200, 0, DataType::UNSIGNED16, [100, 200]),
+    candidate(encoder::WORK_AREA_LOW_LIMIT, 0, DataType::INTEGER32, [16, 32]),
+    candidate(encoder::CYCLIC_TIMER, 0, DataType::UNSIGNED16, [100, 200]),
 ];
 
 /// The types of text.
@@ -235,9 +236,9 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Stop> {
         const KNOWN: [Candidate; 4] = [
-            candidate(0x6402, 0, DataType::INTEGER32, [1_000, 2_000]),
-            candidate(0x6402, 1, DataType::UNSIGNED32, [1_000, 2_000]),
-            candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
+            candidate(encoder::WORK_AREA_HIGH_LIMIT, 0, DataType::INTEGER32, [1_000, 2_000]),
+            candidate(encoder::WORK_AREA_HIGH_LIMIT, 1, DataType::UNSIGNED32, [1_000, 2_000]),
+            candidate(encoder::WORK_AREA_LOW_LIMIT, 0, DataType::INTEGER32, [16, 32]),
             candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
         ];
         for candidate in &KNOWN {
@@ -248,7 +249,7 @@ impl Bench<'_> {
         }
         // A value that RPDOs carry is made to be written.
         let (profile, own): (Vec<_>, Vec<_>) =
-            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
+            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= encoder::OPERATING_PARAMETERS);
         for mapped in profile.into_iter().chain(own) {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
                 self.uses(mapped.at, "written and read back");

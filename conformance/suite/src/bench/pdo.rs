@@ -263,8 +263,8 @@ impl Bench<'_> {
         let entries = description.dictionary.entries();
         let entries = entries.filter(|(at, entry)| at.index.0 >= 0x2000 && entry.pdo_mappable && allowed(entry));
         let mapped = entries.filter_map(|(at, entry)| {
-            // Whole bytes only: a BOOLEAN takes one bit of a PDO, but a byte of an SDO.
-            let bits = entry.data_type.bits().filter(|bits| (8..=64).contains(bits) && bits % 8 == 0)?;
+            // Whole bytes only: a BOOLEAN takes one bit of a PDO, but a byte of an SDO. No type of fixed length has more than 64.
+            let bits = entry.data_type.bits().filter(|bits| bits % 8 == 0)?;
             Some(Mapped { at, bits: u8::try_from(bits).ok()? })
         });
         mapped.collect()

@@ -42,7 +42,7 @@ impl Bench<'_> {
     pub(crate) fn power_cycle(&mut self) -> Result<bool, Stop> {
         let Some(command) = &self.options.power_cycle else { return Ok(false) };
         let failed = |actual: String| {
-            Stop::Error(Reason::new("the command of --power-cycle switches the device off and on", "status 0", actual))
+            Stop::Error(Reason::new("the user's command switches the device off and on", "status 0", actual))
         };
         let status = shell(command).status();
         let status = status.map_err(|error| failed(error.to_string()))?;
@@ -65,10 +65,7 @@ impl Bench<'_> {
         self.look_for_others()?;
         Ok(match self.watch.others().first() {
             None => Ok(()),
-            Some(other) => Err(format!(
-                "node {other} is on this bus too; with --allow {} it is commanded as well",
-                Touch::OtherNodes
-            )),
+            Some(other) => Err(format!("node {other} is on this bus too, and commanding other nodes is not allowed")),
         })
     }
 
@@ -77,7 +74,7 @@ impl Bench<'_> {
         self.watch.others()
     }
 
-    /// Says that the device under test is given that node-ID: who turns up with it is no other node. 255, no node-ID, says
+    /// Says that the device under test is given that node-ID: a node that uses it is not another one. 255, no node-ID, says
     /// nothing.
     pub(crate) fn gives_node_id(&mut self, node_id: u8) {
         if let Some(node) = NodeId::new(node_id) {

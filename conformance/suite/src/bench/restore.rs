@@ -6,9 +6,11 @@ use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome};
 use canvass_bus::observation::Subject;
+use canvass_traces::hex;
 
 /// Writing these makes something happen (clears the error history, stores, restores, sets the clock, moves the position);
 /// there is no value to put back. Cases that move the position put it back themselves.
@@ -19,8 +21,8 @@ pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
             | object::STORE_PARAMETERS
             | object::RESTORE_DEFAULT_PARAMETERS
             | object::HIGH_RESOLUTION_TIME_STAMP
-            | 0x6003
-            | 0x6009
+            | encoder::PRESET_VALUE
+            | encoder::HIGH_PRECISION_PRESET
     )
 }
 
@@ -157,7 +159,7 @@ impl Bench<'_> {
         }
         let node = self.node();
         let command = |(at, value): (Multiplexer, Vec<u8>)| {
-            let digits: String = value.iter().map(|byte| format!("{byte:02X}")).collect();
+            let digits = hex::compact(&value).to_string();
             let digits = if digits.is_empty() { "''" } else { &digits };
             format!(
                 "canvass sdo write {} {node} {:04X}:{:02X} {digits} --type bytes",

@@ -9,10 +9,10 @@ use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
-use canvass_bus::client::sdo::{Mode, Outcome, Reaction, Transfer, Violation};
+use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_bus::client::sdo::{Mode, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
-use canvass_traces::{Duration, Frame};
+use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
 
 /// An object that every device has.
@@ -149,46 +149,19 @@ impl Bench<'_> {
         Ok(())
     }
 
-    fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
+    fn transfer(&mut self, transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
         self.drain()?;
         let stores = first.multiplexer().is_some_and(|object| {
             matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
         });
-        let patience = if stores { self.timing().store } else { self.timing().sdo_response };
-        let multiplexer = transfer.multiplexer();
-        let mut request = first;
-        let mut responses = Vec::new();
-        loop {
-            let asked = self.now();
-            self.send_request(&request)?;
-            let Some(frame) = self.wait_for_response(patience)? else {
-                self.send_request(&transfer.abort(AbortCode::TIMEOUT))?;
-                return Ok(Attempt { multiplexer, what, outcome: Outcome::Silent, responses });
-            };
-            if !stores {
-                self.knowledge.slowest_answer = self.knowledge.slowest_answer.max(self.now().since(asked));
-            }
-            self.judge_answer(Some(multiplexer), &frame);
-            // Of a long upload the first frames tell enough of their form.
-            if responses.len() < 256 {
-                responses.push(frame);
-            }
-            let step = match Response::read(frame.data()) {
-                Ok(response) => transfer.handle(&response),
-                Err(error) => Reaction::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
-            };
-            match step {
-                Reaction::Send(next) => request = next,
-                Reaction::Done(outcome) => {
-                    if matches!(outcome, Outcome::Violated(_)) {
-                        self.send_request(&transfer.abort(AbortCode::GENERAL))?;
-                    } else {
-                        self.knowledge.served += 1;
-                    }
-                    return Ok(Attempt { multiplexer, what, outcome, responses });
-                }
-            }
+        let (multiplexer, asked) = (transfer.multiplexer(), self.now());
+        let mut line = BenchLine { bench: self, multiplexer, stores, asked, responses: Vec::new() };
+        let outcome = transfer.carry_out(first, &mut line)?;
+        let responses = line.responses;
+        if outcome.own_abort().is_none() {
+            self.knowledge.served += 1;
         }
+        Ok(Attempt { multiplexer, what, outcome, responses })
     }
 
     /// Sends one SDO message and does not wait.
@@ -206,6 +179,42 @@ impl Bench<'_> {
     }
 }
 
+/// The device's default SDO server, for the transfer of one object.
+struct BenchLine<'l, 'b> {
+    bench: &'l mut Bench<'b>,
+    multiplexer: Multiplexer,
+    /// Storing takes longer than any other access.
+    stores: bool,
+    asked: Timestamp,
+    responses: Vec<Frame>,
+}
+
+impl ServerLine for BenchLine<'_, '_> {
+    type Error = Stop;
+
+    fn send(&mut self, request: &Request) -> Result<(), Stop> {
+        self.asked = self.bench.now();
+        self.bench.send_request(request)
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, Stop> {
+        /// Of a long upload the first frames tell enough of their form.
+        const KEPT: usize = 256;
+        let timing = self.bench.timing();
+        let patience = if self.stores { timing.store } else { timing.sdo_response };
+        let Some(frame) = self.bench.wait_for_response(patience)? else { return Ok(None) };
+        if !self.stores {
+            let duration = self.bench.now().since(self.asked);
+            self.bench.knowledge.slowest_answer = self.bench.knowledge.slowest_answer.max(duration);
+        }
+        self.bench.judge_answer(Some(self.multiplexer), &frame);
+        if self.responses.len() < KEPT {
+            self.responses.push(frame);
+        }
+        Ok(Some(frame))
+    }
+}
+
 /// The first four bytes as a little-endian number.
 pub fn number(value: &[u8]) -> u32 {
     value.iter().take(4).rev().fold(0, |number, &byte| number << 8 | u32::from(byte))
@@ -217,6 +226,7 @@ mod tests {
     use crate::scripted::{frame, table, with_bench};
     use crate::situation::Situation;
     use crate::verdict::Grade;
+    use canvass_analyzer::wire::sdo::AbortCode;
 
     /// Background traffic of this and of other nodes does not disturb a transfer.
     #[test]

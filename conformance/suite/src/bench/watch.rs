@@ -26,7 +26,7 @@ pub struct Watch {
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
-    /// Node-IDs that the tester gave to the device under test: who uses them is no other.
+    /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another one.
     given: BTreeSet<NodeId>,
     stores: u32,
     /// The case has stored something.

@@ -142,7 +142,7 @@ fn stores_time_and_what_is_not_described_are_counted() {
     assert_eq!(
         notices,
         ["noticed: no description of the device was given: its communication objects were looked for, 1 values were \
-             found, and 1 case could not be judged; --device MODEL or --device FILE.eds describes it"]
+             found, and 1 case could not be judged"]
     );
     let (_, notices, _) = counted(&unknown, &[&UNDESCRIBED, &PASSES, &UNDESCRIBED]);
     assert!(notices[0].contains("and 2 cases could not be judged"), "{notices:?}");
@@ -186,20 +186,40 @@ fn repeated_cases_and_those_in_quarantine_are_counted() {
     });
 }
 
+/// Also a case that asks for a description lacks it, whatever else it would need.
+#[test]
+fn a_case_that_needs_a_description_is_counted() {
+    static NEEDS_IT: Case =
+        Case { needs: &[&crate::needs::DESCRIPTION], ..test_case("test/needs-description", |_| Ok(())) };
+    static NEEDS_MORE: Case = Case { needs: &[&crate::needs::SYNC], ..test_case("test/needs-sync", |_| Ok(())) };
+    let noticed = |case: &'static Case| {
+        let (_, events) = with_bench(device(&[]), |bench| told(bench, &[case, &PASSES]));
+        events.iter().any(|event| event.contains("1 case could not be judged"))
+    };
+    assert_eq!((noticed(&NEEDS_IT), noticed(&NEEDS_MORE)), (true, false));
+}
+
+/// Where nobody was asked, nothing is to be put back, and no journal is left.
+#[test]
+fn a_run_about_the_file_leaves_no_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal");
+    let options = Options { journal: Some(path.clone()), ..Options::default() };
+    let (summary, events) = with_options(|_: &Frame| Vec::new(), &options, |bench| told(bench, &[&ASKS_NOBODY]));
+    assert!(summary.is_ok() && !path.exists() && !events.iter().any(|event| event.contains("journal")), "{events:?}");
+}
+
 /// A run that ended early says after how many cases, and why.
 #[test]
 fn a_run_that_ended_early_says_so() {
     let options = Options { fail_fast: true, ..Options::default() };
     let (_, events) = with_options(device(&[]), &options, |bench| told(bench, &[&PASSES, &FAILS, &PASSES]));
-    let notice = "noticed: the run ended after 2 of 3 cases: a case failed (--fail-fast)";
+    let notice = "noticed: the run ended after 2 of 3 cases: a case failed, and the run ends with the first failure";
     assert!(events.contains(&notice.to_owned()), "{events:?}");
     let options = Options { limit: Some(MS(7_000)), ..Options::default() };
     let (summary, events) = with_options(device(&[]), &options, |bench| told(bench, &[&WAITS, &WAITS, &WAITS]));
     assert!(summary.unwrap().cancelled);
-    assert!(
-        events.iter().any(|event| event.contains("its time was over (--for says how long it may take)")),
-        "{events:?}"
-    );
+    assert!(events.iter().any(|event| event.contains("its time was over")), "{events:?}");
     assert!(events.iter().any(|event| event.starts_with("compared")), "it is put back all the same");
     let (summary, events) = with_bench(device(&[]), |bench| told(bench, &[&GIVES_UP, &PASSES]));
     assert!(!summary.unwrap().is_good() && !events.iter().any(|event| event.contains("the run ended")), "{events:?}");
@@ -313,9 +333,10 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
         }
         fn health(&self) -> Health {
             let mut health = Health { lost: 3, interruptions: 2, ..Health::default() };
-            for n in 0..200 {
-                health.receive.add(Duration(if n == 0 { 1 << 20 } else { 1 << 10 }));
-                health.transmit.add(Duration(if n == 0 { 1 << 22 } else { 1 << 12 }));
+            // The 990th of a thousand.
+            for n in 1..=1_000 {
+                health.receive.add(Duration(1 << [8, 10, 20][usize::from(n > 989) + usize::from(n > 990)]));
+                health.transmit.add(Duration(1 << [9, 12, 22][usize::from(n > 989) + usize::from(n > 990)]));
             }
             health
         }
@@ -332,7 +353,7 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
     assert_eq!(host, right);
 }
 
-/// CAN FD frames that came are told of.
+/// CAN FD frames that came are reported.
 #[test]
 fn can_fd_frames_are_told_of() {
     let mut inner = device(&[]);
@@ -357,8 +378,8 @@ fn the_leave_that_is_missing_is_named() {
             super::run_case(bench, &TWO).verdict.reason().map(|reason| reason.expected)
         })
     };
-    assert_eq!(actual(&[]).as_deref(), Some("--allow nvm"));
-    assert_eq!(actual(&[Touch::Nvm]).as_deref(), Some("--allow node-id"));
+    assert_eq!(actual(&[]).as_deref(), Some("nvm"));
+    assert_eq!(actual(&[Touch::Nvm]).as_deref(), Some("node-id"));
     assert_eq!(actual(&[Touch::Nvm, Touch::NodeId]), None);
 }
 

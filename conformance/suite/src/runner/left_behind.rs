@@ -1,4 +1,4 @@
-//! What a run leaves behind is told with the commands that put it back, and is no good end.
+//! What a run leaves behind is reported with the commands that put it back, and is no good end.
 
 use super::tests::test_case;
 use super::{Plan, RunEvent, Summary, run};

@@ -15,7 +15,7 @@ mod tests;
 
 pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
 pub use one_case::run_case;
-pub use summary::{HostTiming, Summary};
+pub use summary::{EndedEarly, HostTiming, Summary};
 
 use crate::bench::{Bench, objects};
 use crate::case::Case;
@@ -97,6 +97,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let mut summary = Summary::default();
     let (undescribed, ended_by) = run_cases(bench, plan, &mut summary, report);
     summary.cancelled = bench.is_cancelled() || ended_by.is_some();
+    (summary.undescribed, summary.ended_early) = (undescribed, ended_by);
     if let Some(why) = ended_by {
         let (run, of) = (summary.total(), plan.cases.len());
         report(&RunEvent::Noticed(&format!("the run ended after {run} of {of} cases: {why}")));
@@ -137,7 +138,7 @@ fn run_cases(
     plan: &Plan<'_>,
     summary: &mut Summary,
     report: &mut dyn FnMut(&RunEvent<'_>),
-) -> (usize, Option<&'static str>) {
+) -> (usize, Option<EndedEarly>) {
     let (mut undescribed, mut nonsense) = (0, Nonsense::default());
     for (at, &case) in plan.cases.iter().enumerate() {
         if bench.is_cancelled() {
@@ -156,14 +157,14 @@ fn run_cases(
         undescribed += usize::from(lacks_description(bench, &finished));
         report(&RunEvent::CaseFinished(&finished));
         if makes_no_sense {
-            return (undescribed, Some("the device does not follow the protocol"));
+            return (undescribed, Some(EndedEarly::NoProtocol));
         }
         let counts = kind.badness() >= Kind::Error.badness() && finished.quarantine.is_none();
         if bench.options().fail_fast && counts {
-            return (undescribed, Some("a case failed (--fail-fast)"));
+            return (undescribed, Some(EndedEarly::FirstFailure));
         }
     }
-    let late = bench.is_out_of_time().then_some("its time was over (--for says how long it may take)");
+    let late = bench.is_out_of_time().then_some(EndedEarly::TimeIsOver);
     (undescribed, late)
 }
 
@@ -192,7 +193,7 @@ fn without_description(cases: usize, found: usize) -> String {
     let plural = if cases == 1 { "" } else { "s" };
     format!(
         "no description of the device was given: its communication objects were looked for, {found} values were found, \
-         and {cases} case{plural} could not be judged; --device MODEL or --device FILE.eds describes it"
+         and {cases} case{plural} could not be judged"
     )
 }
 

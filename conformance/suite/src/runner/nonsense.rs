@@ -75,6 +75,8 @@ mod tests {
         coming: VecDeque<Record>,
         /// It says nothing at all.
         silent: bool,
+        /// It is a simulated one.
+        simulated: bool,
     }
 
     impl Bus for Babbler {
@@ -106,13 +108,17 @@ mod tests {
         }
 
         fn is_live(&self) -> bool {
-            true
+            !self.simulated
         }
     }
 
     /// How many cases that end so, each of that length, it takes until the run is to end; `None`: more than a hundred.
     fn until(kind: Kind, each: Duration, repeat: u32, gone: bool) -> Option<u32> {
-        let (mut bus, cancel) = (Babbler { silent: gone, ..Babbler::default() }, AtomicBool::new(false));
+        until_on(Babbler { silent: gone, ..Babbler::default() }, kind, each, repeat, gone)
+    }
+
+    fn until_on(mut bus: Babbler, kind: Kind, each: Duration, repeat: u32, gone: bool) -> Option<u32> {
+        let cancel = AtomicBool::new(false);
         let target = Target::unknown(NodeId::new(63).unwrap());
         let options = Options { repeat, ..Options::default() };
         let mut annotate = |_: &Record| String::new();
@@ -159,6 +165,8 @@ mod tests {
         assert_eq!(until(Kind::Error, ms(5_000), 1, false), Some(12), "60 s");
         assert_eq!(until(Kind::Inconclusive, ms(6_000), 2, false), Some(20));
         assert_eq!(until(Kind::Inconclusive, ms(6_000), 0, false), Some(10), "0 is once");
+        let simulated = Babbler { simulated: true, ..Babbler::default() };
+        assert_eq!(until_on(simulated, Kind::Inconclusive, ms(6_000), 1, false), None, "its time costs nothing");
         assert_eq!(until(Kind::NotApplicable, ms(6_000), 1, false), None);
         assert_eq!(until(Kind::Pass, ms(6_000), 1, false), None);
         assert_eq!(until(Kind::Inconclusive, ms(6_000), 1, true), None, "one that is gone is waited for otherwise");
@@ -211,7 +219,7 @@ mod tests {
     fn a_run_ends_when_its_time_is_over() {
         let options = Options { limit: Some(Duration::from_secs(8)), ..Options::default() };
         let (_, notices, took) = tested(&options);
-        assert!(notices.iter().any(|notice| notice.contains("--for")), "{notices:?}");
+        assert!(notices.iter().any(|notice| notice.contains("its time was over")), "{notices:?}");
         assert!(took < Duration::from_secs(60), "{took}");
     }
 }

@@ -7,7 +7,7 @@ use crate::case::Case;
 use crate::clause::Level;
 use crate::needs;
 use crate::touch::Touch;
-use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Kind, Reason, Ruled, Stop, Verdict};
+use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Kind, Lack, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
 use std::any::Any;
@@ -137,7 +137,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
 
 fn not_allowed(touch: Touch) -> Reason {
     let duty = format!("the user allows what the case does: it {}", touch.text());
-    Reason::new(duty, format!("--allow {touch}"), format!("not allowed: it {} (--allow {touch})", touch.text()))
+    Reason::new(duty, touch.name(), format!("not allowed: it {}", touch.text())).for_lack_of(Lack::Permission)
 }
 
 fn panicked(panic: &(dyn Any + Send)) -> Reason {
@@ -158,4 +158,29 @@ pub(super) fn rule(breach: Breach, case: &Case, deviations: &[Deviation]) -> Rul
     let announced = announced.into_iter().find(|deviation| deviation.explains(case.id, &breach));
     let excuse = announced.map(|Deviation { documented, by, .. }| Excuse { documented: documented.clone(), by: *by });
     Ruled { breach, excuse }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Options;
+    use crate::scripted::{table, with_options};
+    use canvass_traces::Duration;
+
+    /// Without the user's leave a device that does not start is reset, and once more after it was woken; with it, its node-ID is
+    /// looked for, and it is reset anew. After the end of the run nothing more is tried.
+    #[test]
+    fn a_node_id_is_looked_for_with_leave_only() {
+        let resets = |allow: &[Touch], limit: Option<Duration>| {
+            let options = Options { allow: allow.iter().copied().collect(), limit, ..Options::default() };
+            with_options(table(&[]), &options, |bench| {
+                assert!(prepare(bench).is_err());
+                bench.evidence().frames().filter(|exhibit| exhibit.text == "000#813F").count()
+            })
+        };
+        assert_eq!(resets(&[], None), 2);
+        assert_eq!(resets(&[Touch::Nvm], None), 2);
+        assert_eq!(resets(&[Touch::NodeId], None), 4);
+        assert_eq!(resets(&[Touch::NodeId], Some(Duration::from_secs(15))), 2, "its time was over");
+    }
 }

@@ -21,7 +21,7 @@ pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> Case
 /// The report is that of the worst outcome, the first of them.
 fn repeated(bench: &mut Bench<'_>, case: &'static Case, times: u32) -> CaseReport {
     let mut worst = run_case(bench, case);
-    for _ in 1..times.max(1) {
+    for _ in 1..times {
         if bench.is_cancelled() {
             break;
         }
@@ -69,6 +69,7 @@ mod tests {
     use super::*;
     use crate::bench::Options;
     use crate::clause::{Clause, Confidence, Level};
+    use crate::runner::tests::test_case;
     use crate::scripted::{table, with_options};
     use crate::verdict::{Breach, Judged, Stop};
     use canvass_bus::observation::{Observation, Subject};
@@ -115,5 +116,95 @@ mod tests {
         assert_eq!(passed.notes.len(), 2, "{:?}", passed.notes);
         assert!(passed.notes[0].starts_with("try 1 ended with fail after"), "{:?}", passed.notes);
         assert!(passed.notes[1].contains("no answer"), "{:?}", passed.notes);
+    }
+
+    /// Ends in turn as the script says: `p` passes, `f` fails, `i` can't be reached, `n` is not applicable, `e` is an error.
+    fn ending(script: &'static str, options: &Options) -> CaseReport {
+        static SCRIPT: std::sync::Mutex<Vec<char>> = std::sync::Mutex::new(Vec::new());
+        static SERIAL: std::sync::Mutex<()> = std::sync::Mutex::new(());
+        static SCRIPTED: Case = test_case("test/scripted", |bench| {
+            let end = SCRIPT.lock().unwrap().pop().unwrap();
+            bench.note(format!("note {end}"));
+            let reason = || crate::verdict::Reason::new("it ends", "so", end.to_string());
+            match end {
+                'p' => Ok(()),
+                'f' => Err(Stop::Breach(Box::new(Breach::new(Subject::Device, "it works")))),
+                'i' => Err(Stop::Inconclusive(reason())),
+                'n' => Err(Stop::NotApplicable(reason())),
+                _ => Err(Stop::Error(reason())),
+            }
+        });
+        let serial = SERIAL.lock().unwrap();
+        *SCRIPT.lock().unwrap() = script.chars().rev().collect();
+        let report = with_options(table(ROWS), options, |bench| {
+            let begun = bench.now();
+            let report = run_repeatedly(bench, &SCRIPTED);
+            assert_eq!(report.duration, bench.now().since(begun), "of all repetitions");
+            report
+        });
+        drop(serial);
+        report
+    }
+
+    fn outcomes(report: &CaseReport) -> String {
+        let letter = |kind: &Kind| match kind {
+            Kind::Pass => 'p',
+            Kind::Fail => 'f',
+            Kind::Inconclusive => 'i',
+            Kind::NotApplicable => 'n',
+            _ => 'e',
+        };
+        report.outcomes.iter().map(letter).collect()
+    }
+
+    /// Of repetitions the worst is reported, the first of them, and all are counted.
+    #[test]
+    fn of_repetitions_the_worst_is_reported() {
+        let repeated = |script: &'static str, repeat: u32| {
+            let report = ending(script, &Options { repeat, ..Options::default() });
+            (outcomes(&report), report.notes.first().cloned().unwrap_or_default())
+        };
+        let told = |outcomes: &str, note: &str| (outcomes.to_owned(), format!("note {note}"));
+        assert_eq!(repeated("pfffff", 1), told("p", "p"));
+        assert_eq!(repeated("pfffff", 0), told("p", "p"), "0 is once");
+        assert_eq!(repeated("pipf", 3), told("pip", "i"));
+        assert_eq!(repeated("pipf", 4), told("pipf", "f"));
+        assert_eq!(repeated("fpie", 4), told("fpie", "f"));
+        assert_eq!(repeated("nieip", 5), told("nieip", "e"));
+    }
+
+    /// A case is tried again where it failed, could not be judged, or the tester failed; the others say what they say.
+    #[test]
+    fn what_has_not_failed_is_not_tried_again() {
+        let retried = |script: &'static str, retries: u32| {
+            let report = ending(script, &Options { retries, repeat: 9, ..Options::default() });
+            (outcomes(&report), report.notes)
+        };
+        assert_eq!(retried("pf", 5), ("p".to_owned(), vec!["note p".to_owned()]));
+        assert_eq!(retried("nf", 5).0, "n");
+        assert_eq!(
+            (retried("fn", 5).0, retried("ipf", 5).0, retried("epf", 5).0),
+            ("fn".into(), "ip".into(), "ep".into())
+        );
+        assert_eq!((retried("ffff", 1).0, retried("fffp", 2).0), ("ff".into(), "fff".into()));
+        let (_, notes) = retried("iep", 3);
+        let begins: Vec<&str> = notes.iter().map(|note| note.split(" after ").next().unwrap()).collect();
+        let expected = ["note i", "try 1 ended with inconclusive", "note e", "try 2 ended with error", "note p"];
+        assert_eq!(begins, expected);
+        assert!(notes[1].ends_with(": it ends: expected so, found i"), "{notes:?}");
+    }
+
+    /// The user who ends a run ends its repetitions, too.
+    #[test]
+    fn a_cancelled_run_is_not_repeated() {
+        static WAITS: Case = test_case("test/waits", |bench| bench.listen(Duration::from_secs(2)).map(|_| ()));
+        for (repeat, retries) in [(9, 0), (0, 9)] {
+            let options = Options { repeat, retries, limit: Some(Duration::from_secs(5)), ..Options::default() };
+            let report = with_options(table(ROWS), &options, |bench| {
+                bench.listen(Duration::from_secs(4)).unwrap();
+                run_repeatedly(bench, &WAITS)
+            });
+            assert_eq!(outcomes(&report), "i", "{repeat} {retries}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::verdict::Kind;
 use canvass_bus::Health;
 use canvass_traces::Duration;
+use std::fmt;
 
 /// The outcome of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -12,6 +13,10 @@ pub struct Summary {
     pub duration: Duration,
     /// The user ended the run before all cases had run.
     pub cancelled: bool,
+    /// Why the run ended before its last case, where the user has not ended it.
+    pub ended_early: Option<EndedEarly>,
+    /// How many cases could not be judged for want of a description of the device.
+    pub undescribed: usize,
     /// How well the tester's own machine kept up, on a live bus.
     pub host: Option<HostTiming>,
     /// How often the device was told to write its non-volatile memory: it wears out.
@@ -22,6 +27,27 @@ pub struct Summary {
     pub quarantined: usize,
     /// The device is known to be as it was before the run. `false` too where that could not be seen.
     pub is_as_found: bool,
+}
+
+/// Why a run ended before its last case.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum EndedEarly {
+    /// What the device sends makes no sense.
+    NoProtocol,
+    /// A case failed, and the user wants no more than the first failure.
+    FirstFailure,
+    /// It took as long as the user had given it.
+    TimeIsOver,
+}
+
+impl fmt::Display for EndedEarly {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoProtocol => "the device does not follow the protocol",
+            Self::FirstFailure => "a case failed, and the run ends with the first failure",
+            Self::TimeIsOver => "its time was over",
+        })
+    }
 }
 
 /// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.

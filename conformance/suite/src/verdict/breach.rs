@@ -10,7 +10,7 @@ use std::fmt;
 
 /// What a check found wrong: what it is about, when, what would have been right, what came.
 ///
-/// [`Breach::subject`] and [`Breach::actual`] are what manuals' sheets and waivers are held against; the words are for
+/// [`Breach::subject`] and [`Breach::actual`] are what manuals' sheets and waivers are compared with; the words are for
 /// people only.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Breach {

@@ -219,8 +219,12 @@ fn an_application_object_serves() {
         ("6001", "DataType=0x0007\nPDOMapping=1"),
     ]);
     let rows = vec![row(0x2000, 0, &[1]), row(0x5FFF, 0, &[1]), row(0x6000, 0, &[1; 4]), row(0x6001, 0, &[1; 4])];
-    let found = on(&target, rows, |bench| bench.application_scratch().unwrap());
+    let found = on(&target, rows.clone(), |bench| bench.application_scratch().unwrap());
     assert_eq!(found, Some(scratch(0x6001, 0, &[1; 4], &[0, 1, 1, 1])));
+    // The profile's begin at 6000h.
+    let target = described(&[("5FFF", "DataType=0x0005\nPDOMapping=1"), ("6000", "DataType=0x0007\nPDOMapping=1")]);
+    let found = on(&target, rows, |bench| bench.application_scratch().unwrap());
+    assert_eq!(found, Some(scratch(0x6000, 0, &[1; 4], &[0, 1, 1, 1])));
 }
 
 /// A string of the application that may be written and read, and is not there to load programs.
@@ -316,6 +320,26 @@ fn an_empty_text_is_looked_for() {
     assert!(!found("DataType=0x0009\nObjFlags=2", no_data) && !found("DataType=0x0009\nDefaultValue=text", no_data));
     assert!(found("DataType=0x000A", no_data) && found("DataType=0x000B", no_data));
     with_bench(dictionary(Vec::new()), |bench| assert_eq!(bench.empty_object(), Ok(None)));
+}
+
+/// Of many texts that are described as empty eight are asked for.
+#[test]
+fn eight_texts_are_asked_whether_they_are_empty() {
+    let sections: Vec<(String, &str)> =
+        (0..10).map(|n| (format!("200{n}"), "DataType=0x0009\nAccessType=ro")).collect();
+    let sections: Vec<(&str, &str)> = sections.iter().map(|(name, lines)| (name.as_str(), *lines)).collect();
+    let target = described(&sections);
+    let found = |empty: u8| {
+        let script = move |request: &canvass_traces::Frame| match request.bytes() {
+            [0x40, number, 0x20, ..] if number != empty => {
+                let answer = crate::scripted::frame(&format!("5BF#43{number:02X}200041424344"));
+                vec![(canvass_traces::Duration::from_millis(1), answer)]
+            }
+            _ => Vec::new(),
+        };
+        with_target(script, &target, &Options::default(), |bench| bench.empty_object().unwrap())
+    };
+    assert_eq!((found(0), found(7), found(8)), (Some(at(0x2000)), Some(at(0x2007)), None));
 }
 
 /// TPDO 1 is set up with what SDOs can write, then with other objects; the error register, where it can be mapped, is last.

@@ -2,11 +2,16 @@
 
 #![cfg(test)]
 
-use super::super::Options;
 use super::super::sdo::DEVICE_TYPE;
-use super::{on_device, with};
-use crate::scripted::{Row, dictionary, table, with_bench};
+use super::super::{Bench, Options};
+use super::{Live, on_device, with};
+use crate::comparison::Nature;
+use crate::scripted::{Row, ScriptedBus, described, dictionary, frame, table, with_bench, with_target};
 use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_bus::Bus;
+use canvass_traces::{Duration, Frame, Record};
+use std::cell::Cell;
+use std::rc::Rc;
 
 fn row(index: u16, sub: u8, value: &[u8]) -> Row {
     ((index, sub), value.to_vec(), true)
@@ -65,7 +70,8 @@ fn a_journal_is_kept_where_something_is_left() {
         bench.begin_journal("sim:test", false, &[]).unwrap();
         assert!(path.exists());
         let told = bench.end_journal(false).unwrap();
-        assert!(told.contains("canvass restore BUS --journal") && path.exists(), "{told}");
+        assert_eq!(told, format!("{} lists what could not be restored", path.display()));
+        assert!(path.exists());
         assert!(bench.begin_journal("sim:test", false, &[]).is_err(), "it is not written over");
         std::fs::remove_file(&path).unwrap();
         bench.begin_journal("sim:test", false, &[]).unwrap();
@@ -98,4 +104,123 @@ fn others_are_looked_for_once() {
         bench.gives_node_id(5);
         assert!(bench.is_vacant(5) && bench.others().contains(&NodeId::new(127).unwrap()));
     });
+}
+
+/// No more than sixteen entries of an object that nobody described are read, and none after one that is not there.
+#[test]
+fn an_undescribed_object_is_read_up_to_a_limit() {
+    let found = |highest: u8, last: u8| {
+        let mut rows = vec![row(0x1018, 0, &[highest])];
+        rows.extend((1..=last).map(|sub| row(0x1018, sub, &[sub])));
+        let found = with_bench(dictionary(rows), |bench| bench.dump());
+        found.last().map(|(at, _)| at.sub.0)
+    };
+    assert_eq!((found(16, 20), found(17, 20), found(255, 20)), (Some(16), Some(16), Some(16)));
+    assert_eq!((found(255, 4), found(3, 20), found(0, 20)), (Some(4), Some(3), Some(0)));
+}
+
+/// On a live bus nobody waits for all objects of a device that answers none, or nonsense; an abort is an answer, too.
+#[test]
+fn a_live_device_that_answers_nothing_is_not_read_to_its_end() {
+    let sections: Vec<(String, &str)> = (0..45).map(|n| (format!("{:04X}", 0x2000 + n), "DataType=0x0005")).collect();
+    let sections: Vec<(&str, &str)> = sections.iter().map(|(name, lines)| (name.as_str(), *lines)).collect();
+    let target = described(&sections);
+    // How many are asked for, if those with these numbers are answered so.
+    let asked = |answered: &'static [u8], answer: &'static str, live: bool| {
+        let count: Rc<Cell<u32>> = Rc::default();
+        let counted = Rc::clone(&count);
+        let script = move |request: &Frame| match request.bytes() {
+            [0x40, number, 0x20, ..] => {
+                counted.set(counted.get() + 1);
+                let answer = answer.replace("xx", &format!("{number:02X}"));
+                let answers = answered.contains(&number).then(|| (Duration::from_millis(1), frame(&answer)));
+                answers.into_iter().collect()
+            }
+            _ => Vec::new(),
+        };
+        let bus = ScriptedBus::new(script);
+        let mut bus: Box<dyn Bus> = if live { Box::new(Live(bus)) } else { Box::new(bus) };
+        let (options, cancel) = (Options::default(), std::sync::atomic::AtomicBool::new(false));
+        let mut annotate = |record: &Record| record.frame.to_string();
+        let values = Bench::new(&mut *bus, &target, &options, &mut annotate, &cancel).dump().len();
+        (count.get(), values)
+    };
+    assert_eq!((asked(&[], "", true), asked(&[], "", false)), ((20, 0), (45, 0)));
+    assert_eq!(asked(&[19], "5BF#4Fxx200007000000", true), (40, 1));
+    assert_eq!(asked(&[19], "5BF#80xx200000000206", true), (40, 0), "an abort is an answer");
+    assert_eq!(asked(&[19], "5BF#60xx200000000000", true), (20, 0), "a confirmation of a write is none");
+    assert_eq!(asked(&[20], "5BF#4Fxx200007000000", true), (20, 0), "it is too late");
+    assert_eq!(asked(&[19, 39], "5BF#4Fxx200007000000", true), (45, 2));
+}
+
+/// After the run a device may be starting: it is asked three times, ten seconds apart, before it is given up.
+#[test]
+fn a_device_that_starts_after_the_run_is_waited_for() {
+    let before = vec![(DEVICE_TYPE, vec![0x91, 1, 0, 0])];
+    let compared = |silent: u32| {
+        let (mut left, mut inner) = (silent, dictionary(vec![row(0x1000, 0, &[0x91, 1, 0, 0])]));
+        let script = move |request: &Frame| {
+            let is_asked = request.to_string() == "63F#4000100000000000";
+            if left > 0 {
+                left -= u32::from(is_asked);
+                return Vec::new();
+            }
+            inner(request)
+        };
+        with_bench(script, |bench| {
+            let comparison = bench.put_back_dictionary("sim:test", &before);
+            assert_eq!((comparison.objects, comparison.changes.len()), (1, 0));
+            (comparison.is_complete, bench.now().nanos() / 1_000_000_000)
+        })
+    };
+    assert_eq!((compared(0), compared(1), compared(2)), ((true, 0), (true, 11), (true, 22)));
+    assert_eq!(compared(3), (false, 33));
+}
+
+/// What appears, what goes, and what changes while it is looked at: each is told with both values, in the order of the
+/// dictionary.
+#[test]
+fn what_is_otherwise_after_the_run_is_told() {
+    let target = described(&[
+        ("1000", "DataType=0x0007\nAccessType=ro"),
+        ("2000", "DataType=0x0005\nAccessType=const"),
+        ("2001", "DataType=0x0005"),
+        ("2002", "DataType=0x0005"),
+    ]);
+    let before: Vec<(Multiplexer, Vec<u8>)> = [(0x1000, vec![0x91, 1, 0, 0]), (0x2001, vec![7]), (0x2002, vec![1])]
+        .map(|(index, value)| (Multiplexer::new(index, 0), value))
+        .to_vec();
+    let mut count = 1;
+    let mut inner = dictionary(vec![
+        row(0x1000, 0, &[0x91, 1, 0, 0]),
+        ((0x2000, 0), vec![3], false),
+        ((0x2002, 0), vec![1], false),
+    ]);
+    // 2002h counts how often it is read, though it is described as a value that is written.
+    let script = move |request: &Frame| {
+        let mut answers = inner(request);
+        if request.to_string().starts_with("63F#40022000") {
+            count += 1;
+            answers = vec![(Duration::from_millis(1), frame(&format!("5BF#4F022000{count:02X}000000")))];
+        }
+        answers
+    };
+    let comparison =
+        with_target(script, &target, &Options::default(), |bench| bench.put_back_dictionary("can0", &before));
+    let told: Vec<_> = comparison
+        .changes
+        .iter()
+        .map(|change| (change.multiplexer.index.0, change.nature, change.before.is_some(), change.after.is_some()))
+        .collect();
+    assert_eq!(
+        told,
+        [
+            (0x2000, Nature::Constant, false, true),
+            (0x2001, Nature::Setting, true, false),
+            (0x2002, Nature::Own, true, true)
+        ]
+    );
+    assert_eq!((comparison.objects, comparison.is_complete, comparison.is_as_found()), (4, true, false));
+    assert_eq!(comparison.left().count(), 2);
+    assert_eq!(comparison.commands, ["canvass sdo write can0 63 2001:00 07 --type bytes"]);
 }

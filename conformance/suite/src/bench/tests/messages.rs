@@ -122,7 +122,7 @@ fn a_reply_is_judged() {
     });
 }
 
-/// What is told of the device is what it sends, and nothing else.
+/// What is reported about the device is what it sends, and nothing else.
 #[test]
 fn frames_of_the_device_are_known() {
     let node = NodeId::new(63).unwrap();
@@ -144,7 +144,7 @@ fn frames_of_the_device_are_known() {
     }
 }
 
-/// Objects that are written for a test have two values, and what is taken is told.
+/// Objects that are written for a test have two values, and what is taken is reported.
 #[test]
 fn scratch_objects_differ_from_what_they_hold() {
     on_device(|bench| {
@@ -263,4 +263,97 @@ fn emergencies_are_noted_unless_they_are_expected() {
     assert_eq!(noted(true), Vec::<String>::new());
     let notes = noted(false);
     assert!(notes.len() == 1 && notes[0].contains("8130h"), "{notes:?}");
+}
+
+/// Of a long upload, whatever it is made of, 256 answers are kept.
+#[test]
+fn of_a_long_upload_the_first_answers_are_kept() {
+    let kept = |segments: usize| {
+        let mut sent = 0;
+        let script = move |request: &Frame| {
+            let answer = match request.bytes()[0] {
+                0x40 => "5BF#4000200000000000".to_owned(),
+                command @ (0x60 | 0x70) => {
+                    sent += 1;
+                    let last = u8::from(sent == segments);
+                    format!("5BF#{:02X}41424344454647", command & 0x10 | last)
+                }
+                _ => return Vec::new(),
+            };
+            vec![(Duration::from_micros(10), frame(&answer))]
+        };
+        with_bench(script, |bench| {
+            let attempt = bench.upload(Multiplexer::new(0x2000, 0)).unwrap();
+            let responses = attempt.responses.len();
+            (attempt.value().unwrap().len(), responses)
+        })
+    };
+    assert_eq!((kept(254), kept(255), kept(256)), ((254 * 7, 255), (255 * 7, 256), (256 * 7, 256)));
+}
+
+/// Both 1010h and 1011h may take as long as memory takes.
+#[test]
+fn restoring_has_the_patience_of_storing() {
+    let took = |index: u16| {
+        with_bench(table(&[]), |bench| {
+            let begun = bench.now();
+            assert!(bench.upload(Multiplexer::new(index, 1)).unwrap().is_silent());
+            bench.now().since(begun)
+        })
+    };
+    let [before, store, restore, after] = [0x100F, 0x1010, 0x1011, 0x1012].map(took);
+    let (usual, long) = (Duration::from_secs(1), Duration::from_secs(10));
+    assert_eq!((before, store, restore, after), (usual, long, long, usual));
+}
+
+/// What must not be answered is waited for as long as silence takes; anything else as long as an answer may.
+#[test]
+fn a_message_is_waited_for_by_what_it_is() {
+    with_bench(table(&[]), |bench| {
+        let request = Request::upload(DEVICE_TYPE);
+        let mut took = |unanswered: bool| {
+            let begun = bench.now();
+            let reply = match unanswered {
+                true => bench.send_unanswered(&request, "an abort"),
+                false => bench.exchange(&request, "a read"),
+            };
+            assert_eq!(reply.unwrap().observation(), Observation::Silence);
+            bench.now().since(begun)
+        };
+        assert_eq!((took(true), took(false)), (Duration::from_millis(200), Duration::from_secs(1)));
+    });
+}
+
+/// What a case asks for that came before is no more than what others sent, from that time on.
+#[test]
+fn what_was_heard_is_looked_up() {
+    let script = |request: &Frame| match request.to_string().as_str() {
+        "123#" => [10, 20, 30].map(|ms| (Duration::from_millis(ms), frame(&format!("1BF#{ms:02X}")))).to_vec(),
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        bench.send_bytes(0x123, &[]).unwrap();
+        bench.listen(Duration::from_millis(40)).unwrap();
+        let since = |ms: u64| bench.heard_since(canvass_traces::Timestamp::ZERO + Duration::from_millis(ms)).len();
+        assert_eq!([0, 10, 11, 20, 30, 31].map(since), [3, 3, 2, 2, 1, 0]);
+    });
+}
+
+/// A device that was given another node-ID is no other participant of the bus with it.
+#[test]
+fn traffic_with_a_node_id_that_was_given_is_the_devices_own() {
+    let foreign = |given: bool, text: &'static str| {
+        let script = move |_: &Frame| vec![(Duration::from_millis(1), frame(text))];
+        with_bench(script, |bench| {
+            if given {
+                bench.gives_node_id(5);
+            }
+            bench.send_bytes(0x123, &[]).unwrap();
+            bench.listen(Duration::from_millis(5)).unwrap();
+            bench.foreign().loudest().is_some()
+        })
+    };
+    assert_eq!((foreign(false, "185#00"), foreign(true, "185#00"), foreign(true, "186#00")), (true, false, true));
+    assert!(foreign(true, "205#00"), "an RPDO of it comes from others");
+    assert_eq!((foreign(false, "1BF#00"), foreign(true, "1BF#00")), (false, false));
 }

@@ -83,3 +83,28 @@ impl Bus for Failing {
         None
     }
 }
+
+/// A scripted bus that says that it is a live one.
+struct Live(ScriptedBus);
+
+impl Bus for Live {
+    fn now(&self) -> Timestamp {
+        self.0.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        self.0.send(frame)
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        self.0.receive(deadline)
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        None
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+}

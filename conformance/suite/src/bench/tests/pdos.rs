@@ -2,13 +2,15 @@
 
 #![cfg(test)]
 
+use super::super::Options;
 use super::super::objects::{TPDO_COB_ID, TPDO_MAPPED};
 use super::super::pdo::{Mapped, RPDO, TPDO};
 use super::{Bench, on_device};
+use crate::scripted::{Row, described, dictionary, frame, with_bench, with_target};
 use crate::verdict::Stop;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
-use canvass_traces::{Direction, Duration};
+use canvass_traces::{Direction, Duration, Frame};
 
 /// The objects that were written since, in their order, with their values.
 fn written(bench: &Bench<'_>, since: usize) -> Vec<String> {
@@ -60,6 +62,31 @@ fn a_parameter_is_set_while_the_pdo_is_off() {
         let remains = bench.finish();
         assert_eq!((remains.notes, bench.read_number(TPDO.parameter(5))), (Vec::new(), Ok(0)));
         assert_eq!((bench.pdo_cob_id(TPDO), bench.pdo_inhibit_time(TPDO)), (Ok(before), Ok(Duration::ZERO)));
+    });
+}
+
+/// 0 need not be written to a timer that the device does not have; the transmission type has no such value, and every PDO has
+/// it.
+#[test]
+fn a_timer_that_is_not_there_is_off() {
+    let row = |sub, value: &[u8]| ((0x1800, sub), value.to_vec(), true);
+    let without = vec![row(1, &[0xBF, 1, 0, 0x40]), row(2, &[255])];
+    with_bench(dictionary(without), |bench| {
+        assert_eq!(bench.set_pdo(TPDO, &[(2, &[0]), (3, &[0, 0]), (5, &[0, 0])]), Ok(()));
+        assert_eq!(bench.read_number(TPDO.parameter(2)), Ok(0));
+        for timer in [[1, 0], [0, 1]] {
+            assert!(matches!(bench.set_pdo(TPDO, &[(3, &timer)]), Err(Stop::Inconclusive(_))), "{timer:?}");
+        }
+        assert!(bench.set_pdo(TPDO.numbered(2), &[(2, &[0])]).is_err(), "there is no such PDO");
+    });
+    let only_its_id = vec![row(1, &[0xBF, 1, 0, 0x40])];
+    with_bench(dictionary(only_its_id), |bench| {
+        assert!(bench.set_pdo(TPDO, &[(2, &[0])]).is_err(), "a transmission type of 0 is no timer that is off");
+    });
+    let with = vec![row(1, &[0xBF, 1, 0, 0x40]), row(3, &[5, 0])];
+    with_bench(dictionary(with), |bench| {
+        assert_eq!(bench.set_pdo(TPDO, &[(3, &[0, 0])]), Ok(()));
+        assert_eq!(bench.read_number(TPDO.parameter(3)), Ok(0), "one that is there is switched off");
     });
 }
 
@@ -161,4 +188,155 @@ fn a_tpdo_is_provided() {
         assert_eq!(bench.provide_tpdo(), Ok(Ok(())));
         assert_eq!((bench.pdo_cob_id(TPDO), bench.read_number(TPDO_MAPPED)), (Ok(cob_id), Ok(1)));
     });
+}
+
+/// A device with that dictionary, which refuses these requests with 0800 0022h while TPDO 1 is valid, and others always.
+fn refusing(
+    rows: Vec<Row>,
+    while_valid: &'static [&'static str],
+    always: &'static [&'static str],
+) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
+    let (mut others, mut valid) = (dictionary(rows), true);
+    move |request| {
+        let text = request.to_string();
+        let begins = |begins: &[&str]| begins.iter().any(|begin| text.starts_with(begin));
+        if begins(always) || valid && begins(while_valid) {
+            return vec![(Duration::from_millis(1), frame(&format!("5BF#80{}22000008", &text[6..12])))];
+        }
+        if text.starts_with("63F#23001801") {
+            valid = request.bytes()[7] & 0x80 == 0;
+        }
+        others(request)
+    }
+}
+
+fn tpdo(sub: u8, value: &[u8]) -> Row {
+    ((0x1800, sub), value.to_vec(), true)
+}
+
+/// A device that changes nothing of a PDO in use gets its event timer while the PDO is off; one that is silent, or refuses it
+/// all the same, does not have it.
+#[test]
+fn an_event_timer_is_set_however_the_device_takes_it() {
+    const TIMER: &[&str] = &["63F#2B001805"];
+    let rows = || vec![tpdo(1, &[0xBF, 1, 0, 0x40]), tpdo(5, &[0, 0])];
+    let set = |while_valid, always| {
+        with_bench(refusing(rows(), while_valid, always), |bench| {
+            let set = bench.set_event_timer(TPDO, 250);
+            let since = written(bench, 0);
+            let now = bench.uncancelled(|bench| bench.read_number(TPDO.parameter(5)));
+            (set.is_ok(), since, now, bench.pdo_cob_id(TPDO).unwrap().is_valid())
+        })
+    };
+    let timer = "1800:05 FA00".to_owned();
+    assert_eq!(set(&[], &[]), (true, vec![timer.clone()], Ok(250), true));
+    let off_and_on = vec![timer.clone(), "1800:01 BF0100C0".to_owned(), timer, "1800:01 BF010040".to_owned()];
+    assert_eq!(set(TIMER, &[]), (true, off_and_on, Ok(250), true));
+    let (refused, _, now, _) = set(&[], TIMER);
+    assert_eq!((refused, now), (false, Ok(0)));
+    let silent = with_bench(
+        |request: &Frame| match request.to_string().starts_with("63F#2B") {
+            true => Vec::new(),
+            false => dictionary(vec![tpdo(5, &[0, 0])])(request),
+        },
+        |bench| (bench.set_event_timer(TPDO, 250), written(bench, 0).len()),
+    );
+    assert!(matches!(silent, (Err(Stop::Inconclusive(_)), 1)), "{silent:?}");
+}
+
+/// The inhibit time is in units of 100 µs; a PDO need not have one.
+#[test]
+fn an_inhibit_time_may_be_missing() {
+    let time = |rows| with_bench(dictionary(rows), |bench| bench.pdo_inhibit_time(TPDO)).unwrap();
+    assert_eq!(time(vec![tpdo(3, &[0x2C, 1])]), Duration::from_millis(30));
+    assert_eq!((time(vec![tpdo(1, &[0; 4])]), time(Vec::new())), (Duration::ZERO, Duration::ZERO));
+}
+
+/// A count that no PDO has is read no further than PDOs go: 64 bits.
+#[test]
+fn a_mapping_has_no_more_than_64_entries() {
+    let mapped = |count: u8, entries: u8| {
+        let mut rows = vec![((0x1A00, 0), vec![count], true)];
+        rows.extend((1..=entries).map(|sub| ((0x1A00, sub), vec![1, sub, 0, 0x20], true)));
+        with_bench(dictionary(rows), |bench| bench.mapping(TPDO).map(|mapping| mapping.len()))
+    };
+    assert_eq!((mapped(0, 70), mapped(1, 70), mapped(64, 70), mapped(65, 70)), (Ok(0), Ok(1), Ok(64), Ok(64)));
+    assert!(mapped(3, 2).is_err());
+    let entries = with_bench(
+        dictionary(vec![((0x1A00, 0), vec![1], true), ((0x1A00, 1), vec![0x10, 2, 4, 0x60], true)]),
+        |bench| bench.mapping(TPDO),
+    );
+    assert_eq!(entries, Ok(vec![Mapped { at: Multiplexer::new(0x6004, 2), bits: 16 }]));
+}
+
+/// Of the five steps the first that is refused is a breach, and the following are not tried.
+#[test]
+fn a_step_that_is_refused_ends_the_mapping() {
+    const MAPPED: [Mapped; 1] = [Mapped { at: Multiplexer::new(0x2000, 0), bits: 8 }];
+    let rows = || {
+        let entry = |sub, value: &[u8]| ((0x1A00, sub), value.to_vec(), true);
+        vec![tpdo(1, &[0xBF, 1, 0, 0]), entry(0, &[0]), entry(1, &[0; 4])]
+    };
+    let remapped = |always: &'static [&'static str]| {
+        with_bench(refusing(rows(), &[], always), |bench| {
+            let outcome = bench.remap(TPDO, &MAPPED, CobId(0x1BF));
+            let count = written(bench, 0).len();
+            (outcome.is_ok(), matches!(outcome, Err(Stop::Breach(_))), count)
+        })
+    };
+    assert_eq!(remapped(&[]), (true, false, 5));
+    assert_eq!(remapped(&["63F#23001801"]), (false, true, 1));
+    assert_eq!(remapped(&["63F#2F001A0000"]), (false, true, 2));
+    assert_eq!(remapped(&["63F#23001A01"]), (false, true, 3));
+    assert_eq!(remapped(&["63F#2F001A0001"]), (false, true, 4));
+}
+
+/// Where the best objects are refused the next are tried: four of them, and the error register.
+#[test]
+fn what_a_tpdo_does_not_take_is_followed_by_the_next() {
+    let sections: Vec<(String, &str)> =
+        (0..6).map(|n| (format!("200{n}"), "DataType=0x0005\nPDOMapping=1\nAccessType=ro")).collect();
+    let mut sections: Vec<(&str, &str)> = sections.iter().map(|(name, lines)| (name.as_str(), *lines)).collect();
+    sections.extend([
+        ("1800sub1", "DataType=0x0007"),
+        ("1A00sub0", "DataType=0x0005"),
+        ("1A00sub1", "DataType=0x0007"),
+        ("1001", "DataType=0x0005\nAccessType=ro\nPDOMapping=1"),
+    ]);
+    let target = described(&sections);
+    const BUT_THE_LAST: &[&str] =
+        &["63F#23001A0108000020", "63F#23001A0108000120", "63F#23001A0108000220", "63F#23001A0108000320"];
+    let entry = |sub, value: &[u8]| ((0x1A00, sub), value.to_vec(), true);
+    // The entries that were tried, and whether one was taken.
+    let tried = |always: &'static [&'static str]| {
+        let rows = vec![tpdo(1, &[0xBF, 1, 0, 0xC0]), entry(0, &[0]), entry(1, &[0; 4])];
+        with_target(refusing(rows, &[], always), &target, &Options::default(), |bench| {
+            let met = bench.provide_tpdo().unwrap();
+            let entries =
+                written(bench, 0).into_iter().filter_map(|line| Some(line.strip_prefix("1A00:01 ")?.to_owned()));
+            (met.is_ok(), entries.collect::<Vec<String>>())
+        })
+    };
+    let entries = |last: &[&str]| last.iter().map(|entry| (*entry).to_owned()).collect::<Vec<String>>();
+    let all = ["08000020", "08000120", "08000220", "08000320", "08000110"];
+    assert_eq!(tried(&[]), (true, entries(&all[..1])));
+    assert_eq!(tried(&["63F#23001A0108000020"]), (true, entries(&all[..2])));
+    // One whose count is refused is no better than one whose entry is.
+    assert_eq!(tried(&["63F#2F001A0001"]), (false, entries(&all)));
+    assert_eq!(tried(&["63F#23001A01"]), (false, entries(&all)));
+    assert_eq!(tried(BUT_THE_LAST), (true, entries(&all)));
+}
+
+/// SYNC has no counter where 1019h is 0 or not there; a consumer need not have a period.
+#[test]
+fn a_plain_sync_is_expected_where_it_is_not() {
+    let sent = |rows: Vec<Row>| with_bench(dictionary(rows), |bench| (bench.expect_plain_sync(), written(bench, 0)));
+    let overflow = |value| ((0x1019, 0), vec![value], true);
+    let period = |value| ((0x1006, 0), vec![value, 0, 0, 0], true);
+    assert_eq!(sent(Vec::new()), (Ok(()), Vec::new()));
+    assert_eq!(sent(vec![overflow(0), period(1)]), (Ok(()), Vec::new()), "its period disturbs nobody");
+    assert_eq!(sent(vec![overflow(10)]), (Ok(()), vec!["1019:00 00".to_owned()]));
+    assert_eq!(sent(vec![overflow(10), period(0)]), (Ok(()), vec!["1019:00 00".to_owned()]));
+    let both = vec!["1006:00 00000000".to_owned(), "1019:00 00".to_owned()];
+    assert_eq!(sent(vec![overflow(10), period(1)]), (Ok(()), both));
 }

@@ -136,12 +136,30 @@ fn others_may_be_commanded_with_leave() {
         with_options(table(NEIGHBOUR), &options, |bench| (bench.is_alone(), bench.evidence().frames().count()));
     assert_eq!((alone, frames), (Ok(Ok(())), 0));
     let refused = with_bench(table(NEIGHBOUR), |bench| bench.is_alone());
-    let why = "node 64 is on this bus too; with --allow other-nodes it is commanded as well";
+    let why = "node 64 is on this bus too, and commanding other nodes is not allowed";
     assert_eq!(refused, Ok(Err(why.to_owned())));
+    // Of several the first is named.
+    const TWO: &[(&str, &str)] =
+        &[("640#4000100000000000", "5C0#4300100096010200"), ("605#4000100000000000", "585#4300100096010200")];
+    let first = with_bench(table(TWO), |bench| bench.is_alone()).unwrap().unwrap_err();
+    assert!(first.starts_with("node 5 is on this bus too"), "{first}");
     // Only SDO responses are answers.
     const NOISE: &[(&str, &str)] =
         &[("640#4000100000000000", "5C0#43"), ("641#4000100000000000", "1C1#4300100096010200")];
     assert_eq!(with_bench(table(NOISE), |bench| bench.is_alone()), Ok(Ok(())));
+}
+
+/// The queues of interfaces hold eight frames: 126 nodes are asked in sixteen portions, 20 ms apart, and the last have the time
+/// of silence.
+#[test]
+fn others_are_asked_in_portions() {
+    with_bench(table(&[]), |bench| {
+        let begun = bench.now();
+        bench.look_for_others().unwrap();
+        assert_eq!(bench.now().since(begun), MS(16 * 20 + 200));
+        let times: Vec<u64> = bench.evidence().frames().map(|exhibit| exhibit.record.timestamp.0 / 1_000_000).collect();
+        assert_eq!((times.len(), times[7], times[8], times[125]), (126, 0, 20, 300));
+    });
 }
 
 /// The neighbours of the device serve, the nearest first, as far as there are such node-IDs and nobody has them.
@@ -272,7 +290,7 @@ fn a_fixed_heartbeat_is_waited_for_by_its_period() {
     assert_eq!((state(7_990), state(8_010)), (Some(State::OPERATIONAL), None));
 }
 
-/// A state that a case needs is reached, and one that is not is told of.
+/// A state that a case needs is reached, and one that is not is reported.
 #[test]
 fn a_state_that_is_not_reached_is_told() {
     const OPERATIONAL: &[(&str, &str)] = &[("73F#R1", "73F#05")];

@@ -1,4 +1,4 @@
-//! A device is left as it was found: values are written back where they differ, and what can't be put back is told.
+//! A device is left as it was found: values are written back where they differ, and what can't be put back is reported.
 
 #![cfg(test)]
 
@@ -178,7 +178,7 @@ fn what_differs_is_written_back() {
     assert_eq!(stuck, originals[..1]);
 }
 
-/// What could not be written is back after a reset where it was not stored; else it is told, and tried again after the next
+/// What could not be written is back after a reset where it was not stored; else it is reported, and tried again after the next
 /// case.
 #[test]
 fn a_reset_brings_back_what_was_not_stored() {
@@ -386,7 +386,7 @@ fn an_interrupted_run_is_put_back_after_a_reset_where_that_helps() {
     assert_eq!((reset_helps(true), reset_helps(false)), (Some(true), None));
 }
 
-/// What cases could not put back is told with both values, unless the dictionary tells it already.
+/// What cases could not put back is reported with both values, unless the dictionary tells it already.
 #[test]
 fn what_the_dictionary_does_not_show_is_told_too() {
     let now = values(&[row(0x2041, 0, &[9]), row(0x2042, 0, &[9])]);
@@ -509,7 +509,7 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
     });
 }
 
-/// A bus that fails while a device is put back is told of, and ends nothing else.
+/// A bus that fails while a device is put back is reported, and ends nothing else.
 #[test]
 fn a_bus_that_fails_is_no_reason_to_stop() {
     let mut bus =

@@ -5,7 +5,7 @@
 use super::super::nmt::Start;
 use super::super::state::{GUARD_TIME, HEARTBEAT_TIME, Heartbeats, LIFE_TIME_FACTOR, command_to};
 use super::on_device;
-use crate::scripted::{frame, table, with_bench};
+use crate::scripted::{Row, dictionary, frame, table, with_bench};
 use crate::verdict::Stop;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
@@ -131,6 +131,52 @@ fn a_device_without_boot_up_message_is_waited_for_once() {
     });
 }
 
+/// One that starts silently and then is gone is not taken for one that has started.
+#[test]
+fn a_device_without_boot_up_message_may_be_gone() {
+    let mut left = 1;
+    let script = move |request: &Frame| match request.to_string().as_str() {
+        "63F#4000100000000000" if left > 0 => {
+            left -= 1;
+            vec![(MS(1), frame("5BF#4300100096010200"))]
+        }
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        assert_eq!(bench.reset(Command::RESET_NODE), Ok(()));
+        assert!(matches!(bench.reset(Command::RESET_NODE), Err(Stop::Inconclusive(_))));
+    });
+}
+
+/// The device has the time of a reaction before its state is asked for, or its server.
+#[test]
+fn a_device_has_time_to_react() {
+    const OPERATIONAL: &[(&str, &str)] = &[("73F#R1", "73F#05")];
+    with_bench(table(OPERATIONAL), |bench| {
+        bench.heartbeats().unwrap();
+        let begun = bench.now();
+        bench.require_state(State::OPERATIONAL).unwrap();
+        assert_eq!(bench.now().since(begun), MS(51));
+        let begun = bench.now();
+        bench.expect_state(State::OPERATIONAL, "a start").unwrap();
+        assert_eq!(bench.now().since(begun), MS(51));
+    });
+    let mut silent = true;
+    let script = move |request: &Frame| match request.to_string().as_str() {
+        "000#803F" => {
+            silent = false;
+            Vec::new()
+        }
+        "63F#4000100000000000" if !silent => vec![(MS(1), frame("5BF#4300100096010200"))],
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        let begun = bench.now();
+        assert_eq!(bench.starts_by_itself(), Ok(true));
+        assert_eq!(bench.now().since(begun), MS(1_000 + 50 + 1));
+    });
+}
+
 /// A boot-up message that comes after all is believed again.
 #[test]
 fn a_boot_up_message_that_comes_again_is_waited_for() {
@@ -240,4 +286,122 @@ fn a_device_that_starts_by_itself_is_noticed() {
     };
     assert_eq!(state(true), (true, Some(State::PRE_OPERATIONAL), 1));
     assert_eq!(state(false), (false, Some(State::PRE_OPERATIONAL), 0));
+}
+
+/// What comes before the reset is on the bus is no part of the start, and where none comes the time of a start is waited out.
+#[test]
+fn a_start_is_recorded_from_its_command_on() {
+    let script = |request: &Frame| match request.to_string().as_str() {
+        "123#" => vec![(Duration::ZERO, frame("1BF#AA")), (Duration::ZERO, frame("73F#00"))],
+        "000#813F" => vec![(MS(9_999), frame("73F#00")), (MS(10_050), frame("73F#00")), (MS(10_200), frame("73F#00"))],
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        bench.send_bytes(0x123, &[]).unwrap();
+        let begun = bench.now();
+        let Start { boot_ups, before } = bench.record_start(Command::RESET_NODE, MS(100)).unwrap();
+        assert_eq!((boot_ups.len(), before.len()), (2, 0), "the third comes after that");
+        assert_eq!(bench.now().since(begun), MS(10_099));
+        let begun = bench.now();
+        bench.listen(MS(500)).unwrap();
+        let none = bench.record_start(Command::START, MS(100)).unwrap();
+        assert_eq!((none.boot_ups.len(), bench.now().since(begun)), (0, MS(10_500)));
+    });
+    // A boot-up of another length is one that the case judges; state 0 of another node is none.
+    let odd = |request: &Frame| match request.to_string().as_str() {
+        "000#813F" => vec![(MS(1), frame("73E#00")), (MS(2), frame("73F#0001")), (MS(3), frame("73F#7F"))],
+        _ => Vec::new(),
+    };
+    with_bench(odd, |bench| {
+        let Start { boot_ups, before } = bench.record_start(Command::RESET_NODE, MS(100)).unwrap();
+        assert_eq!((boot_ups.len(), before.len()), (1, 0));
+        assert!(bench.is_error_control(&boot_ups[0].frame) && !bench.is_boot_up(&boot_ups[0].frame));
+        assert!(bench.is_boot_up(&frame("73F#00")) && !bench.is_boot_up(&frame("73E#00")));
+    });
+}
+
+/// A restart that the case may bring about is no surprise.
+#[test]
+fn a_restart_that_may_come_is_no_surprise() {
+    const ROWS: &[(&str, &str)] = &[("123#", "73F#00")];
+    let restarted = |may: bool| {
+        with_bench(table(ROWS), |bench| {
+            if may {
+                bench.watch_restart();
+            }
+            bench.send_bytes(0x123, &[]).unwrap();
+            bench.listen(MS(5)).unwrap();
+            bench.finish().restarted.is_some()
+        })
+    };
+    assert_eq!((restarted(true), restarted(false)), (false, true));
+}
+
+/// What was written to these objects, in its order.
+fn written_to(bench: &mut super::Bench<'_>) -> Vec<String> {
+    bench.drain().unwrap();
+    let frames = bench.evidence().frames().map(|exhibit| exhibit.text.clone());
+    frames.filter(|text| text.starts_with("63F#2")).collect()
+}
+
+/// Guarding is preferred to a heartbeat that can be ended; nothing is written where it is off, or fixed.
+#[test]
+fn a_heartbeat_is_ended_only_where_it_comes() {
+    let written = |value: u8, writable: bool| {
+        let row: Row = ((0x1017, 0), vec![value, 0], writable);
+        with_bench(dictionary(vec![row]), |bench| {
+            bench.heartbeats().unwrap();
+            let before = written_to(bench).len();
+            bench.prefer_guarding().unwrap();
+            written_to(bench).split_off(before)
+        })
+    };
+    // Finding out what it takes has left 50 ms there, until the case is over.
+    assert_eq!(written(100, true), ["63F#2B17100000000000"]);
+    assert_eq!(written(100, false), Vec::<String>::new());
+    let none = with_bench(dictionary(Vec::new()), |bench| {
+        bench.prefer_guarding().unwrap();
+        written_to(bench)
+    });
+    assert_eq!(none, Vec::<String>::new());
+}
+
+/// Some devices answer guarding only with a life time: it is set where both of its objects can be written, and where the
+/// device does not answer without.
+#[test]
+fn a_life_time_is_set_where_it_is_needed() {
+    let shown = |rows: Vec<Row>, answers: bool| {
+        let mut others = dictionary(rows);
+        let script = move |request: &Frame| match request.to_string().as_str() {
+            "73F#R1" if answers => vec![(MS(1), frame("73F#7F"))],
+            _ => others(request),
+        };
+        with_bench(script, |bench| {
+            bench.show_state().unwrap();
+            let life = written_to(bench).into_iter().filter(|text| text.starts_with("63F#2B0C10001027"));
+            (life.count(), written_to(bench).iter().any(|text| text.starts_with("63F#2F0D100064")))
+        })
+    };
+    let (guard, life): (Row, Row) = (((0x100C, 0), vec![0, 0], true), ((0x100D, 0), vec![0], true));
+    assert_eq!(shown(vec![guard.clone(), life.clone()], false), (1, true));
+    assert_eq!(shown(vec![guard.clone(), life.clone()], true), (0, false), "it shows its state as it is");
+    assert_eq!(shown(vec![guard.clone()], false), (0, false));
+    assert_eq!(shown(vec![life], false), (0, false));
+    let fixed = ((0x100D, 0), vec![0], false);
+    assert_eq!(shown(vec![guard, fixed], false), (0, false));
+}
+
+/// A boot-up message is no state, nor is a message of another node; the first that is one counts.
+#[test]
+fn a_state_is_read_from_the_device_alone() {
+    let state = |answers: &'static [&'static str]| {
+        let script = move |request: &Frame| match request.to_string().as_str() {
+            "73F#R1" => (1..).zip(answers).map(|(ms, answer)| (MS(ms), frame(answer))).collect(),
+            _ => Vec::new(),
+        };
+        with_bench(script, |bench| bench.guard().unwrap())
+    };
+    assert_eq!(state(&["73F#00", "73E#05", "73F#04", "73F#05"]), Some(State::STOPPED));
+    assert_eq!(state(&["73F#85"]), Some(State::OPERATIONAL), "with its toggle bit");
+    assert_eq!((state(&["73F#00"]), state(&["73E#05"]), state(&["1BF#05"])), (None, None, None));
 }

@@ -47,6 +47,29 @@ fn a_bus_delays_by_two_frames() {
     });
 }
 
+/// A bus that says that it has no bit rate divides nothing by zero.
+#[test]
+fn a_bus_without_bit_rate_has_a_delay() {
+    struct Slow(crate::scripted::ScriptedBus);
+    impl canvass_bus::Bus for Slow {
+        fn now(&self) -> Timestamp {
+            self.0.now()
+        }
+        fn send(&mut self, frame: &Frame) -> Result<(), canvass_bus::BusError> {
+            self.0.send(frame)
+        }
+        fn receive(&mut self, deadline: Timestamp) -> Result<Option<canvass_traces::Record>, canvass_bus::BusError> {
+            self.0.receive(deadline)
+        }
+        fn bit_rate(&self) -> Option<u32> {
+            Some(0)
+        }
+    }
+    let mut bus = Slow(crate::scripted::ScriptedBus::new(|_| Vec::new()));
+    let delay = super::on_bus(&mut bus, &Options::default(), |bench| bench.bus_delay());
+    assert_eq!(delay, Duration::from_secs(320), "of one bit per second");
+}
+
 /// A server that is slow is waited for by a quarter more than its slowest answer took.
 #[test]
 fn silence_lasts_longer_than_the_slowest_answer() {

@@ -6,6 +6,7 @@ use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -58,7 +59,7 @@ fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
         let Some(beyond) = highest.first().and_then(|highest| highest.checked_add(1)).filter(|&sub| sub < 0xFF) else {
             continue;
         };
-        // Mapping objects count the valid entries: those behind them may exist.
+        // Mapping objects count the valid entries: those after them may exist.
         if matches!(index, object::RPDO_MAPPING_PARAMETER | object::TPDO_MAPPING_PARAMETER) {
             continue;
         }
@@ -157,7 +158,7 @@ fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop
                 | object::COB_ID_TIME
                 | object::COB_ID_EMCY..=object::PRODUCER_HEARTBEAT_TIME
                 | object::SYNCHRONOUS_COUNTER_OVERFLOW..=object::ERROR_BEHAVIOR
-        ) || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | 0x6200 | 0x6401..=0x6402)
+        ) || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | encoder::CYCLIC_TIMER | 0x6401..=0x6402)
     };
     let entries = description.dictionary.entries().filter(|(at, entry)| {
         let is_constant = entry.access.is_writable() && entry.access.is_readable() && !entry.pdo_mappable;

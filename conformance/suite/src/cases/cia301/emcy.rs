@@ -256,7 +256,7 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
                 .found(Observation::Silence),
         )));
     };
-    // At once: who was heard only once is lost again. A device may keep what a loss has set until somebody acknowledges it.
+    // At once: a node that was heard only once is lost again. A device may keep what a loss has set until somebody acknowledges it.
     let register = bench.read_number(ERROR_REGISTER)?;
     let said = u32::from(back.data().get(2).copied().unwrap_or_default());
     bench.check(demand(said == register || said == before, || {

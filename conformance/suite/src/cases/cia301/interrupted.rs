@@ -103,7 +103,7 @@ fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp
     })
 }
 
-/// Whether a frame of the server, behind the reset, shows that the transfer has outlived it.
+/// Whether a frame of the server, after the reset, shows that the transfer has outlived it.
 fn survives(record: &Record, booted: Option<Timestamp>) -> bool {
     let response = Response::read(record.frame.data());
     let is_late = matches!(response, Ok(Response::Abort(abort)) if abort.code == AbortCode::TIMEOUT);

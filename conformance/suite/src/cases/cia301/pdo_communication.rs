@@ -25,7 +25,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
 
 /// Restricted CAN-IDs are refused for PDOs and SYNC.
 ///
-/// A sample of the 797 is written; with `--exhaustive` all of them.
+/// A sample of the 797 is written; in an exhaustive run all of them.
 #[case(id = "301/pdo/cob-id/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {

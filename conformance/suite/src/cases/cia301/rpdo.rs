@@ -316,7 +316,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Whether an RPDO whose deadline (event timer) passes is reported by EMCY 8250h: recorded only. The timer may be used for
-/// that, and what is told of it is the application.
+/// that, and how it is reported is up to the application.
 #[case(id = "301/rpdo/deadline", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
        needs = [RpdoMapping], catches = [RpdoDeadlineIgnored])]
 fn deadline(bench: &mut Bench<'_>) -> Judged {

@@ -1,6 +1,6 @@
 //! What the inhibit time of a TPDO holds back (CiA 301, 7.5.2.37).
 
-use super::tpdo_events::{operational, subject};
+use super::tpdo_events::{Subject, operational, subject};
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
@@ -19,15 +19,7 @@ const UNITS: u16 = 3_000;
 #[case(id = "301/tpdo/inhibit-pending", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Changeable], catches = [TpdoLostWhenInhibited])]
 fn pending(bench: &mut Bench<'_>) -> Judged {
-    let subject = subject(bench, 254)?;
-    if !bench.can_write(TPDO.parameter(3))? {
-        let reason = Reason::new("TPDO 1 has an inhibit time", TPDO.parameter(3).to_string(), "absent or read-only");
-        return Err(Stop::NotApplicable(reason));
-    }
-    bench.set_pdo(TPDO, &[(3, &UNITS.to_le_bytes())])?;
-    operational(bench)?;
-    // What the start has sent is not to hold the first change back.
-    bench.listen(INHIBIT.times(2))?;
+    let subject = inhibited(bench)?;
     let [before, other] = &subject.values;
     let first = change(bench, subject.at, other, subject.can_id)?;
     if !has(&first, other) {
@@ -48,14 +40,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/tpdo/inhibit-once", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Changeable], catches = [TpdoRepeatsAfterInhibit])]
 fn once(bench: &mut Bench<'_>) -> Judged {
-    let subject = subject(bench, 254)?;
-    if !bench.can_write(TPDO.parameter(3))? {
-        let reason = Reason::new("TPDO 1 has an inhibit time", TPDO.parameter(3).to_string(), "absent or read-only");
-        return Err(Stop::NotApplicable(reason));
-    }
-    bench.set_pdo(TPDO, &[(3, &UNITS.to_le_bytes())])?;
-    operational(bench)?;
-    bench.listen(INHIBIT.times(2))?;
+    let subject = inhibited(bench)?;
     let before = bench.frames_of(subject.can_id, INHIBIT.times(4))?;
     if !before.is_empty() {
         let reason = Reason::new("TPDO 1 is sent by changes alone", "silence without one", "a TPDO");
@@ -72,6 +57,20 @@ fn once(bench: &mut Bench<'_>) -> Judged {
         let expected = Allowed::Count { least: 0, most: Some(0) };
         breach.expected(expected).found(Observation::Count(after.len() as u64))
     }))
+}
+
+/// Gives TPDO 1 a changeable object, sent when it changes, and the inhibit time, and lets that pass after the start: what
+/// the start has sent must not delay the first change.
+fn inhibited(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
+    let subject = subject(bench, 254)?;
+    if !bench.can_write(TPDO.parameter(3))? {
+        let reason = Reason::new("TPDO 1 has an inhibit time", TPDO.parameter(3).to_string(), "absent or read-only");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.set_pdo(TPDO, &[(3, &UNITS.to_le_bytes())])?;
+    operational(bench)?;
+    bench.listen(INHIBIT.times(2))?;
+    Ok(subject)
 }
 
 /// Writes the value, and gives the TPDOs that come with it. The TPDO may be faster than the confirmation.

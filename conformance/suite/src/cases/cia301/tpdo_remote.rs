@@ -3,6 +3,7 @@
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -16,10 +17,10 @@ const QUIET: Duration = Duration::from_millis(300);
 fn candidates(bench: &mut Bench<'_>) -> Result<Vec<(u16, u16)>, Stop> {
     let mut found = Vec::new();
     for number in 1..=4_u16 {
-        let cob_id = Multiplexer::new(0x17FF + number, 1);
+        let cob_id = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER + number - 1, 1);
         let Outcome::Uploaded(value) = bench.upload(cob_id)?.outcome else { continue };
         let cob_id = CobId(crate::bench::sdo::number(&value));
-        let carries = bench.read_number(Multiplexer::new(0x19FF + number, 0))? > 0;
+        let carries = bench.read_number(Multiplexer::new(object::TPDO_MAPPING_PARAMETER + number - 1, 0))? > 0;
         if carries && cob_id.is_valid() && cob_id.allows_rtr() && !cob_id.is_extended() {
             found.push((number, (cob_id.can_id() & 0x7FF) as u16));
         }

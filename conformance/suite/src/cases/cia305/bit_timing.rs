@@ -27,7 +27,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     let is_refused = |answer: &Option<Response>| {
         matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. }))
     };
-    // Who has one bit rate only has nothing to configure, and may refuse that one too.
+    // A device with a single bit rate has nothing to configure, and may refuse that one too.
     if rates.len() == 1 && answers.iter().all(|(_, answer)| is_refused(answer)) {
         return Ok(());
     }

@@ -24,12 +24,12 @@ const USUAL: [(u16, u16); 12] = [
     (0x6500, 0x650F),
 ];
 
-/// All of them: with `--exhaustive`.
+/// All of them, for an exhaustive run.
 const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
 
 /// The device has no object that its description does not name.
 ///
-/// Looked at is where devices usually have objects; with `--exhaustive` every index from 1000h to 9FFFh, which takes
+/// Looked at is where devices usually have objects; in an exhaustive run every index from 1000h to 9FFFh, which takes
 /// about a minute on a live bus.
 #[case(id = "306/device/undescribed", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
        catches = [UndescribedObject])]

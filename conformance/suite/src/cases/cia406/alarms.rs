@@ -6,15 +6,16 @@ use crate::case;
 use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::{Duration, Record};
 
-const ALARMS: Multiplexer = Multiplexer::new(0x6503, 0);
-const SUPPORTED_ALARMS: Multiplexer = Multiplexer::new(0x6504, 0);
-const WARNINGS: Multiplexer = Multiplexer::new(0x6505, 0);
-const SUPPORTED_WARNINGS: Multiplexer = Multiplexer::new(0x6506, 0);
+const ALARMS: Multiplexer = Multiplexer::new(encoder::ALARMS, 0);
+const SUPPORTED_ALARMS: Multiplexer = Multiplexer::new(encoder::SUPPORTED_ALARMS, 0);
+const WARNINGS: Multiplexer = Multiplexer::new(encoder::WARNINGS, 0);
+const SUPPORTED_WARNINGS: Multiplexer = Multiplexer::new(encoder::SUPPORTED_WARNINGS, 0);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 /// The upper temperature limit of Kübler's Sendix encoders, in degrees Celsius plus 64.
 const TEMPERATURE_LIMIT: Multiplexer = Multiplexer::new(0x2120, 3);

@@ -8,15 +8,16 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_bus::observation::Observation;
 
 /// The cams of the first position channel, one bit for each.
-const STATE: Multiplexer = Multiplexer::new(0x6300, 1);
-const ENABLE: Multiplexer = Multiplexer::new(0x6301, 1);
-const POLARITY: Multiplexer = Multiplexer::new(0x6302, 1);
-const LOW: Multiplexer = Multiplexer::new(0x6310, 1);
-const HIGH: Multiplexer = Multiplexer::new(0x6320, 1);
-const HYSTERESIS: Multiplexer = Multiplexer::new(0x6330, 1);
+const STATE: Multiplexer = Multiplexer::new(encoder::CAM_STATE, 1);
+const ENABLE: Multiplexer = Multiplexer::new(encoder::CAM_ENABLE, 1);
+const POLARITY: Multiplexer = Multiplexer::new(encoder::CAM_POLARITY, 1);
+const LOW: Multiplexer = Multiplexer::new(encoder::CAM_LOW_LIMIT, 1);
+const HIGH: Multiplexer = Multiplexer::new(encoder::CAM_HIGH_LIMIT, 1);
+const HYSTERESIS: Multiplexer = Multiplexer::new(encoder::CAM_HYSTERESIS, 1);
 const FIRST: u32 = 1;
 /// How far the limits are from the position.
 const MARGIN: u32 = 200;

@@ -9,16 +9,17 @@ use crate::bench::pdo::TPDO;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
-const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
-const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
-const LOWEST: Multiplexer = Multiplexer::new(0x650A, 2);
-const HIGHEST: Multiplexer = Multiplexer::new(0x650A, 3);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
+const LOWEST: Multiplexer = Multiplexer::new(encoder::MODULE_IDENTIFICATION, 2);
+const HIGHEST: Multiplexer = Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3);
 const TPDO_2: Subject = Subject::Pdo { transmit: true, number: 2 };
-const HIGH_PRECISION: Multiplexer = Multiplexer::new(0x6008, 0);
+const HIGH_PRECISION: Multiplexer = Multiplexer::new(encoder::HIGH_PRECISION_POSITION, 0);
 
 /// Where 650Ah names the lowest and the highest position, so many positions lie between them as 6501h times 6502h gives.
 ///

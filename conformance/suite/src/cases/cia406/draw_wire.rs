@@ -13,9 +13,9 @@ use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 const TPDO_1: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
-const TPDO_2: Multiplexer = Multiplexer::new(0x1801, 1);
+const TPDO_2: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER + 1, 1);
 const TIMER_1: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
-const TIMER_2: Multiplexer = Multiplexer::new(0x1801, 5);
+const TIMER_2: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER + 1, 5);
 const DIRECTION: Multiplexer = Multiplexer::new(0x3003, 0);
 const ANGLE_RANGE: Multiplexer = Multiplexer::new(0x3004, 0);
 const REDUNDANT: Multiplexer = Multiplexer::new(0x3005, 0);

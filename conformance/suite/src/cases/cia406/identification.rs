@@ -8,13 +8,14 @@ use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Duration;
 
-const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
-const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
-const VERSIONS: Multiplexer = Multiplexer::new(0x6507, 0);
-const OPERATING_TIME: Multiplexer = Multiplexer::new(0x6508, 0);
-const SERIAL_NUMBER: Multiplexer = Multiplexer::new(0x650B, 0);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
+const VERSIONS: Multiplexer = Multiplexer::new(encoder::PROFILE_AND_SOFTWARE_VERSION, 0);
+const OPERATING_TIME: Multiplexer = Multiplexer::new(encoder::OPERATING_TIME, 0);
+const SERIAL_NUMBER: Multiplexer = Multiplexer::new(encoder::SERIAL_NUMBER, 0);
 const IDENTITY_SERIAL_NUMBER: Multiplexer = Multiplexer::new(object::IDENTITY, 4);
 /// "Not supported", of 6508h and 650Bh.
 const UNUSED: u32 = u32::MAX;

@@ -9,12 +9,13 @@ use crate::touch::Touch;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Duration;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
-const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
-const LENGTH: Multiplexer = Multiplexer::new(0x6020, 0);
-const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
+const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
+const LENGTH: Multiplexer = Multiplexer::new(encoder::CHANNEL_POSITION_VALUES, 0);
+const PRESET: Multiplexer = Multiplexer::new(encoder::PRESET_VALUE, 0);
 const VENDOR_ID: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
 const KUEBLER: u32 = 0x13;
 
@@ -30,16 +31,21 @@ pub static ENCODER: Need = Need::new("encoder", "an encoder of CiA 406 with a po
     bench.has_all(&[POSITION])
 });
 
-/// A preset (6003h) that a reset takes back, unless `--allow nvm` was given. A device that stores a preset at once wears
+/// A preset (6003h) that a reset takes back, unless the user allows writing to non-volatile memory. A device that stores a preset at once wears
 /// its memory, and keeps a position that is not its own if the run ends in the middle.
-pub static VOLATILE_PRESET: Need =
-    Need::new("volatile-preset", "a preset that is not stored at once (or --allow nvm)", |bench| {
+pub static VOLATILE_PRESET: Need = Need::new(
+    "volatile-preset",
+    "a preset that is not stored at once (or leave to write non-volatile memory)",
+    |bench| {
         let may_store = bench.options().allow.contains(&Touch::Nvm);
         Ok(match keeps_presets(bench) && !may_store {
-            true => Err(format!("the device stores a preset at once: say --allow {}", Touch::Nvm)),
+            true => {
+                Err("the device stores a preset at once, and writing non-volatile memory is not allowed".to_owned())
+            }
             false => Ok(()),
         })
-    });
+    },
+);
 
 /// Whether the device stores a preset as soon as it is written, as its manual says.
 pub(super) fn keeps_presets(bench: &Bench<'_>) -> bool {
@@ -48,22 +54,31 @@ pub(super) fn keeps_presets(bench: &Bench<'_>) -> bool {
 
 /// A work area: 6400h, 6401h and 6402h.
 pub static WORK_AREA: Need = Need::new("work-area", "a work area (6400h to 6402h)", |bench| {
-    all(bench, &[(0x6400, 1), (0x6401, 1), (0x6402, 1)])
+    all(bench, &[(encoder::WORK_AREA_STATE, 1), (encoder::WORK_AREA_LOW_LIMIT, 1), (encoder::WORK_AREA_HIGH_LIMIT, 1)])
 });
 
 /// Alarms and warnings: 6503h to 6506h.
 pub static ALARMS: Need = Need::new("alarms", "alarms and warnings (6503h to 6506h)", |bench| {
-    all(bench, &[(0x6503, 0), (0x6504, 0), (0x6505, 0), (0x6506, 0)])
+    all(
+        bench,
+        &[
+            (encoder::ALARMS, 0),
+            (encoder::SUPPORTED_ALARMS, 0),
+            (encoder::WARNINGS, 0),
+            (encoder::SUPPORTED_WARNINGS, 0),
+        ],
+    )
 });
 
 /// The temperature limits of Kübler's Sendix encoders, 2120h.
 pub static TEMPERATURE_LIMIT: Need =
     Need::new("temperature-limit", "temperature limits of Kübler's Sendix encoders (2120h)", |bench| {
-        of_kuebler(bench, &[(0x2120, 2), (0x2120, 3), (0x6505, 0)])
+        of_kuebler(bench, &[(0x2120, 2), (0x2120, 3), (encoder::WARNINGS, 0)])
     });
 
 /// The raw position 600Ch.
-pub static RAW_POSITION: Need = Need::new("raw-position", "a raw position (600Ch)", |bench| all(bench, &[(0x600C, 0)]));
+pub static RAW_POSITION: Need =
+    Need::new("raw-position", "a raw position (600Ch)", |bench| all(bench, &[(encoder::POSITION_RAW_VALUE, 0)]));
 
 /// The raw position of Kübler's Sendix encoders with its inverse and checksum, 2160h to 2162h.
 pub static RAW_DATA: Need =
@@ -72,29 +87,41 @@ pub static RAW_DATA: Need =
     });
 
 /// The speed 6030h.
-pub static SPEED: Need = Need::new("speed", "a speed (6030h)", |bench| all(bench, &[(0x6030, 1)]));
+pub static SPEED: Need = Need::new("speed", "a speed (6030h)", |bench| all(bench, &[(encoder::SPEED_VALUE, 1)]));
 
 /// The speed 6030h with its parameters 6031h.
 pub static SPEED_PARAMETERS: Need = Need::new("speed-parameters", "a speed with parameters (6030h, 6031h)", |bench| {
-    all(bench, &[(0x6030, 1), (0x6031, 4)])
+    all(bench, &[(encoder::SPEED_VALUE, 1), (encoder::SPEED_PARAMETER, 4)])
 });
 
 /// The acceleration 6040h.
-pub static ACCELERATION: Need =
-    Need::new("acceleration", "an acceleration (6040h)", |bench| all(bench, &[(0x6030, 1), (0x6040, 1)]));
+pub static ACCELERATION: Need = Need::new("acceleration", "an acceleration (6040h)", |bench| {
+    all(bench, &[(encoder::SPEED_VALUE, 1), (encoder::ACCELERATION_VALUE, 1)])
+});
 
 /// The jerk 6050h, with the acceleration 6040h.
-pub static JERK: Need =
-    Need::new("jerk", "a jerk (6050h) and an acceleration (6040h)", |bench| all(bench, &[(0x6040, 1), (0x6050, 1)]));
+pub static JERK: Need = Need::new("jerk", "a jerk (6050h) and an acceleration (6040h)", |bench| {
+    all(bench, &[(encoder::ACCELERATION_VALUE, 1), (encoder::JERK_VALUE, 1)])
+});
 
 /// Cams: 6300h, 6301h, 6302h, 6310h and 6320h.
 pub static CAMS: Need = Need::new("cams", "cams (6300h to 6302h, 6310h, 6320h)", |bench| {
-    all(bench, &[(0x6300, 1), (0x6301, 1), (0x6302, 1), (0x6310, 1), (0x6320, 1)])
+    all(
+        bench,
+        &[
+            (encoder::CAM_STATE, 1),
+            (encoder::CAM_ENABLE, 1),
+            (encoder::CAM_POLARITY, 1),
+            (encoder::CAM_LOW_LIMIT, 1),
+            (encoder::CAM_HIGH_LIMIT, 1),
+        ],
+    )
 });
 
 /// The position in 64 bits, 6008h.
-pub static HIGH_PRECISION: Need =
-    Need::new("high-precision", "a position in 64 bits (6008h)", |bench| all(bench, &[(0x6008, 0)]));
+pub static HIGH_PRECISION: Need = Need::new("high-precision", "a position in 64 bits (6008h)", |bench| {
+    all(bench, &[(encoder::HIGH_PRECISION_POSITION, 0)])
+});
 
 /// The shaft turns, or the wire moves, while the case runs. One that rests now may turn in the next case.
 pub static TURNING_SHAFT: Need = Need::new("turning-shaft", "a shaft that turns while the case runs", |bench| {
@@ -213,5 +240,53 @@ mod tests {
         assert!(unmet(&REDUNDANT_CHANNELS, &[row(0x1A00, 1, &[32, 1, 0x20, 0x60])]).is_some());
         assert_eq!(unmet(&TURNING_SHAFT, &[row(0x6004, 0, &[5, 0, 0, 0])]).as_deref(), Some("the shaft is at rest"));
         assert_eq!(unmet(&TURNING_SHAFT, &[]).as_deref(), Some("the device has no position"));
+    }
+
+    /// A device that stores a preset at once keeps it over a reset: it is written with leave only.
+    #[test]
+    fn a_preset_that_is_stored_at_once_needs_leave() {
+        use crate::bench::{Options, Target};
+        use crate::scripted::{asked, dictionary};
+        use canvass_device::models::Model;
+        let met = |model: &str, allow: &[Touch]| {
+            let target = Target {
+                model: model.to_owned(),
+                ..Target::unknown(canvass_analyzer::NodeId::new(crate::scripted::NODE).unwrap())
+            };
+            let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
+            asked(&VOLATILE_PRESET, dictionary(Vec::new()), &target, &options).err().map(|stop| stop.reason().actual)
+        };
+        let stores = Model::all().iter().find(|model| model.sheet().storage.persist_at_once.contains(&PRESET)).unwrap();
+        let lacking = met(stores.id(), &[Touch::NodeId]);
+        let expected = "the device stores a preset at once, and writing non-volatile memory is not allowed";
+        assert_eq!(lacking.as_deref(), Some(expected));
+        assert_eq!((met(stores.id(), &[Touch::Nvm]), met("reference-406", &[]), met("", &[])), (None, None, None));
+    }
+
+    /// A shaft turns when its position is another one a tenth of a second later, either way, by more than it trembles; a
+    /// draw-wire encoder has its length instead.
+    #[test]
+    fn a_shaft_turns_by_more_than_it_trembles() {
+        use crate::scripted::{dictionary, frame, with_bench};
+        use canvass_traces::Frame;
+        let turns = |index: &'static str, first: u8, second: u8| {
+            let (mut others, mut asked) = (dictionary(Vec::new()), 0);
+            let script = move |request: &Frame| {
+                if !request.to_string().starts_with(&format!("63F#40{index}")) {
+                    return others(request);
+                }
+                // Whether there is such an object is asked first, of the position twice.
+                asked += 1;
+                let last = if index == "046000" { 4 } else { 3 };
+                let value = if asked < last { first } else { second };
+                vec![(Duration::from_millis(1), frame(&format!("5BF#43{index}{value:02X}000000")))]
+            };
+            with_bench(script, |bench| (TURNING_SHAFT.check(bench).unwrap().is_ok(), bench.now()))
+        };
+        for index in ["046000", "206000"] {
+            let found = [(10, 14), (10, 15), (14, 10), (15, 10)].map(|(first, second)| turns(index, first, second).0);
+            assert_eq!(found, [false, true, false, true], "{index}");
+        }
+        assert_eq!(turns("046000", 1, 1).1, canvass_traces::Timestamp::ZERO + Duration::from_millis(104));
     }
 }

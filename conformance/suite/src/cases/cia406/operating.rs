@@ -7,6 +7,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 
@@ -30,7 +31,15 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Parameters that configure and do nothing else. Presets act when they are written, whatever the value.
-const PARAMETERS: [u16; 7] = [0x6000, 0x6001, 0x6002, 0x6005, 0x6200, 0x6401, 0x6402];
+const PARAMETERS: [u16; 7] = [
+    encoder::OPERATING_PARAMETERS,
+    encoder::UNITS_PER_REVOLUTION,
+    encoder::TOTAL_MEASURING_RANGE,
+    encoder::MEASURING_STEPS,
+    encoder::CYCLIC_TIMER,
+    encoder::WORK_AREA_LOW_LIMIT,
+    encoder::WORK_AREA_HIGH_LIMIT,
+];
 /// Bit 2 of 6000h: the measuring range and the units per revolution are used.
 const SCALING: u32 = 1 << 2;
 
@@ -53,7 +62,9 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
     bench.each(objects, |bench, at| {
         let Outcome::Uploaded(value) = bench.upload(at)?.outcome else { return Ok(()) };
         let attempt = bench.download(at, &value)?;
-        let locked = matches!(at.index.0, 0x6001 | 0x6002) && !scaled && attempt.abort().is_some();
+        let locked = matches!(at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE)
+            && !scaled
+            && attempt.abort().is_some();
         let of_the_moment = matches!(
             attempt.abort(),
             Some(AbortCode::GENERAL | AbortCode::LOCAL_CONTROL | AbortCode::DEVICE_STATE | AbortCode(0x0800_0020))

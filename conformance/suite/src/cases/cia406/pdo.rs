@@ -7,6 +7,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::{Observation, Subject};
@@ -14,8 +15,8 @@ use canvass_traces::{Duration, Record};
 
 const TPDO: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
-const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
-const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
+const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
 
 fn event_driven(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;

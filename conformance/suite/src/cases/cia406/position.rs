@@ -7,15 +7,16 @@ use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Duration;
 
-pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
-pub(super) const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(0x6001, 0);
-pub(super) const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
-pub(super) const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
-pub(super) const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
-pub(super) const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
-pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(0x6500, 0);
+pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
+pub(super) const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(encoder::UNITS_PER_REVOLUTION, 0);
+pub(super) const RANGE: Multiplexer = Multiplexer::new(encoder::TOTAL_MEASURING_RANGE, 0);
+pub(super) const PRESET: Multiplexer = Multiplexer::new(encoder::PRESET_VALUE, 0);
+pub(super) const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
+pub(super) const OFFSET: Multiplexer = Multiplexer::new(encoder::OFFSET_VALUE, 0);
+pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(encoder::OPERATING_STATUS, 0);
 pub(super) const CODE_SEQUENCE: u32 = 1;
 pub(super) const SCALING: u32 = 4;
 

@@ -7,14 +7,15 @@ use crate::bench::objects::EVENT_TIMER;
 use crate::case;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
-const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
 const SAVE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 const TPDO: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };

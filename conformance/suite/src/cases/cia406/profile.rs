@@ -6,37 +6,52 @@ use crate::case;
 use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 
 /// What every encoder of class C2 has.
-const MANDATORY: [u16; 14] =
-    [0x6000, 0x6001, 0x6002, 0x6003, 0x6004, 0x6500, 0x6501, 0x6502, 0x6503, 0x6504, 0x6505, 0x6506, 0x6507, 0x6509];
+const MANDATORY: [u16; 14] = [
+    encoder::OPERATING_PARAMETERS,
+    encoder::UNITS_PER_REVOLUTION,
+    encoder::TOTAL_MEASURING_RANGE,
+    encoder::PRESET_VALUE,
+    encoder::POSITION_VALUE,
+    encoder::OPERATING_STATUS,
+    encoder::SINGLE_TURN_RESOLUTION,
+    encoder::NUMBER_OF_REVOLUTIONS,
+    encoder::ALARMS,
+    encoder::SUPPORTED_ALARMS,
+    encoder::WARNINGS,
+    encoder::SUPPORTED_WARNINGS,
+    encoder::PROFILE_AND_SOFTWARE_VERSION,
+    encoder::OFFSET_VALUE,
+];
 
 /// The lengths of the data types; two where the profile's versions differ.
 const LENGTHS: [(u16, &[usize]); 17] = [
-    (0x6000, &[2]),
-    (0x6001, &[4]),
-    (0x6002, &[4]),
-    (0x6003, &[4]),
-    (0x6004, &[4]),
-    (0x6200, &[2]),
-    (0x6500, &[2]),
-    (0x6501, &[4]),
+    (encoder::OPERATING_PARAMETERS, &[2]),
+    (encoder::UNITS_PER_REVOLUTION, &[4]),
+    (encoder::TOTAL_MEASURING_RANGE, &[4]),
+    (encoder::PRESET_VALUE, &[4]),
+    (encoder::POSITION_VALUE, &[4]),
+    (encoder::CYCLIC_TIMER, &[2]),
+    (encoder::OPERATING_STATUS, &[2]),
+    (encoder::SINGLE_TURN_RESOLUTION, &[4]),
     // UNSIGNED16; more revolutions than that need UNSIGNED32.
-    (0x6502, &[2, 4]),
-    (0x6503, &[2]),
-    (0x6504, &[2]),
-    (0x6505, &[2]),
-    (0x6506, &[2]),
-    (0x6507, &[4]),
-    (0x6508, &[4]),
-    (0x6509, &[4]),
-    (0x650B, &[4]),
+    (encoder::NUMBER_OF_REVOLUTIONS, &[2, 4]),
+    (encoder::ALARMS, &[2]),
+    (encoder::SUPPORTED_ALARMS, &[2]),
+    (encoder::WARNINGS, &[2]),
+    (encoder::SUPPORTED_WARNINGS, &[2]),
+    (encoder::PROFILE_AND_SOFTWARE_VERSION, &[4]),
+    (encoder::OPERATING_TIME, &[4]),
+    (encoder::OFFSET_VALUE, &[4]),
+    (encoder::SERIAL_NUMBER, &[4]),
 ];
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
-const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
 
 /// The upper word of the device type 1000h fits what the encoder can do: 1 is a single-turn encoder, with one revolution
 /// in 6502h, 2 a multi-turn encoder, with more.

@@ -7,10 +7,11 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Precondition, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::crc16;
 use canvass_traces::Duration;
 
-const RAW_POSITION: Multiplexer = Multiplexer::new(0x600C, 0);
+const RAW_POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_RAW_VALUE, 0);
 const RAW_DATA: Multiplexer = Multiplexer::new(0x2160, 0);
 const INVERSE: Multiplexer = Multiplexer::new(0x2161, 0);
 const CHECKSUM: Multiplexer = Multiplexer::new(0x2162, 0);
@@ -70,7 +71,7 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/raw-position/moves", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder, RawPosition, TurningShaft], catches = [RawPositionStands])]
 fn moves(bench: &mut Bench<'_>) -> Judged {
-    const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+    const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
     let before = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);
     bench.listen(Duration::from_millis(500))?;
     let after = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);

@@ -12,10 +12,11 @@ use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
-const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// 6001h = 0 is refused, or put right; whatever becomes of it, the device goes on answering.

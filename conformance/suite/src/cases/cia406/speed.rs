@@ -8,17 +8,18 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-const SPEED: Multiplexer = Multiplexer::new(0x6030, 1);
+const SPEED: Multiplexer = Multiplexer::new(encoder::SPEED_VALUE, 1);
 /// Of which position the speed is.
-const SOURCE: Multiplexer = Multiplexer::new(0x6031, 1);
+const SOURCE: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 1);
 const RAW_POSITION: u32 = 2;
-const DIVISOR: Multiplexer = Multiplexer::new(0x6031, 4);
-const ACCELERATION: Multiplexer = Multiplexer::new(0x6040, 1);
-const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
+const DIVISOR: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 4);
+const ACCELERATION: Multiplexer = Multiplexer::new(encoder::ACCELERATION_VALUE, 1);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
 /// The unit of the speed: bit 13 of 6000h, since version 4.1 of the profile bit 12.
 const SPEED_FORMATS: [u32; 2] = [1 << 13, 1 << 12];
 
@@ -223,7 +224,7 @@ fn acceleration(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/jerk/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder, Jerk, TurningShaft], catches = [JerkShowsSpeed])]
 fn jerk(bench: &mut Bench<'_>) -> Judged {
-    const JERK: Multiplexer = Multiplexer::new(0x6050, 1);
+    const JERK: Multiplexer = Multiplexer::new(encoder::JERK_VALUE, 1);
     let first = signed(bench, ACCELERATION)?;
     bench.listen(Duration::from_secs(1))?;
     let second = signed(bench, ACCELERATION)?;

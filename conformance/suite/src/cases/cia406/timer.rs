@@ -6,11 +6,12 @@ use crate::bench::pdo::TPDO;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
 /// 6200h and the event timer of TPDO 1 are the same: what is written to one is read from the other.
 #[case(id = "406/cyclic-timer/event-timer", clause = "CiA 406", confidence = Unknown, level = Must,

@@ -8,10 +8,11 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 
-const STATE: Multiplexer = Multiplexer::new(0x6400, 1);
-const LOW: Multiplexer = Multiplexer::new(0x6401, 1);
-const HIGH: Multiplexer = Multiplexer::new(0x6402, 1);
+const STATE: Multiplexer = Multiplexer::new(encoder::WORK_AREA_STATE, 1);
+const LOW: Multiplexer = Multiplexer::new(encoder::WORK_AREA_LOW_LIMIT, 1);
+const HIGH: Multiplexer = Multiplexer::new(encoder::WORK_AREA_HIGH_LIMIT, 1);
 const ALL: u32 = 0b111;
 const OUT_OF_RANGE: u32 = 1 << 0;
 const OVERFLOW: u32 = 1 << 1;

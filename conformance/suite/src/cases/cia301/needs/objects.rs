@@ -92,7 +92,10 @@ pub static SERVER_PARAMETER: Need = Need::new("server-parameter", "the SDO serve
 
 /// A second SDO server, 1201h.
 pub static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server (1201h)", |bench| {
-    bench.can_write_all(&[Multiplexer::new(0x1201, 1), Multiplexer::new(0x1201, 2)])
+    bench.can_write_all(&[
+        Multiplexer::new(object::FURTHER_SDO_SERVER_PARAMETER, 1),
+        Multiplexer::new(object::FURTHER_SDO_SERVER_PARAMETER, 2),
+    ])
 });
 
 /// Store parameters, 1010h:01.

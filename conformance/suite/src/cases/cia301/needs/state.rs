@@ -82,7 +82,7 @@ pub static START_UP: Need = Need::new("start-up", "NMT start-up (1F80h)", |bench
     bench.can_write_all(&[Multiplexer::new(object::NMT_STARTUP, 0)])
 });
 
-/// No other node was heard on the bus or answers, or `--allow other-nodes` was given: the case commands all nodes.
+/// No other node was heard on the bus or answers, or the user allows commanding other nodes: the case commands all nodes.
 pub static ALONE: Need =
     Need::new("alone", "a bus without other nodes, because the case commands all of them", |bench| bench.is_alone())
         .fleeting();

@@ -1,8 +1,15 @@
 //! Each need is met by the objects that it names, and by no fewer.
 
 use super::*;
+use crate::bench::{Options, Target};
 use crate::need::Need;
-use crate::scripted::{Row, assert_needs, unmet};
+use crate::scripted::{NODE, Row, asked, assert_needs, described, dictionary, frame, unmet, with_bench};
+use crate::verdict::Stop;
+use canvass_analyzer::NodeId;
+use canvass_device::models::Model;
+use canvass_traces::{Duration, Frame};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 #[test]
 fn needs_are_the_objects_that_they_name() {
@@ -114,4 +121,226 @@ fn objects_that_serve_a_case() {
     assert!(unmet(&TPDO, &[id, count, entry]).is_some_and(|why| why.contains("can't be written")));
     assert!(unmet(&EVENT_TIMER, &tpdo(0x40, 1)).is_some());
     assert_eq!(unmet(&EVENT_TIMER, &[&tpdo(0x40, 1)[..], &[row(0x1800, 5, &[0, 0], true)]].concat()), None);
+}
+
+fn unknown() -> Target {
+    Target::unknown(NodeId::new(NODE).unwrap())
+}
+
+/// What a device with those values answers, but for requests that begin so: these are answered so, or not at all. What was
+/// asked is kept.
+type Asked = Rc<RefCell<Vec<String>>>;
+
+fn but(
+    rows: &[Row],
+    answers: &'static [(&'static str, &'static str)],
+    asked: &Asked,
+) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
+    let (mut others, asked) = (dictionary(rows.to_vec()), Rc::clone(asked));
+    move |request| {
+        let text = request.to_string();
+        asked.borrow_mut().push(text.clone());
+        match answers.iter().find(|(begin, _)| text.starts_with(begin)) {
+            Some((_, "")) => Vec::new(),
+            Some((_, answer)) => vec![(Duration::from_millis(1), frame(answer))],
+            None => others(request),
+        }
+    }
+}
+
+/// What comes of asking for a need, and what was sent.
+fn sent(
+    need: &'static Need,
+    rows: &[Row],
+    answers: &'static [(&'static str, &'static str)],
+) -> (Result<(), Stop>, Vec<String>) {
+    let log = Asked::default();
+    let met = asked(need, but(rows, answers, &log), &unknown(), &Options::default());
+    let log = log.borrow().clone();
+    (met, log)
+}
+
+fn actual(met: Result<(), Stop>) -> Option<String> {
+    met.err().map(|stop| stop.reason().actual)
+}
+
+/// A block download is known by its confirmation, and its CRC by a bit of that; 0504 0001h says that there is none, and every
+/// other refusal is wrong. It is broken off before any data.
+#[test]
+fn block_downloads_are_known_by_their_confirmation() {
+    const WITH: &[(&str, &str)] = &[("63F#C6171000", "5BF#A41710007F000000")];
+    const WITHOUT: &[(&str, &str)] = &[("63F#C6171000", "5BF#A01710007F000000")];
+    const NONE: &[(&str, &str)] = &[("63F#C6171000", "5BF#8017100001000405")];
+    const WRONG: &[(&str, &str)] = &[("63F#C6171000", "5BF#8017100013000706")];
+    let heartbeat = [row(0x1017, 0, &[0, 0], true)];
+    let (met, log) = sent(&BLOCK_DOWNLOAD, &heartbeat, WITH);
+    assert_eq!(met, Ok(()));
+    assert_eq!(log[log.len() - 2..], ["63F#C617100002000000", "63F#8017100000000008"]);
+    assert_eq!(sent(&BLOCK_CRC, &heartbeat, WITH).0, Ok(()));
+    assert_eq!(sent(&BLOCK_DOWNLOAD, &heartbeat, WITHOUT).0, Ok(()));
+    let crc = actual(sent(&BLOCK_CRC, &heartbeat, WITHOUT).0);
+    assert_eq!(crc.as_deref(), Some("the SDO server checks no CRC of block downloads"));
+    for need in [&BLOCK_DOWNLOAD, &BLOCK_CRC] {
+        let why = actual(sent(need, &heartbeat, NONE).0).unwrap();
+        let abort = "abort 0504 0001h command specifier not valid or unknown";
+        assert_eq!(why, format!("the block download to 1017h:00 is answered by {abort}"));
+        assert!(matches!(sent(need, &heartbeat, WRONG).0, Err(Stop::Breach(_))), "{need:?}");
+        let why = unmet(need, &[row(0x1000, 0, &[0; 4], false)]);
+        assert_eq!(why.as_deref(), Some("the device has no object that can be written without consequence"));
+    }
+}
+
+/// Where no value is long, the device type is read in blocks; what comes on an abort comes before the case.
+#[test]
+fn block_uploads_are_known_by_their_confirmation() {
+    const KNOWN: &[(&str, &str)] = &[("63F#A4001000", "5BF#C600100004000000")];
+    let device_type = [row(0x1000, 0, &[0x91, 1, 0, 0], false)];
+    let (met, log) = sent(&BLOCK_UPLOAD, &device_type, KNOWN);
+    assert_eq!(met, Ok(()));
+    assert_eq!(log[log.len() - 2..], ["63F#A400100001000000", "63F#8000100000000008"]);
+    let begun = with_bench(but(&device_type, KNOWN, &Asked::default()), |bench| {
+        let request = canvass_analyzer::wire::sdo::Request::upload(canvass_analyzer::Multiplexer::new(0x1000, 0));
+        super::block::begun(bench, canvass_analyzer::Multiplexer::new(0x1000, 0), &request, "a read of").unwrap();
+        bench.now()
+    });
+    assert_eq!(begun, canvass_traces::Timestamp::ZERO + Duration::from_millis(1 + 50));
+}
+
+/// A server whose objects have no more than four bytes need not know segments, and says so by 0504 0001h; another refusal is
+/// that of the value.
+#[test]
+fn segmented_downloads_are_known_unless_the_command_is() {
+    const TAKEN: &[(&str, &str)] = &[("63F#21171000", "5BF#6017100000000000")];
+    const UNKNOWN: &[(&str, &str)] = &[("63F#21171000", "5BF#8017100001000405")];
+    const TOO_LONG: &[(&str, &str)] = &[("63F#21171000", "5BF#8017100012000706")];
+    let heartbeat = [row(0x1017, 0, &[0, 0], true)];
+    let (met, log) = sent(&SEGMENTED_DOWNLOAD, &heartbeat, TAKEN);
+    assert_eq!((met, log[log.len() - 2].as_str()), (Ok(()), "63F#2117100004000000"));
+    assert_eq!(sent(&SEGMENTED_DOWNLOAD, &heartbeat, TOO_LONG).0, Ok(()));
+    assert_eq!(
+        actual(sent(&SEGMENTED_DOWNLOAD, &heartbeat, UNKNOWN).0).as_deref(),
+        Some(
+            "no object has more than four bytes, and the segmented download to 1017h:00 is answered by abort 0504 0001h \
+             command specifier not valid or unknown"
+        )
+    );
+    // A value of five bytes has to come in segments, and one that can be written goes in them: nobody is asked.
+    const FIVE: &[(&str, &str)] = &[("63F#40081000", "5BF#4108100005000000"), ("63F#60", "5BF#0541424344450000")];
+    let (met, log) = sent(&SEGMENTED_DOWNLOAD, &[], FIVE);
+    assert!(met.is_ok() && !log.iter().any(|request| request.starts_with("63F#21")), "{log:?}");
+    let text = described(&[("2000", "DataType=0x0009")]);
+    let log = Asked::default();
+    let met = asked(&SEGMENTED_DOWNLOAD, but(&[], &[], &log), &text, &Options::default());
+    assert_eq!((met, log.borrow().len()), (Ok(()), 0));
+    assert_eq!(asked(&LONG_SCRATCH, dictionary(Vec::new()), &text, &Options::default()), Ok(()));
+}
+
+/// A 1017h that is described as one that can be written, and can't be, breaks its description; where it is described
+/// otherwise, or not at all, it is only not what a case needs.
+#[test]
+fn a_heartbeat_time_that_can_not_be_written_breaks_its_description() {
+    let met = |lines: &str, rows: &[Row]| {
+        asked(&HEARTBEAT, dictionary(rows.to_vec()), &described(&[("1017", lines)]), &Options::default())
+    };
+    let (fixed, settable) = ([row(0x1017, 0, &[0xE8, 3], false)], [row(0x1017, 0, &[0, 0], true)]);
+    assert!(matches!(met("DataType=0x0006", &fixed), Err(Stop::Breach(_))));
+    assert!(matches!(met("DataType=0x0006", &[]), Err(Stop::Breach(_))), "it is not there at all");
+    assert_eq!(met("DataType=0x0006", &settable), Ok(()));
+    let constant = actual(met("DataType=0x0006\nAccessType=ro", &fixed));
+    assert_eq!(constant.as_deref(), Some("the period is fixed: 1017h is 1 s and can't be written"));
+}
+
+/// The tester acts as a neighbour of the device: one of four node-IDs has to be free.
+#[test]
+fn a_heartbeat_consumer_needs_a_vacant_neighbour() {
+    let consumer = |neighbours: &'static [u8]| {
+        let mut others = dictionary(vec![row(0x1016, 1, &[0; 4], true)]);
+        let script = move |request: &Frame| {
+            let heartbeats = neighbours.iter().map(|node| frame(&format!("7{node:02X}#05")));
+            heartbeats.map(|heartbeat| (Duration::from_micros(10), heartbeat)).chain(others(request)).collect()
+        };
+        actual(asked(&HEARTBEAT_CONSUMER, script, &unknown(), &Options::default()))
+    };
+    assert_eq!(consumer(&[0x3D, 0x3E, 0x40]), None);
+    let full = consumer(&[0x3D, 0x3E, 0x40, 0x41]);
+    assert_eq!(full.as_deref(), Some("every node-ID beside that of the device is in use"));
+}
+
+/// Some devices watch other nodes only once that is stored: their manual says so, and cases that store nothing leave it.
+#[test]
+fn a_manual_says_that_monitoring_acts_once_it_is_stored() {
+    let stored = Model::all().iter().find(|model| model.sheet().network.heartbeat_consumer_needs_store).unwrap();
+    let (consumer, guard) =
+        (row(0x1016, 1, &[0; 4], true), [row(0x100C, 0, &[0, 0], true), row(0x100D, 0, &[0], true)]);
+    let met = |model: &str, rows: &[Row]| {
+        let target = Target { model: model.to_owned(), ..unknown() };
+        actual(asked(&MONITORING, dictionary(rows.to_vec()), &target, &Options::default()))
+    };
+    assert_eq!(met("reference-301", std::slice::from_ref(&consumer)), None);
+    assert_eq!(
+        met(stored.id(), std::slice::from_ref(&consumer)).as_deref(),
+        Some("the device watches other nodes only once that is stored, as its manual says")
+    );
+    assert_eq!(met(stored.id(), &guard), None, "guarding acts at once");
+    assert_eq!(met("reference-301", &[]).as_deref(), Some("the device has no 1016h:01"));
+}
+
+/// A mapping that can be changed is of use only with an object for it.
+#[test]
+fn a_mapping_needs_an_object() {
+    const RECEIVED: [(&str, &str); 3] =
+        [("1400sub1", "DataType=0x0007"), ("1600sub0", "DataType=0x0005"), ("1600sub1", "DataType=0x0007")];
+    const SENT: [(&str, &str); 3] =
+        [("1800sub1", "DataType=0x0007"), ("1A00sub0", "DataType=0x0005"), ("1A00sub1", "DataType=0x0007")];
+    let met = |need: &'static Need, sections: &[(&str, &str)]| {
+        let rows = vec![row(0x2000, 0, &[1], true)];
+        actual(asked(need, dictionary(rows), &described(sections), &Options::default()))
+    };
+    let object = ("2000", "DataType=0x0005\nPDOMapping=1");
+    let fixed = |sections: [(&'static str, &'static str); 3], at: usize| {
+        let mut sections = sections.to_vec();
+        sections[at].1 = "DataType=0x0007\nAccessType=ro";
+        [&sections[..], &[object]].concat()
+    };
+    assert_eq!(met(&RPDO_MAPPING, &[&RECEIVED[..], &[object]].concat()), None);
+    assert_eq!(
+        met(&RPDO_MAPPING, &RECEIVED).as_deref(),
+        Some("the description names no object that an RPDO can carry and an SDO can read")
+    );
+    assert_eq!(met(&RPDO_MAPPING, &fixed(RECEIVED, 2)).as_deref(), Some("1600h:01 can't be written"));
+    assert_eq!(met(&CHANGEABLE, &[&SENT[..], &[object]].concat()), None);
+    assert_eq!(met(&CHANGEABLE, &SENT).as_deref(), Some("none"));
+    assert_eq!(met(&CHANGEABLE, &fixed(SENT, 0)).as_deref(), Some("1800h:01 can't be written"));
+}
+
+/// A device that can't produce SYNC refuses bit 30 as the standard lets it; any other refusal is a breach. One that can has its
+/// COB-ID again.
+#[test]
+fn a_sync_producer_is_left_off() {
+    const REFUSED: &[(&str, &str)] = &[("63F#2305100080000040", "5BF#8005100030000906")];
+    const TOLERATED: &[(&str, &str)] = &[("63F#2305100080000040", "5BF#8005100000000008")];
+    const WRONG: &[(&str, &str)] = &[("63F#2305100080000040", "5BF#8005100041000406")];
+    let rows = [row(0x1005, 0, &[0x80, 0, 0, 0], true), row(0x1006, 0, &[0; 4], true)];
+    for refusal in [REFUSED, TOLERATED] {
+        assert_eq!(actual(sent(&SYNC_PRODUCER, &rows, refusal).0).as_deref(), Some("bit 30 of 1005h can't be set"));
+    }
+    assert!(matches!(sent(&SYNC_PRODUCER, &rows, WRONG).0, Err(Stop::Breach(_))));
+    let (met, log) = sent(&SYNC_PRODUCER, &rows, &[]);
+    let written: Vec<&String> = log.iter().filter(|request| request.starts_with("63F#23051000")).collect();
+    assert_eq!((met, written.len()), (Ok(()), 3), "its own value, with the bit, and its own again");
+    assert_eq!((written[1].as_str(), written[2].as_str()), ("63F#2305100080000040", "63F#2305100080000000"));
+}
+
+/// What is lacking is named as far as it is known: a timer only where there is a PDO that could have it.
+#[test]
+fn what_is_lacking_is_named() {
+    assert_eq!(unmet(&EVENT_TIMER, &[]).as_deref(), Some("the device has no 1800h:01"));
+    assert_eq!(unmet(&EVENT_TIMER, &[row(0x1800, 1, &[0; 4], true)]).as_deref(), Some("the device has no 1800h:05"));
+    assert_eq!(unmet(&NAME, &[]).as_deref(), Some("the device has no 1008h, 1009h or 100Ah"));
+    assert_eq!(unmet(&EMPTY_VALUE, &[]).as_deref(), Some("no object that was found is an empty string"));
+    let application = "no application object that the tester knows can be written without consequence";
+    assert_eq!(unmet(&APPLICATION_PARAMETER, &[]).as_deref(), Some(application));
+    assert_eq!(unmet(&APPLICATION_PARAMETER, &[row(0x6402, 0, &[0; 4], true)]), None);
+    let empty = described(&[("2000", "DataType=0x0009\nAccessType=ro")]);
+    assert_eq!(asked(&EMPTY_VALUE, |_: &Frame| Vec::new(), &empty, &Options::default()), Ok(()));
 }

@@ -13,7 +13,7 @@ use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
 
-/// Command specifier 7, which CiA 301 does not define, with an object behind it as an initiate message has.
+/// Command specifier 7, which CiA 301 does not define, with an object after it as an initiate message has.
 const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1, 0, 0, 0, 0] };
 
 /// An unknown command specifier is answered with abort 0504 0001h, which does not name the object of an earlier request.

@@ -53,7 +53,7 @@ fn cob_id_of_pdo(at: Multiplexer) -> Option<Multiplexer> {
 /// Whether the object may refuse each write for the time being, by its value or that of what it belongs to.
 fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool, Stop> {
     if let Some(cob_id) = cob_id_of_pdo(at) {
-        let is_entry = matches!(at.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) && at.sub.0 > 0;
+        let is_entry = canvass_analyzer::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0;
         return Ok(is_entry || bench.read_number(cob_id)? & CobId::INVALID == 0);
     }
     Ok(match at.index.0 {

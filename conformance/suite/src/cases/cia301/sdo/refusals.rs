@@ -6,6 +6,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::{Multiplexer, SubIndex};
 
 /// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
@@ -52,7 +53,8 @@ fn several_reasons(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/maximum-below-minimum", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Should, needs = [WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
 fn maximum_below_minimum(bench: &mut Bench<'_>) -> Judged {
-    let (low, high) = (Multiplexer::new(0x6401, 1), Multiplexer::new(0x6402, 1));
+    let (low, high) =
+        (Multiplexer::new(encoder::WORK_AREA_LOW_LIMIT, 1), Multiplexer::new(encoder::WORK_AREA_HIGH_LIMIT, 1));
     if !bench.can_write(low)? || !bench.can_write(high)? {
         let reason = Reason::new("both limits of the work area can be written", "6401h and 6402h", "read-only");
         return Err(Stop::NotApplicable(reason));

@@ -13,7 +13,7 @@ use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_bus::observation::Observation;
 
 const fn second(sub: u8) -> Multiplexer {
-    Multiplexer::new(0x1201, sub)
+    Multiplexer::new(object::FURTHER_SDO_SERVER_PARAMETER, sub)
 }
 
 /// CAN-IDs of a second SDO channel that nothing else uses.
