@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use crate::commands::{executor, ingest, report, scheduler, schema, sql};
+use crate::commands::{executor, export, ingest, report, scheduler, schema, sql};
 use crate::status::{Failure, Status};
 use canvass_fleet::cluster::codec::absolute;
 use canvass_fleet::cluster::{ClusterError, client};
@@ -24,6 +24,9 @@ pub struct Cli {
 #[derive(clap::Subcommand)]
 enum Command {
     Sql(sql::Args),
+    Decode(export::Decode),
+    Signals(export::Signals),
+    Diagnose(export::Diagnose),
     Ingest(ingest::Args),
     Report(report::Args),
     Schema(schema::Args),
@@ -36,6 +39,9 @@ impl Cli {
     pub async fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Sql(args) => args.run().await,
+            Command::Decode(args) => args.run().await,
+            Command::Signals(args) => args.run().await,
+            Command::Diagnose(args) => args.run().await,
             Command::Ingest(args) => args.run().await,
             Command::Report(args) => args.run().await,
             Command::Schema(args) => args.run(),

@@ -1,5 +1,6 @@
 //! Standard output and standard error: what came out of captures acts on nobody's terminal.
 
+use canvass_fleet::render::Format;
 use canvass_reports::escape::Visible;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal as _, Write};
@@ -10,6 +11,16 @@ use tempfile::NamedTempFile;
 #[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn is_terminal() -> bool {
     io::stdout().is_terminal()
+}
+
+/// Refuses what is not for a terminal.
+///
+/// # Errors
+/// If a terminal would get it.
+pub fn refuse_terminal(format: Format, output: Option<&Path>) -> anyhow::Result<()> {
+    let is_refused = format.is_binary() && output.is_none() && is_terminal();
+    anyhow::ensure!(!is_refused, "the format is not for a terminal: give --output FILE, or redirect the output");
+    Ok(())
 }
 
 /// Standard output, whose bytes stay as they are: renderers of answers let nothing act.

@@ -5,9 +5,8 @@ pub mod bench;
 mod cluster;
 mod readers;
 
-use crate::run::run;
-use anyhow::{Context, Result, ensure};
-use std::process::Command;
+use crate::run::{cargo, run};
+use anyhow::{Context, Result, anyhow, ensure};
 
 /// Its manifest.
 const MANIFEST: &str = "fleet/Cargo.toml";
@@ -20,10 +19,25 @@ const TARGET: &str = "fleet/target";
 /// If something is missing, is not as it should be or fails.
 pub fn test() -> Result<()> {
     run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
-    // Answers are held against those of the program.
-    run("cargo", &["build", "--locked"])?;
-    lints_and_tests()?;
+    // Answers are compared with those of the program. As CI builds it: the same crates.
+    run("cargo", &["build", "--workspace", "--locked"])?;
+    // Slow downloads go on in the meantime.
+    std::thread::scope(|scope| {
+        let installing = scope.spawn(readers::install_all);
+        let tested = lints_and_tests();
+        let installed = installing.join().map_err(|_| anyhow!("installing has panicked"))?;
+        tested.and(installed)
+    })?;
     readers::read()
+}
+
+/// Builds it as it is used.
+fn release() -> Result<()> {
+    let words = ["build", "--release", "--locked", "--manifest-path", MANIFEST, "--target-dir", TARGET];
+    eprintln!("$ cargo {}", words.join(" "));
+    let status = cargo().args(words).status().context("can't run cargo")?;
+    ensure!(status.success(), "the build of {MANIFEST} ended with {status}");
+    Ok(())
 }
 
 /// The engine has five hundred crates: they are built once, without what debuggers need, and the lints look at the same build
@@ -33,7 +47,7 @@ fn lints_and_tests() -> Result<()> {
     let program = root.join("target/debug/canvass");
     let words = ["test", "--manifest-path", MANIFEST, "--target-dir", TARGET, "--locked", "--no-fail-fast"];
     eprintln!("$ cargo {} (compiled by clippy-driver)", words.join(" "));
-    let status = Command::new("cargo")
+    let status = cargo()
         .args(words)
         .env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver")
         .env("CLIPPY_ARGS", "-Dwarnings__CLIPPY_HACKERY__")
@@ -41,7 +55,6 @@ fn lints_and_tests() -> Result<()> {
         .env("CARGO_PROFILE_TEST_DEBUG", "0")
         .env("CARGO_INCREMENTAL", "0")
         .env("CANVASS_PROGRAM", program)
-        .env_remove("CARGO_TARGET_DIR")
         .status()
         .context("can't run cargo")?;
     ensure!(status.success(), "the tests of {MANIFEST} ended with {status}");

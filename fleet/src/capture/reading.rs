@@ -3,7 +3,7 @@
 use super::access::Notes;
 use super::{Access, AccessError, CaptureFile};
 use canvass_traces::{
-    Capture, ChannelId, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Record, Source,
+    Capture, ChannelId, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Record, SkipSet, Source,
     TimeBase, Timestamp,
 };
 
@@ -80,6 +80,22 @@ impl Reading {
             Some((_, Ok(record))) => {
                 self.record = record;
                 self.quality.record(&self.record);
+                Ok(Some(Seen::Record))
+            }
+            Some((_, Err(damage))) => self.damaged(damage).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Goes on to what comes next and is not skipped. Its quality is not asked for: what is skipped is not looked at.
+    ///
+    /// # Errors
+    /// As [`Reading::advance`].
+    #[inline]
+    pub fn advance_kept(&mut self, skip: &mut SkipSet) -> Result<Option<Seen>, AccessError> {
+        match self.merge.next_kept(skip) {
+            Some((_, Ok(record))) => {
+                self.record = record;
                 Ok(Some(Seen::Record))
             }
             Some((_, Err(damage))) => self.damaged(damage).map(Some),

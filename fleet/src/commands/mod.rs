@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 pub mod executor;
+pub mod export;
 pub mod ingest;
 pub mod report;
 pub mod scheduler;

@@ -91,7 +91,7 @@ async fn command(typed: &str, answers: &Answers) -> Result<bool, Failure> {
         _ => {
             // Ctrl-C ends the statement and not the shell.
             tokio::select! {
-                answered = answers.all(typed, || Ok(raw())) => answered?,
+                answered = answers.all(typed, || Ok(raw())) => drop(answered?),
                 _ = tokio::signal::ctrl_c() => diagnostic("interrupted"),
             }
         }
@@ -105,14 +105,14 @@ async fn list(answers: &Answers) -> Result<(), Failure> {
     print(&format!("of captures and results, such as events('field/**/*.log'):\n{}", functions.join("\n")))?;
     let tables = "SELECT table_name, table_type FROM information_schema.tables \
                   WHERE table_schema <> 'information_schema' ORDER BY table_name";
-    answers.all(tables, || Ok(raw())).await
+    answers.all(tables, || Ok(raw())).await.map(drop)
 }
 
 async fn describe(name: &str, answers: &Answers) -> Result<(), Failure> {
     if let (Some(table), false) = (Table::by_name(name), answers.session().table_exist(name)?) {
         return Ok(print(&schema::text(table))?);
     }
-    answers.all(&format!("DESCRIBE {name}"), || Ok(raw())).await
+    answers.all(&format!("DESCRIBE {name}"), || Ok(raw())).await.map(drop)
 }
 
 fn history_file() -> Option<PathBuf> {

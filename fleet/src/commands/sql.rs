@@ -46,9 +46,7 @@ pub struct Args {
 
 impl Args {
     pub async fn run(self) -> Result<Status, Failure> {
-        if self.format.is_binary() && self.output.is_none() && output::is_terminal() {
-            return Err(anyhow!("the format is not for a terminal: give --output FILE, or redirect the output").into());
-        }
+        output::refuse_terminal(self.format, self.output.as_deref())?;
         let session = self.engine.session().await?;
         if let Some(lake) = &self.lake {
             lake::register(&session, lake).await?;
@@ -59,7 +57,7 @@ impl Args {
         if self.lake.is_some() || !self.over.is_empty() {
             views::register(&session).await?;
         }
-        let answers = Answers { session, format: self.format, max_rows: self.max_rows };
+        let answers = Answers::new(session, self.format, self.max_rows);
         let statement = match self.statement {
             Some(statement) => statement,
             None if std::io::stdin().is_terminal() => return shell::run(answers).await,
@@ -75,7 +73,9 @@ impl Args {
                 answers.all(&statement, || Ok(file.writer()?)).await?;
                 file.complete()?;
             }
-            None => answers.all(&statement, || Ok(output::raw())).await?,
+            None => {
+                answers.all(&statement, || Ok(output::raw())).await?;
+            }
         }
         Ok(Status::Good)
     }
@@ -89,23 +89,29 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers all statements of a text, one after the other.
+    /// Answers in that format; a table for people has so many rows, at most.
+    pub const fn new(session: SessionContext, format: Format, max_rows: usize) -> Self {
+        Self { session, format, max_rows }
+    }
+
+    /// Answers all statements of a text, one after the other. Gives back how many files were no captures.
     pub async fn all(
         &self,
         text: &str,
         out: impl Fn() -> Result<Box<dyn Write + Send>, Failure>,
-    ) -> Result<(), Failure> {
+    ) -> Result<usize, Failure> {
         let statements = DFParser::parse_sql(text)?;
         if statements.is_empty() {
             return Err(anyhow!("there is no statement: expected SQL, such as SELECT * FROM events('a.log')").into());
         }
+        let mut unreadable = 0;
         for statement in statements {
-            self.one(statement, out()?).await?;
+            unreadable += self.one(statement, out()?).await?;
         }
-        Ok(())
+        Ok(unreadable)
     }
 
-    async fn one(&self, statement: Statement, out: Box<dyn Write + Send>) -> Result<(), Failure> {
+    async fn one(&self, statement: Statement, out: Box<dyn Write + Send>) -> Result<usize, Failure> {
         let plan = self.session.state().statement_to_plan(statement).await?;
         let is_told = !plan.schema().fields().is_empty();
         let answer = self.session.execute_logical_plan(plan).await?;
@@ -125,8 +131,7 @@ impl Answers {
         if is_told {
             rendered.finish()?;
         }
-        tell_unreadable(&plan);
-        Ok(())
+        Ok(tell_unreadable(&plan))
     }
 
     /// What a shell asks the session for itself.
@@ -136,7 +141,7 @@ impl Answers {
 }
 
 /// Says how many files were no captures.
-fn tell_unreadable(plan: &Arc<dyn ExecutionPlan>) {
+fn tell_unreadable(plan: &Arc<dyn ExecutionPlan>) -> usize {
     let unreadable = unreadable(plan);
     if unreadable > 0 {
         let files = if unreadable == 1 { "1 file was" } else { &format!("{unreadable} files were") };
@@ -145,6 +150,7 @@ fn tell_unreadable(plan: &Arc<dyn ExecutionPlan>) {
              captures('…') WHERE reason IS NOT NULL tells which and why"
         ));
     }
+    unreadable
 }
 
 fn unreadable(plan: &Arc<dyn ExecutionPlan>) -> usize {

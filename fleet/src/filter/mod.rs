@@ -80,6 +80,18 @@ impl<R: Rows> Filter<R> {
         Self { tests: tests.iter().map(find).collect(), scratch: String::new() }
     }
 
+    /// Those of these tests that tell by one row what they say of all that are alike; of frames with 29-bit CAN-IDs `any_id`
+    /// leaves the CAN-ID out, which is another one for each.
+    pub fn of_alike(tests: &[Test], any_id: bool) -> Self {
+        let is_alike = |test: &&Test| R::ALIKE.contains(&&*test.column) && !(any_id && test.column == "can_id");
+        Self::new(&tests.iter().filter(is_alike).cloned().collect::<Vec<_>>())
+    }
+
+    /// Whether there is no test: all rows pass.
+    pub const fn is_empty(&self) -> bool {
+        self.tests.is_empty()
+    }
+
     /// Whether a row passes all tests.
     pub fn passes(&mut self, row: &R::Row<'_>) -> bool {
         let scratch = &mut self.scratch;

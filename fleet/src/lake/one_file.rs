@@ -43,7 +43,14 @@ impl Whole {
     }
 
     fn wanted(&self) -> Wanted<'_> {
-        Wanted { columns: &self.columns, schema: &self.schema, tests: &[], fetch: None, batch_rows: BATCH }
+        Wanted {
+            columns: &self.columns,
+            schema: &self.schema,
+            tests: &[],
+            fetch: None,
+            skips: false,
+            batch_rows: BATCH,
+        }
     }
 }
 
@@ -184,7 +191,7 @@ impl Ingester<'_> {
             diagnosing.take(what, reading)?;
             seen = reading.advance()?;
         }
-        happenings.finish(&file.name, reading, &network, &mut to_events)?;
+        happenings.finish(&file.name, reading, &network, None, &mut to_events)?;
         to_messages.finish()?;
         to_signals.finish()?;
         to_events.finish()?;

@@ -32,7 +32,7 @@ pub fn for_json(batch: &RecordBatch) -> Result<RecordBatch, ArrowError> {
 }
 
 fn digits<'a>(values: impl Iterator<Item = Option<&'a [u8]>>) -> ArrayRef {
-    let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>();
+    let hex = |bytes: &[u8]| canvass_traces::hex::compact(bytes).to_string();
     Arc::new(values.map(|bytes| bytes.map(hex)).collect::<StringArray>())
 }
 

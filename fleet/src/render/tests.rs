@@ -3,7 +3,7 @@ use datafusion::arrow::array::{BinaryArray, StringArray, TimestampNanosecondArra
 use datafusion::arrow::datatypes::{Field, Schema};
 use std::sync::Arc;
 
-#[path = "../../tests/sink/mod.rs"]
+#[path = "../../tests/fleet/sink.rs"]
 mod sink;
 use sink::Shared;
 

@@ -4,6 +4,7 @@ use super::ScanError;
 use crate::filter::{Filter, Test};
 use crate::table::builder::BatchBuilder;
 use crate::table::column::Rows;
+use canvass_analyzer::network::Steady;
 use datafusion::arrow::array::RecordBatch;
 use datafusion::arrow::datatypes::SchemaRef;
 use std::ops::ControlFlow;
@@ -28,6 +29,8 @@ pub struct Wanted<'a> {
     pub tests: &'a [Test],
     /// How many rows, at most.
     pub fetch: Option<usize>,
+    /// Whether frames are skipped that give no rows and change nothing.
+    pub skips: bool,
     /// How many rows a batch has, at most.
     pub batch_rows: usize,
 }
@@ -43,6 +46,8 @@ impl Wanted<'_> {
 pub struct Emitter<'a, R: Rows> {
     builder: BatchBuilder<R>,
     filter: Filter<R>,
+    /// The tests that refuse all rows that are alike: with 11-bit CAN-IDs, and with 29-bit ones.
+    alike: [Filter<R>; 2],
     left: Option<usize>,
     batch_rows: usize,
     /// Rows since somebody looked whether they are still wanted.
@@ -59,6 +64,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
         Self {
             builder: BatchBuilder::new(SchemaRef::clone(wanted.schema), wanted.columns),
             filter: Filter::new(wanted.tests),
+            alike: [false, true].map(|any_id| Filter::of_alike(wanted.tests, any_id)),
             left: wanted.fetch,
             batch_rows: wanted.batch_rows,
             unlooked: 0,
@@ -86,6 +92,26 @@ impl<'a, R: Rows> Emitter<'a, R> {
             return self.flush();
         }
         Ok(ControlFlow::Continue(()))
+    }
+
+    /// Whether the tests may refuse all rows that are alike.
+    pub fn may_refuse_alike(&self) -> bool {
+        self.alike.iter().any(|filter| !filter.is_empty())
+    }
+
+    /// Whether no row passes that is alike, made of such frames.
+    #[inline]
+    pub fn refuses_alike(&mut self, row: &R::Row<'_>, steady: Steady) -> bool {
+        let [by_id, any_id] = &mut self.alike;
+        let filter = if steady == Steady::Extended { any_id } else { by_id };
+        !filter.passes(row)
+    }
+
+    /// So many frames were skipped; `Break` where nobody waits any more.
+    #[inline]
+    pub fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
+        self.unlooked += frames;
+        if frames > 0 { self.look() } else { ControlFlow::Continue(()) }
     }
 
     /// Something was read that made no row; `Break` where nobody waits any more.

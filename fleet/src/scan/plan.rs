@@ -32,6 +32,8 @@ pub struct ScanSpec {
     pub tests: Vec<Test>,
     /// How many rows of each partition, at most.
     pub fetch: Option<usize>,
+    /// Whether frames are skipped that give no rows and change nothing.
+    pub skips: bool,
     /// What is known of the devices.
     pub devices: Devices,
 }
@@ -115,6 +117,7 @@ impl Task {
                 schema: &self.schema,
                 tests: &self.spec.tests,
                 fetch: outlet.left,
+                skips: self.spec.skips,
                 batch_rows: self.batch_rows,
             };
             if !produce(&source, self.spec.table, file, wanted, &mut outlet)? {

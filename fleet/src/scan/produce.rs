@@ -1,18 +1,17 @@
 //! Rows of one file: it is read once, and only as far as rows are wanted.
 
 use super::emit::{Emitter, Outlet, Wanted};
-use super::rows::{self, Happenings, Understood};
+use super::rows::{self, EventsOfFrames, Happenings, OfFrames, Understood};
 use super::{ScanError, diagnosed, results};
 use crate::capture::{Access, CaptureFile, Reading, Seen, Unreadable};
 use crate::devices::Devices;
 use crate::table::Table;
 use crate::table::captures::{CaptureRow, Captures};
-use crate::table::events::Events;
 use crate::table::frames::{FrameRow, Frames};
 use crate::table::messages::Messages;
 use crate::table::signals::Signals;
-use canvass_analyzer::network::Network;
-use canvass_traces::Quality;
+use canvass_analyzer::network::{Network, Skipping, Steady};
+use canvass_traces::{Quality, SkipSet, Timestamp};
 use std::ops::ControlFlow;
 
 /// How files are read.
@@ -103,38 +102,57 @@ fn frames(
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
     let mut emitter = Emitter::<Frames>::new(wanted, outlet);
-    while let Some(seen) = reading.advance()? {
+    let (mut skip, skips) = (SkipSet::default(), wanted.skips && emitter.may_refuse_alike());
+    while let Some(seen) = reading.advance_kept(&mut skip)? {
         if seen == Seen::Damage {
             continue;
         }
         let (record, channels) = (reading.record(), reading.merge().channels());
-        if emitter.row(&FrameRow { capture: &file.name, record, channels })?.is_break() {
+        let row = FrameRow { capture: &file.name, record, channels };
+        if emitter.row(&row)?.is_break() || emitter.skipped(skip.take().0).is_break() {
             break;
+        }
+        if let (true, Some(alike)) = (skips, Steady::like(&record.frame))
+            && emitter.refuses_alike(&row, alike)
+        {
+            alike.skip(record.channel, &mut skip);
         }
     }
     emitter.finish()
 }
 
-/// Decodes a capture and gives each frame to `take`, until no more are wanted.
+/// What is left when a capture was decoded to its end: the network, and when a last frame was seen that was skipped.
+type AtEnd = (Network, Option<Timestamp>);
+
+/// Decodes a capture and gives each frame to `rows`, until no more are wanted.
 fn decode(
     source: &Source<'_>,
     reading: &mut Reading,
     file: &CaptureFile,
-    mut take: impl FnMut(Understood<'_>) -> Result<ControlFlow<()>, ScanError>,
-) -> Result<ControlFlow<(), Network>, ScanError> {
+    skips: bool,
+    rows: &mut impl OfFrames,
+) -> Result<ControlFlow<(), AtEnd>, ScanError> {
     let mut network = rows::network(source.devices)?;
-    while let Some(seen) = reading.advance()? {
+    let (mut skipping, skips) = (Skipping::default(), skips && rows.may_refuse());
+    while let Some(seen) = reading.advance_kept(skipping.set())? {
         if seen == Seen::Damage {
             continue;
+        }
+        if skips && rows.skipped(skipping.set().take().0).is_break() {
+            return Ok(ControlFlow::Break(()));
         }
         let (record, channels) = (reading.record(), reading.merge().channels());
         let decoded = &network.handle(record);
         let Some(bus) = network.bus(record.channel) else { continue };
-        if take(Understood { capture: &file.name, record, channels, decoded, bus })?.is_break() {
+        let frame = Understood { capture: &file.name, record, channels, decoded, bus };
+        if rows.frame(frame)?.is_break() {
             return Ok(ControlFlow::Break(()));
         }
+        if skips {
+            skipping.taken(bus, record, decoded, |steady| rows.refuses(frame, steady));
+        }
     }
-    Ok(ControlFlow::Continue(network))
+    Ok(ControlFlow::Continue((network, skipping.set().take().1)))
 }
 
 fn messages(
@@ -145,7 +163,7 @@ fn messages(
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
     let mut emitter = Emitter::<Messages>::new(wanted, outlet);
-    let _ = decode(source, &mut reading, file, |frame| rows::message(frame, &mut emitter))?;
+    let _ = decode(source, &mut reading, file, wanted.skips, &mut emitter)?;
     emitter.finish()
 }
 
@@ -157,7 +175,7 @@ fn signals(
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
     let mut emitter = Emitter::<Signals>::new(wanted, outlet);
-    let _ = decode(source, &mut reading, file, |frame| rows::signals(frame, &mut emitter))?;
+    let _ = decode(source, &mut reading, file, wanted.skips, &mut emitter)?;
     emitter.finish()
 }
 
@@ -168,11 +186,11 @@ fn events(
     wanted: Wanted<'_>,
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
-    let mut emitter = Emitter::<Events>::new(wanted, outlet);
-    let mut happenings = Happenings::default();
-    let decoded = decode(source, &mut reading, file, |frame| happenings.frame(frame, &mut emitter))?;
-    if let ControlFlow::Continue(network) = decoded {
-        happenings.finish(&file.name, &reading, &network, &mut emitter)?;
+    let mut events = EventsOfFrames { happenings: Happenings::default(), emitter: Emitter::new(wanted, outlet) };
+    let decoded = decode(source, &mut reading, file, wanted.skips, &mut events)?;
+    let EventsOfFrames { happenings, mut emitter } = events;
+    if let ControlFlow::Continue((network, skipped)) = decoded {
+        happenings.finish(&file.name, &reading, &network, skipped, &mut emitter)?;
     }
     emitter.finish()
 }

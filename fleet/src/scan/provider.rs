@@ -120,7 +120,7 @@ impl TableProvider for CaptureTable {
         let most = state.config().target_partitions().saturating_mul(PARTITIONS);
         let fetch = limit.filter(|_| self.push_down);
         let (table, devices) = (self.table, self.devices.clone());
-        let spec = ScanSpec { table, columns, tests, fetch, devices };
+        let spec = ScanSpec { table, columns, tests, fetch, skips: self.push_down, devices };
         Ok(Arc::new(CaptureScan::new(spec, super::files::plan(&partitions(files, most))?)?))
     }
 }

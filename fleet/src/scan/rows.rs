@@ -8,7 +8,7 @@ use crate::table::events::{EventRow, Events, What};
 use crate::table::messages::{MessageRow, Messages};
 use crate::table::signals::{SignalRow, Signals};
 use canvass_analyzer::Meaning;
-use canvass_analyzer::network::{Bus, Decoded, Network};
+use canvass_analyzer::network::{Bus, Decoded, Network, Steady};
 use canvass_reports::events::Scene;
 use canvass_traces::{ChannelId, Channels, Record, Timestamp};
 use std::ops::ControlFlow;
@@ -38,6 +38,92 @@ pub fn network(devices: &Devices) -> Result<Network, ScanError> {
     devices.tell(|node, known| network.describe(node, known), |candidates| offered = Some(candidates))?;
     network.offer(offered.unwrap_or_default());
     Ok(network)
+}
+
+/// A table whose rows are made of decoded frames.
+pub trait OfFrames {
+    /// Gives the rows of a frame; `Break` where no more are wanted.
+    ///
+    /// # Errors
+    /// As [`Emitter::row`].
+    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError>;
+
+    /// Whether there may be frames that give no rows.
+    fn may_refuse(&self) -> bool;
+
+    /// Whether this frame, which was the last one, and all that are like it give no rows.
+    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
+
+    /// So many frames were skipped before the next one; `Break` where no more are wanted.
+    fn skipped(&mut self, frames: usize) -> ControlFlow<()>;
+}
+
+impl OfFrames for Emitter<'_, Messages> {
+    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+        message(frame, self)
+    }
+
+    fn may_refuse(&self) -> bool {
+        self.may_refuse_alike()
+    }
+
+    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool {
+        let Understood { capture, record, channels, decoded, bus } = frame;
+        self.refuses_alike(&MessageRow { capture, record, channels, decoded, bus }, steady)
+    }
+
+    fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
+        Self::skipped(self, frames)
+    }
+}
+
+impl OfFrames for Emitter<'_, Signals> {
+    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+        signals(frame, self)
+    }
+
+    fn may_refuse(&self) -> bool {
+        true
+    }
+
+    /// Frames that are alike have the same signals.
+    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool {
+        let Understood { capture, record, channels, decoded, bus } = frame;
+        Meaning::new(record, decoded, bus).signals().all(|signal| {
+            self.refuses_alike(&SignalRow { capture, record, channels, decoded, signal: &signal }, steady)
+        })
+    }
+
+    fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
+        Self::skipped(self, frames)
+    }
+}
+
+/// The events of frames.
+pub struct EventsOfFrames<'a> {
+    /// What happened so far.
+    pub happenings: Happenings,
+    /// Takes the events.
+    pub emitter: Emitter<'a, Events>,
+}
+
+impl OfFrames for EventsOfFrames<'_> {
+    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+        self.happenings.frame(frame, &mut self.emitter)
+    }
+
+    fn may_refuse(&self) -> bool {
+        true
+    }
+
+    /// What changes nothing brings nothing about.
+    fn refuses(&mut self, _: Understood<'_>, _: Steady) -> bool {
+        true
+    }
+
+    fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
+        self.emitter.skipped(frames)
+    }
 }
 
 /// Gives a frame to `messages`.
@@ -107,15 +193,16 @@ impl Happenings {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Gives the transfers that had not ended when the capture did.
+    /// Gives the transfers that had not ended when the capture did; `skipped` is the time of a last frame that was skipped.
     pub fn finish(
         &self,
         capture: &str,
         reading: &Reading,
         network: &Network,
+        skipped: Option<Timestamp>,
         emitter: &mut Emitter<'_, Events>,
     ) -> Result<(), ScanError> {
-        let Some(time) = self.last else { return Ok(()) };
+        let Some(time) = skipped.or(self.last) else { return Ok(()) };
         for (id, channel) in (0_u16..).zip(reading.merge().channels().names()) {
             let Some(bus) = network.bus(ChannelId(id)) else { continue };
             let scene = &Scene { time, channel, bus, frame: None };

@@ -2,10 +2,11 @@
 
 use super::column::{Column, Get, Rows, Width, nanos};
 use datafusion::arrow::array::{
-    ArrayRef, BinaryBuilder, BooleanBuilder, DictionaryArray, Float64Builder, Int32Builder, Int64Builder, RecordBatch,
-    RecordBatchOptions, StringBuilder, TimestampNanosecondBuilder, UInt8Builder, UInt16Builder, UInt32Builder,
-    UInt64Builder,
+    ArrayRef, BinaryBuilder, BooleanBuilder, DictionaryArray, Float64Builder, Int32Builder, Int64Builder,
+    NullBufferBuilder, RecordBatch, RecordBatchOptions, StringArray, StringBuilder, TimestampNanosecondBuilder,
+    UInt8Builder, UInt16Builder, UInt32Builder, UInt64Builder,
 };
+use datafusion::arrow::buffer::{Buffer, OffsetBuffer};
 use datafusion::arrow::datatypes::{Int32Type, SchemaRef};
 use datafusion::arrow::error::ArrowError;
 use std::collections::HashMap;
@@ -32,7 +33,7 @@ enum Cell {
     Real(Float64Builder),
     Flag(BooleanBuilder),
     Name(Names),
-    Text(StringBuilder),
+    Text(Texts),
     Bytes(BinaryBuilder),
 }
 
@@ -95,12 +96,7 @@ fn push<R: Rows>(get: &Get<R>, cell: &mut Cell, row: &R::Row<'_>, scratch: &mut 
             let is_there = write(row, scratch);
             names.name(is_there.then_some(scratch.as_str()));
         }
-        (Get::Text(write), Cell::Text(cell)) => {
-            scratch.clear();
-            let is_there = write(row, scratch);
-            cell.append_option(is_there.then_some(scratch.as_str()));
-            return scratch.len();
-        }
+        (Get::Text(write), Cell::Text(texts)) => return texts.append(|text| write(row, text)),
         (Get::Bytes(get), Cell::Bytes(cell)) => {
             let bytes = get(row);
             cell.append_option(bytes);
@@ -124,7 +120,7 @@ impl Cell {
             Get::Real(_) => Self::Real(Float64Builder::new()),
             Get::Flag(_) => Self::Flag(BooleanBuilder::new()),
             Get::Word(_) | Get::Name(_) => Self::Name(Names::default()),
-            Get::Text(_) => Self::Text(StringBuilder::new()),
+            Get::Text(_) => Self::Text(Texts::default()),
             Get::Bytes(_) => Self::Bytes(BinaryBuilder::new()),
         }
     }
@@ -140,9 +136,48 @@ impl Cell {
             Self::Real(cell) => Arc::new(cell.finish()),
             Self::Flag(cell) => Arc::new(cell.finish()),
             Self::Name(names) => return names.finish(),
-            Self::Text(cell) => Arc::new(cell.finish()),
+            Self::Text(texts) => return texts.finish(),
             Self::Bytes(cell) => Arc::new(cell.finish()),
         })
+    }
+}
+
+/// Texts under way, one behind the other, each written where it stays.
+struct Texts {
+    text: String,
+    /// Where each begins, and where the last one ends.
+    offsets: Vec<i32>,
+    there: NullBufferBuilder,
+}
+
+impl Default for Texts {
+    fn default() -> Self {
+        Self { text: String::new(), offsets: vec![0], there: NullBufferBuilder::new(0) }
+    }
+}
+
+impl Texts {
+    /// Appends what `write` writes, or nothing where it gives `false`; gives back how many bytes that are.
+    fn append(&mut self, write: impl FnOnce(&mut String) -> bool) -> usize {
+        let begin = self.text.len();
+        let is_there = write(&mut self.text);
+        if !is_there {
+            self.text.truncate(begin);
+        }
+        self.there.append(is_there);
+        // A batch is full long before.
+        self.offsets.push(i32::try_from(self.text.len()).unwrap_or(i32::MAX));
+        self.text.len() - begin
+    }
+
+    fn finish(&mut self) -> Result<ArrayRef, ArrowError> {
+        let capacity = self.text.len();
+        let text = std::mem::replace(&mut self.text, String::with_capacity(capacity));
+        let rows = self.offsets.len();
+        let offsets = std::mem::replace(&mut self.offsets, Vec::with_capacity(rows));
+        self.offsets.push(0);
+        let (offsets, text) = (OffsetBuffer::new(offsets.into()), Buffer::from(text.into_bytes()));
+        Ok(Arc::new(StringArray::try_new(offsets, text, self.there.finish())?))
     }
 }
 

@@ -11,6 +11,10 @@ pub trait Rows: Sized + 'static {
     /// The columns, in their order.
     const COLUMNS: &'static [Column<Self>];
 
+    /// The columns whose values are the same for frames that are alike ([`canvass_analyzer::network::Steady`]), where rows are
+    /// made of frames. `can_id` is not the same for those with 29 bits.
+    const ALIKE: &'static [&'static str] = &[];
+
     /// Whether a column is among those at these places.
     fn asks(columns: &[usize], name: &str) -> bool {
         columns.iter().filter_map(|&at| Self::COLUMNS.get(at)).any(|column| column.name == name)

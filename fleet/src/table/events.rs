@@ -2,7 +2,7 @@
 
 use super::column::{Column, Rows, columns, write, write_str};
 use canvass_analyzer::network::sdo::{Outcome, Side, Transfer};
-use canvass_analyzer::network::{Change, Emergency, Event, Exchange, Move};
+use canvass_analyzer::network::{Emergency, Event, Exchange, Move, StateChange};
 use canvass_analyzer::{EmcyText, Multiplexer, NodeId, TransferText};
 use canvass_reports::decode::source_name;
 use canvass_reports::events::{Events as _, JsonEvents, Scene, StateName, UseName, outcome_name};
@@ -165,7 +165,7 @@ impl<'a> EventRow<'a> {
         write(out, self.transfer_text().filter(|_| has_value).as_ref().map(TransferText::value))
     }
 
-    const fn change(&self) -> Option<Change> {
+    const fn change(&self) -> Option<StateChange> {
         match self.event() {
             Some(Event::StateChanged(_, change)) => Some(*change),
             _ => None,

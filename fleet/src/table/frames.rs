@@ -40,6 +40,7 @@ pub struct FrameRow<'a> {
 impl Rows for Frames {
     type Row<'a> = FrameRow<'a>;
     const COLUMNS: &'static [Column<Self>] = frame_columns![];
+    const ALIKE: &'static [&'static str] = &["capture", "channel", "can_id", "extended", "remote", "error", "fd", "xl"];
 }
 
 /// The CAN-ID.

@@ -40,14 +40,43 @@ impl Rows for Messages {
         "emcy_code" u16 "the error code of an EMCY" = |row| emcy_code(&row.decoded.message);
         "state" name "the NMT state that a boot-up, heartbeat or guarding message tells" = |row, out| write(out, state(&row.decoded.message));
         "violation" word "the rule of the SDO protocol that it breaks" = |row| row.decoded.violation.map(|broken| broken.name());
-        "meaning" text "the frame in words" = |row, out| write(out, Some(row.meaning()));
+        "meaning" text "the frame in words" = |row, out| meaning(&row.meaning(), out);
         "comment" text "what the capture says before the frame" = |row, out| write_str(out, row.record.comment());
+    ];
+    const ALIKE: &'static [&'static str] = &[
+        "capture",
+        "channel",
+        "can_id",
+        "extended",
+        "remote",
+        "error",
+        "fd",
+        "xl",
+        "service",
+        "source",
+        "node",
+        "index",
+        "sub",
+        "object",
+        "pdo",
+        "abort_code",
+        "emcy_code",
+        "state",
+        "violation",
     ];
 }
 
 impl MessageRow<'_> {
     fn meaning(&self) -> Meaning<'_> {
         Meaning::new(self.record, self.decoded, self.bus)
+    }
+}
+
+/// What a frame means: of most frames a text that need not be made.
+fn meaning(meaning: &Meaning<'_>, out: &mut String) -> bool {
+    match meaning.fixed() {
+        Some(text) => write_str(out, Some(text)),
+        None => write(out, Some(meaning)),
     }
 }
 

@@ -47,6 +47,8 @@ impl Rows for Signals {
         "scaled" f64 "the value in `scaled_unit`, where the device's configuration tells it" = |row| row.signal.scaled().map(|(value, _)| value.as_f64());
         "scaled_unit" name "such as degrees" = |row, out| write_str(out, row.signal.scaled().map(|(_, unit)| &*unit.symbol));
     ];
+    const ALIKE: &'static [&'static str] =
+        &["capture", "channel", "can_id", "service", "node", "pdo", "index", "sub", "name"];
 }
 
 /// The kind of number.

@@ -1,12 +1,10 @@
 //! `cargo xtask bench --fleet`: how fast captures and lakes are asked, beside the program, DuckDB and python-can with pandas.
 
-use super::MANIFEST;
 use super::cluster::{Cluster, asked};
 use super::readers::{PYTHON, VENV};
 use crate::bench::{build, make};
 use crate::measure::{TIME, best, machine, release};
 use crate::packages::install;
-use crate::run::run;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::process::{Command, Stdio};
@@ -25,6 +23,18 @@ const TIMES: u32 = 8;
 /// How many short captures are asked, to see how the cost grows.
 const MANY: [u32; 3] = [10, 100, 1000];
 const FRAMES_OF_SHORT: u32 = 1000;
+
+/// Questions whose filters refuse most frames.
+const FILTERS: [(&str, &str); 8] = [
+    ("a node and an object", "SELECT t, meaning FROM messages('FILES') WHERE node = 5 AND index = 24580"),
+    ("an object", "SELECT t, meaning FROM messages('FILES') WHERE index = 24580"),
+    ("a node", "SELECT t, meaning FROM messages('FILES') WHERE node = 5"),
+    ("a service", "SELECT t, meaning FROM messages('FILES') WHERE service = 'emcy'"),
+    ("a CAN-ID", "SELECT t, meaning FROM messages('FILES') WHERE can_id = 389"),
+    ("a CAN-ID, not decoded", "SELECT t, data FROM frames('FILES') WHERE can_id = 389"),
+    ("events of a node", "SELECT t, event FROM events('FILES') WHERE node = 5"),
+    ("a signal of a node", "SELECT t, value FROM signals('FILES') WHERE node = 5 AND index = 24580"),
+];
 
 /// A question that a lake answers, for canvass-fleet and for DuckDB.
 const QUESTIONS: [(&str, &str); 4] = [
@@ -53,7 +63,7 @@ pub fn bench() -> Result<()> {
     install(&[TIME])?;
     VENV.install()?;
     build()?;
-    run("cargo", &["build", "--release", "--locked", "--manifest-path", MANIFEST, "--target-dir", super::TARGET])?;
+    super::release()?;
     fs::create_dir_all(format!("{FOLDER}/long"))?;
     for n in 0..CAPTURES {
         make("candump", FRAMES, &format!("{FOLDER}/long/{n}.log"))?;
@@ -97,21 +107,18 @@ fn scanning() -> Result<()> {
     Ok(())
 }
 
-/// What it brings to ask before a row is made.
+/// What it brings to ask before a row is made, and not to decode what gives none.
 fn pushing() -> Result<()> {
-    let filter = "SELECT t, meaning FROM messages WHERE node = 5 AND index = 4120";
-    let over = one();
-    let asked = sql(filter, &["--over", &over, "--jobs", "1"])?;
-    let unasked = sql(
-        &format!(
-            "SET canvass.push_down = false; SELECT t, meaning FROM messages('{over}') WHERE node = 5 AND index = 4120"
-        ),
-        &["--jobs", "1"],
-    )?;
-    println!(
-        "\na node and an object                   {asked:>6.2} s, without push-down {unasked:.2} s: {:.1} times",
-        unasked / asked
-    );
+    let million = f64::from(FRAMES * CAPTURES) / 1e6;
+    println!("\n{million} M frames, asked with and without push-down");
+    for (name, statement) in FILTERS {
+        // Signals have names where the device is known.
+        let device: &[&str] = if statement.contains("signals(") { &["--device", DEVICE] } else { &[] };
+        let statement = statement.replace("FILES", &format!("{FOLDER}/long"));
+        let ask = |set: &str| sql(&format!("{set}{statement}"), &[&["--jobs", "1"], device].concat());
+        let (asked, unasked) = (ask("")?, ask("SET canvass.push_down = false; ")?);
+        println!("{name:38} {asked:>6.2} s, without push-down {unasked:.2} s: {:.1} times", unasked / asked);
+    }
     Ok(())
 }
 

@@ -36,14 +36,21 @@ const EXAMPLES: [(&str, &str); 4] = [
 const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*) AS frames FROM messages \
                          GROUP BY service ORDER BY service";
 
+/// Installs all of them.
+///
+/// # Errors
+/// If something can't be installed.
+pub fn install_all() -> Result<()> {
+    install(&[JAVA])?;
+    VENV.install()?;
+    SPARK.install()
+}
+
 /// Makes a lake and has all of them read it.
 ///
 /// # Errors
-/// If something can't be installed, or one of them finds something else.
+/// If one of them finds something else.
 pub fn read() -> Result<()> {
-    VENV.install()?;
-    install(&[JAVA])?;
-    SPARK.install()?;
     let folder = tempfile::tempdir()?;
     let lake = folder.path().join("lake").display().to_string();
     let fleet = format!("{TARGET}/debug/canvass-fleet");

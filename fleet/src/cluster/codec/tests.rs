@@ -42,8 +42,9 @@ fn scans() -> impl Strategy<Value = ScanSpec> {
     let columns = prop::collection::vec(0_usize..4, 0..6);
     let tests = (".*", conditions()).prop_map(|(column, condition)| Test { column, condition });
     let (tables, tests) = (prop::sample::select(Table::ALL.to_vec()), prop::collection::vec(tests, 0..3));
-    (tables, columns, tests, prop::option::of(any::<usize>()), devices())
-        .prop_map(|(table, columns, tests, fetch, devices)| ScanSpec { table, columns, tests, fetch, devices })
+    (tables, columns, tests, prop::option::of(any::<usize>()), devices()).prop_map(
+        |(table, columns, tests, fetch, devices)| ScanSpec { table, columns, tests, fetch, skips: true, devices },
+    )
 }
 
 fn physical(plan: Arc<dyn ExecutionPlan>) -> Result<Arc<dyn ExecutionPlan>> {
@@ -113,6 +114,7 @@ fn columns_that_there_are_not_and_other_versions_are_errors() {
         columns: vec![1000],
         tests: Vec::new(),
         fetch: None,
+        skips: true,
         devices: Devices::default(),
     };
     let mut bytes = Vec::new();

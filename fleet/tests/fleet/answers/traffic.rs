@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 const SECOND: u64 = 1_000_000_000;
 const BEGIN: u64 = 1_738_061_235 * SECOND;
+/// Where process data and others move to.
+const PLACES: [u32; 8] = [0x181, 0x182, 0x1A0, 0x281, 0x105, 0x106, 0x6A0, 0x080];
 
 /// Random numbers that are the same everywhere (xorshift64*).
 pub struct Random(u64);
@@ -107,7 +109,7 @@ impl Bus {
 
     fn something(&mut self, kinds: Kinds) {
         let node = 1 + self.random.below(4) as u32;
-        match self.random.below(24) {
+        match self.random.below(32) {
             0..6 => {
                 let data: Vec<u8> = (0..6 + self.random.below(3)).map(|_| self.random.byte()).collect();
                 self.send(0x180 + node, &data[..6]);
@@ -143,8 +145,75 @@ impl Bus {
             20 => self.send(0x700 + node, &[0]),
             21 => self.send(0x100, &[0, 0, 0, 0, 0x10, 0x3A]),
             22 => self.comment(kinds),
+            23 => self.moved(node),
+            24..26 => {
+                let id = *self.random.of(&PLACES);
+                let data = [self.random.byte(), 0x04, 0x60, 0, 1, 2, 3, 4];
+                self.send(id, &data);
+            }
+            26 => self.copies(),
+            27 => self.guarded(node),
+            28 => self.safe(),
+            29 => self.renamed(node),
+            30 => self.mapped(node),
             _ => self.download(node),
         }
+    }
+
+    /// A COB-ID moves, or is there no more: of a PDO, EMCY, SYNC, a further SDO server, an SRDO.
+    fn moved(&mut self, node: u32) {
+        let objects = [(0x1800, 1), (0x1801, 1), (0x1400, 1), (0x1014, 0), (0x1005, 0), (0x1201, 1), (0x1201, 2)];
+        let (index, sub) = *self.random.of(&[&objects[..], &[(0x1301, 1), (0x1301, 5), (0x1301, 6)]].concat());
+        let invalid = if self.random.below(5) == 0 { 0x8000_0000 } else { 0 };
+        let place = *self.random.of(&PLACES) | invalid;
+        let value = if (index, sub) == (0x1301, 1) { 1 } else { place };
+        self.write(node, index, sub, value);
+    }
+
+    /// Another mapping, or a multiplexed PDO.
+    fn mapped(&mut self, node: u32) {
+        let count = *self.random.of(&[0, 1, 2, 0xFE, 0xFF]);
+        self.write(node, 0x1A00, 1, 0x6004_0020);
+        self.write(node, 0x1A00, 2, 0x6030_0110);
+        self.write(node, 0x1A00, 0, count);
+    }
+
+    fn write(&mut self, node: u32, index: u16, sub: u8, value: u32) {
+        let [low, high] = index.to_le_bytes();
+        self.send(0x600 + node, &[&[0x23, low, high, sub], &value.to_le_bytes()[..]].concat());
+        self.send(0x580 + node, &[0x60, low, high, sub, 0, 0, 0, 0]);
+    }
+
+    /// The last frames once more, as interfaces record them that hear themselves.
+    fn copies(&mut self) {
+        let begin = self.records.len().saturating_sub(3);
+        let again = self.records[begin..].to_vec();
+        self.records.extend(again.into_iter().filter(|record| record.comment().is_none()));
+    }
+
+    /// A node is asked for its state, and answers with a toggle bit.
+    fn guarded(&mut self, node: u32) {
+        let asked = self.record(Frame::remote(CanId::standard_masked(0x700 + node), 1).unwrap());
+        self.records.push(asked);
+        let toggle = self.random.byte() & 0x80;
+        self.send(0x700 + node, &[5 | toggle]);
+    }
+
+    /// The two halves of an SRDO.
+    fn safe(&mut self) {
+        let byte = self.random.byte();
+        self.send(0x105, &[byte, 1]);
+        self.send(0x106, &[!byte, !1]);
+    }
+
+    /// Layer setting gives a device another node-ID, and it starts; or it starts as before CiA 301 V4.
+    fn renamed(&mut self, node: u32) {
+        if self.random.below(2) == 0 {
+            return self.send(0x80 + node, &[]);
+        }
+        self.send(0x7E5, &[0x11, node as u8, 0, 0, 0, 0, 0, 0]);
+        self.send(0x7E4, &[0x11, 0, 0, 0, 0, 0, 0, 0]);
+        self.send(0x700 + node, &[0]);
     }
 
     fn emcy(&mut self, node: u32) {
@@ -213,6 +282,14 @@ pub fn write(folder: &Path, format: Format, seed: u64) -> PathBuf {
     };
     let path = folder.join(format!("{}-{seed}.{ending}{compression}", format.id()));
     std::fs::write(&path, content).unwrap();
+    path
+}
+
+/// A candump log of so many frames. Gives back where it is.
+pub fn log(folder: &Path, seed: u64, frames: usize) -> PathBuf {
+    let path = folder.join(format!("long-{seed}.log"));
+    let records = traffic(seed, frames, kinds(Format::Candump));
+    std::fs::write(&path, written(Format::Candump, &records, seed)).unwrap();
     path
 }
 

@@ -1,5 +1,4 @@
 //! `docs/fleet.md` shows the tables and views that there are.
-#![cfg(test)]
 
 use canvass_fleet::{table, views};
 

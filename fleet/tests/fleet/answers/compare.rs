@@ -1,7 +1,7 @@
 //! Row by row, what SQL answers and what `canvass` prints.
 
-use crate::engine::Engine;
-use crate::program::{document, lines, written};
+use super::engine::Engine;
+use super::program::{document, lines, written};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! A scheduler and two executors as processes: the same rows as in one process, whatever happens.
-#![cfg(test)]
 
 use canvass_fleet::table::Table;
 use canvass_fleet::views::VIEWS;

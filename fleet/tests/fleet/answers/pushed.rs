@@ -1,11 +1,12 @@
 //! Filters that are asked before rows are made give the rows that the engine's own filters leave.
 
-use crate::engine::Engine;
-use crate::traffic::{self, Random};
+use super::engine::Engine;
+use super::traffic::{self, Random};
 use canvass_fleet::table::Table;
 use canvass_traces::Format;
 use datafusion::arrow::datatypes::DataType;
 use serde_json::Value;
+use std::path::Path;
 
 /// A condition on a value that the column has, or might have.
 fn condition(random: &mut Random, column: &str, kind: &DataType, rows: &[Value]) -> Option<String> {
@@ -54,21 +55,76 @@ fn statement(random: &mut Random, table: Table, file: &str, rows: &[Value]) -> S
     }
 }
 
-#[test]
-fn random_projections_and_filters() {
-    let (pushing, plain) = (Engine::pushing(true), Engine::pushing(false));
-    let folder = tempfile::tempdir().unwrap();
-    let tables: Vec<Table> = Table::ALL.into_iter().filter(|table| !table.is_of_results()).collect();
-    for seed in 0..24_u64 {
-        let formats: Vec<Format> = Format::all().collect();
+/// Each capture is asked so many questions of each table.
+const QUESTIONS: usize = 3;
+
+/// Tables of what single frames tell: what is not asked for is not even read.
+const OF_FRAMES: [Table; 4] = [Table::Frames, Table::Messages, Table::Events, Table::Signals];
+
+/// Asks random questions of a capture, pushed down and not.
+fn ask(engines: &[Engine; 2], tables: &[Table], file: &Path, seed: u64) {
+    let [pushing, plain] = engines;
+    let mut random = Random::new(seed + 1000);
+    for table in tables {
+        let rows = plain.table(table.name(), file);
+        for _ in 0..QUESTIONS {
+            let statement = statement(&mut random, *table, &file.display().to_string(), &rows);
+            assert_eq!(pushing.rows(&statement), plain.rows(&statement), "seed {seed}: {statement}");
+        }
+    }
+}
+
+fn generated(seeds: std::ops::Range<u64>, tables: &[Table]) {
+    let (engines, folder) = ([true, false].map(Engine::pushing), tempfile::tempdir().unwrap());
+    let formats: Vec<Format> = Format::all().collect();
+    for seed in seeds {
         let file = traffic::write(folder.path(), formats[seed as usize % formats.len()], seed);
-        let mut random = Random::new(seed + 1000);
-        for table in &tables {
-            let rows = pushing.table(table.name(), &file);
-            for _ in 0..6 {
-                let statement = statement(&mut random, *table, &file.display().to_string(), &rows);
-                assert_eq!(pushing.rows(&statement), plain.rows(&statement), "{statement}");
-            }
+        ask(&engines, tables, &file, seed);
+    }
+}
+
+#[test]
+fn random_projections_and_filters_of_all_tables() {
+    let tables: Vec<Table> = Table::ALL.into_iter().filter(|table| !table.is_of_results()).collect();
+    generated(0..20, &tables);
+}
+
+#[test]
+fn random_projections_and_filters_of_frames() {
+    generated(20..110, &OF_FRAMES);
+}
+
+#[test]
+fn random_projections_and_filters_of_more_frames() {
+    generated(110..200, &OF_FRAMES);
+}
+
+#[test]
+fn random_projections_and_filters_of_samples() {
+    let engines = [true, false].map(Engine::pushing);
+    for (sample, seed) in super::samples().iter().zip(200..) {
+        ask(&engines, &OF_FRAMES, sample, seed);
+    }
+}
+
+/// A long log, of which nearly all is passed over before it is parsed.
+#[test]
+fn a_filter_of_a_log() {
+    let (engines, folder) = ([true, false].map(Engine::pushing), tempfile::tempdir().unwrap());
+    for seed in 0..3 {
+        let file = traffic::log(folder.path(), seed, 6_000);
+        for asked in [
+            "SELECT count(*) AS n, max(number) AS last FROM messages('FILE') WHERE node = 2 AND service = 'sdo'",
+            "SELECT number, t, meaning FROM messages('FILE') WHERE node = 2 AND index = 6144",
+            "SELECT number, t, data FROM frames('FILE') WHERE can_id = 385",
+            "SELECT number, t, value FROM signals('FILE') WHERE node = 3 AND index = 24580",
+            "SELECT t, event, detail FROM events('FILE')",
+            "SELECT number, state FROM messages('FILE') WHERE service = 'heartbeat' AND state <> 'operational'",
+        ] {
+            let asked = asked.replace("FILE", &file.display().to_string());
+            let [pushed, plain] = engines.each_ref().map(|engine| engine.rows(&asked));
+            assert!(!plain.is_empty(), "{asked}");
+            assert_eq!(pushed, plain, "seed {seed}: {asked}");
         }
     }
 }

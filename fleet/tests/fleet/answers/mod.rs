@@ -1,13 +1,10 @@
 //! Answers in SQL are those of `canvass decode`, `signals` and `diagnose`: of every sample, and of 200 generated captures of
 //! all formats.
-#![cfg(test)]
 
 mod compare;
 mod engine;
 mod program;
 mod pushed;
-#[path = "../sink/mod.rs"]
-mod sink;
 mod traffic;
 
 use canvass_traces::Format;

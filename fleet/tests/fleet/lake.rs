@@ -1,6 +1,6 @@
 //! A lake holds what its captures hold, however often and in however many runs it was made.
-#![cfg(test)]
 
+use crate::sink::Shared;
 use canvass_fleet::capture::{CaptureFile, find};
 use canvass_fleet::devices::Devices;
 use canvass_fleet::lake::{self, Ingest, Location, Snapshot, Summary};
@@ -14,9 +14,6 @@ use datafusion::prelude::SessionContext;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
-
-mod sink;
-use sink::Shared;
 
 fn session() -> SessionContext {
     session::local(&Settings { partitions: Some(2), ..Settings::default() }).unwrap()
