@@ -13,8 +13,9 @@ const DIAGNOSES: [(&str, &str); 5] = [
     ("junit", "diagnosis.xml"),
     ("table", "diagnosis.txt"),
 ];
-const EXPORTS: [&[&str]; 7] = [
+const EXPORTS: [&[&str]; 8] = [
     &["decode", "--format", "text"],
+    &["decode", "--format", "table"],
     &["decode", "--format", "csv"],
     &["decode", "--format", "json"],
     &["decode", "--events", "--format", "text"],

@@ -12,12 +12,14 @@ import { trialView } from "./views/trial.js";
 /** All that the views share. */
 const app = {
   engine: null,
+  /** A worker that hashes captures while that of the engine reads them; null while it is not there. */
+  hasher: null,
   captures: [],
   /** What the captures are; null while none is open. */
   summary: null,
   /** Descriptions: name, nodes, bytes, and what they are. */
   described: [],
-  /** Results of test, fuzz and compare: names and texts. */
+  /** Results of test, fuzz and compare: names and bytes. */
   results: [],
   /** How captures are read: a format's id, if it is not to be recognised, and whether equal names are one bus. */
   options: { format: null, same_bus: false },
@@ -45,6 +47,10 @@ const VIEWS = [
 const views = new Map();
 /** How files are called that describe devices. */
 const DESCRIPTION = /\.(eds|dcf|xdd|xdc)$/i;
+
+let stopHasher;
+/** Nobody waits for hashes that will not come. */
+const hasherStopped = new Promise((resolve) => (stopHasher = resolve));
 
 function say(text, bad = false) {
   const status = byId("status");
@@ -80,12 +86,14 @@ async function run(kind, what, args, text) {
   }
 }
 
+const bytesOf = async (file) => new Uint8Array(await file.arrayBuffer());
+
 /** Takes files that were dropped or chosen. */
 async function take(files) {
   const [captures, results] = [[], []];
   for (const file of files) {
-    if (/\.json$/i.test(file.name)) results.push([file.name, await file.text()]);
-    else if (DESCRIPTION.test(file.name)) await describe(file.name, "", new Uint8Array(await file.arrayBuffer()));
+    if (/\.json$/i.test(file.name)) results.push([file.name, await bytesOf(file)]);
+    else if (DESCRIPTION.test(file.name)) await describe(file.name, "", await bytesOf(file));
     else captures.push(file);
   }
   if (captures.length > 0) app.captures = captures;
@@ -125,10 +133,17 @@ async function reopen() {
   refresh();
   performance.mark("canvass-open");
   const captures = app.captures;
-  const summary = await run("open", "open", { captures, options: app.options }, "Reading");
+  const elsewhere = app.hasher !== null;
+  const hashing = elsewhere ? Promise.race([app.hasher.call("hash", { captures }), hasherStopped]) : null;
+  const summary = await run("open", "open", { captures, options: app.options, elsewhere }, "Reading");
   // Others were opened meanwhile.
   if (captures !== app.captures) return;
   if (!summary) return close(false);
+  if (elsewhere) {
+    const { hashes } = await hashing;
+    if (captures !== app.captures) return;
+    await app.engine.call("hashed", { hashes: hashes ?? captures.map(() => null) });
+  }
   performance.measure("canvass-read", "canvass-open");
   app.summary = summary;
   const { errors, warnings, damages } = summary;
@@ -142,6 +157,7 @@ function close(quietly = true) {
   app.captures = [];
   app.summary = app.cursor = null;
   app.engine.call("close");
+  app.hasher?.call("cancel", { kind: "hash" });
   opened();
   if (quietly) say("");
   refresh();
@@ -255,6 +271,12 @@ async function begin() {
   }
   reading();
   drops();
+  // Without it the engine does that, too.
+  const stopped = () => {
+    app.hasher = null;
+    stopHasher({});
+  };
+  app.engine.sibling(stopped).then((hasher) => (app.hasher = hasher), () => {});
   window.addEventListener("hashchange", () => show(state.get("view")));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.painted?.()));
   refresh();

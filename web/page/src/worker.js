@@ -1,10 +1,12 @@
 // All work is done here, off the page's thread: the captures are read where they lie, a piece at a time.
-import { initSync, Page } from "canvass-wasm";
+import { Hasher, initSync, Page } from "canvass-wasm";
 
 const files = new Map();
 const reader = new FileReaderSync();
 /** What is read of a file at once. */
 const PIECE = 4 << 20;
+/** What is hashed of a file at once. */
+const HASHED = 1 << 20;
 
 /** Takes the piece of a file from `at` on, and has the one after it fetched while this one is worked on. */
 function turn(known, at) {
@@ -77,13 +79,35 @@ async function job(kind, step, tell) {
 /** Frames between two looks at the messages: about 20 ms of work. */
 const STEP = 20_000;
 
+/** What the list needs, while it is worked out and afterwards; and who is told how far that is. */
+let indexed = null;
+const watching = new Set();
+
+/** Works out what the list needs, once. */
+function index(tell) {
+  watching.add(tell);
+  if (indexed) return indexed;
+  const began = job("index", () => JSON.parse(page.indexOn(STEP)), (state) => watching.forEach((told) => told(state)));
+  indexed = began.then((end) => {
+    watching.clear();
+    return end;
+  });
+  return indexed;
+}
+
+/** The page with those results to be compared: their names and bytes. */
+function added(results) {
+  results.forEach(([name, bytes]) => page.addResult(name, bytes));
+  return page;
+}
+
 const calls = {
   start({ module, surroundings }) {
     initSync({ module });
     page = new Page(JSON.stringify(surroundings));
     return { formats: JSON.parse(Page.formats()) };
   },
-  async open({ captures, options }, tell) {
+  async open({ captures, options, elsewhere }, tell) {
     calls.close();
     files.clear();
     captures.forEach((file, number) => {
@@ -91,7 +115,7 @@ const calls = {
       page.addCapture(number, file.name, file.size);
     });
     page.options(JSON.stringify(options));
-    page.open();
+    page.open(elsewhere);
     const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell);
     files.forEach((known) => {
       delete known.piece;
@@ -99,13 +123,38 @@ const calls = {
     });
     return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
   },
+  hashed: ({ hashes }) => page.hashed(JSON.stringify(hashes)),
+  /** The hashes of files, while another worker reads them; null of one that can't be read. */
+  async hash({ captures }) {
+    const hashes = [];
+    for (const file of captures) {
+      const hasher = new Hasher();
+      let at = 0;
+      const step = () => {
+        const piece = new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + HASHED)));
+        hasher.update(piece);
+        at += piece.length;
+        return { more: at < file.size && piece.length > 0 };
+      };
+      try {
+        if ((await job("hash", step, () => {})).cancelled) return { cancelled: true };
+        hashes.push(at === file.size ? hasher.digest() : null);
+      } catch {
+        hashes.push(null);
+      }
+    }
+    return { hashes };
+  },
   /** Whatever is under way is of captures that are gone. */
   close() {
     latest.clear();
+    indexed = null;
     page.close();
   },
   cancel({ kind }) {
     latest.delete(kind);
+    // Asked for again, it goes on where it was.
+    if (kind === "index") indexed = null;
   },
   describe: ({ name, nodes, bytes }) => JSON.parse(page.addDescription(name, nodes, bytes)),
   forget: ({ name }) => page.removeDescription(name),
@@ -114,6 +163,7 @@ const calls = {
   descriptionFindings: ({ name }) => JSON.parse(page.descriptionFindings(name)),
   rows: ({ from, count }) => JSON.parse(page.rows(from, count)),
   details: ({ row }) => JSON.parse(page.details(row)),
+  index: (_, tell) => index(tell),
   overview: () => JSON.parse(page.overview()),
   completions: ({ text }) => JSON.parse(page.completions(text)),
   checkFilter: ({ text }) => JSON.parse(Page.checkFilter(text)),
@@ -138,8 +188,8 @@ const calls = {
     page[kind](JSON.stringify(wish));
     return { html: page.triedPage(), json: page.triedJson() };
   },
-  compare: ({ results }) => page.compare(JSON.stringify(results)),
-  history: ({ results }) => page.history(JSON.stringify(results)),
+  compare: ({ results }) => added(results).compare(),
+  history: ({ results }) => added(results).history(),
   async export({ wish }, tell) {
     page.export(JSON.stringify(wish));
     const parts = [];

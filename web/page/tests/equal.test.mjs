@@ -108,3 +108,37 @@ test("a capture that is cut and changed: the same bytes", () => {
     equal(folder, [`changed-${name}`]);
   }
 });
+
+/** A page on the computer on which the program runs. */
+function here(folder) {
+  const { host } = JSON.parse(printed(folder, ["diagnose", "--format", "json", join(samples, "python-can.log")])).provenance;
+  return new Page(JSON.stringify({ ...SURROUNDINGS, host: host.name, system: host.system }));
+}
+
+const text = (bytes) => Buffer.from(bytes).toString("latin1");
+
+test("devices tried, and results compared: the same bytes", () => {
+  const folder = mkdtempSync(join(tmpdir(), "canvass-web-"));
+  const made = here(folder);
+  const runs = [["1.0", "sim:reference-301", "301/boot-up", false], ["1.1", "sim:reference-301+boot-up-twice", "301/boot-up,301/nmt", true], ["1.2", "sim:reference-301", "301/nmt", false]];
+  for (const [release, bus, select, allow] of runs) {
+    const args = ["test", bus, "--select", select, ...(allow ? ["--allow", "all"] : []), "--format"];
+    made.test(JSON.stringify({ bus, select, allow }));
+    assert.equal(text(made.triedPage()), text(printed(folder, [...args, "html"])), `${bus} html`);
+    const json = printed(folder, [...args, "json"]);
+    assert.equal(text(made.triedJson()), text(json), `${bus} json`);
+    writeFileSync(join(folder, `${release}.json`), json);
+  }
+  const fuzz = { bus: "sim:reference-301+boot-up-twice", target: "nmt", sequences: 20, seed: 3 };
+  made.fuzz(JSON.stringify(fuzz));
+  const fuzzed = ["fuzz", fuzz.bus, "--target", fuzz.target, "--runs", String(fuzz.sequences), "--seed", String(fuzz.seed), "--format"];
+  assert.equal(text(made.triedPage()), text(printed(folder, [...fuzzed, "html"])), "fuzz html");
+  assert.equal(text(made.triedJson()), text(printed(folder, [...fuzzed, "json"])), "fuzz json");
+  const add = (name) => made.addResult(name, readFileSync(join(folder, name)));
+  const names = runs.map(([release]) => `${release}.json`);
+  names.slice(0, 2).forEach(add);
+  assert.equal(text(made.compare()), text(printed(folder, ["compare", "--format", "html", ...names.slice(0, 2)])));
+  names.forEach(add);
+  assert.equal(text(made.history()), text(printed(folder, ["history", "--format", "html", ...names])));
+  made.free();
+});

@@ -1,5 +1,6 @@
 //! Device descriptions that the user has chosen.
 
+use crate::provenance::used;
 use canvass_analyzer::dictionary::check::check;
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_analyzer::{NodeId, NodeRange};
@@ -7,7 +8,6 @@ use canvass_reports::descriptions::show::Shown;
 use canvass_reports::descriptions::{CheckedFile, Counts, text};
 use canvass_reports::provenance::FileUsed;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::io;
 
 /// A description and the nodes that it is of.
@@ -59,8 +59,7 @@ impl Described {
 
     /// The file with its hash.
     pub fn used(&self) -> FileUsed {
-        let hash = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        FileUsed { role: "description", path: self.name.clone(), content: Some((self.bytes.len() as u64, hash)) }
+        used("description", &self.name, &self.bytes)
     }
 
     fn checked(&self) -> Option<CheckedFile> {
@@ -79,7 +78,7 @@ impl Described {
         Ok(out)
     }
 
-    /// What is wrong in it, each with its place, and how it is mended.
+    /// What is wrong in it, each with its place, and how it is fixed.
     pub fn findings(&self) -> Value {
         let Some(file) = self.checked() else { return Value::Null };
         canvass_reports::descriptions::json::document(&[file])

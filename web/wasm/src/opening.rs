@@ -3,25 +3,28 @@
 use crate::descriptions::Described;
 use crate::file::ChosenFile;
 use crate::input::{Input, InputOptions, Next};
-use crate::provenance;
-use crate::trace::overview::Overview;
-use crate::trace::store::Store;
+use crate::trace::store::{Indexing, Store};
 use canvass_analyzer::findings::{Diagnosis, Results, SourceQuality, Thresholds};
 use canvass_analyzer::network::Network;
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::html::{self, Collector};
-use canvass_reports::diagnosis::{self, Diagnosed, Reading, Style};
+use canvass_reports::diagnosis::{self, Advice, Diagnosed, Reading, Style};
 use canvass_reports::provenance::Provenance;
 use canvass_traces::{ChannelId, OpenError, Record};
 use std::io;
+
+/// The table is that of the program, to the byte, which has these options.
+const ADVICE: Advice = Advice {
+    findings: ": --verbose shows all, and the page (--format html)",
+    rows: ": --verbose shows all",
+    bit_rate: " (see --bit-rate)",
+};
 
 /// Captures that are being read.
 pub struct Opening {
     input: Input,
     reading: Reading,
-    network: Network,
     store: Store,
-    overview: Overview,
     damages: u64,
 }
 
@@ -31,28 +34,37 @@ pub struct Opened {
     pub input: Input,
     /// All frames.
     pub store: Store,
-    /// How many there were over time.
-    pub overview: Overview,
+    /// What is worked out of them when the diagnosis stands.
+    pub indexing: Indexing,
     results: Results,
     collector: Option<Collector>,
     provenance: Provenance,
 }
 
 impl Opening {
-    /// Begins to read them.
+    /// So much memory the frames of a byte of a usual log take, in hundredths.
+    const PACKED: u64 = 28;
+
+    /// Begins to read them; with the hashes of the files, or without.
     ///
     /// # Errors
     /// [`OpenError`] of the first that can't be opened.
-    pub fn begin(files: &[ChosenFile], options: &InputOptions, described: &[Described]) -> Result<Self, OpenError> {
-        let input = Input::open(files, options, true)?;
+    pub fn begin(
+        files: &[ChosenFile],
+        options: &InputOptions,
+        described: &[Described],
+        hashed: bool,
+    ) -> Result<Self, OpenError> {
+        let length: u64 = files.iter().map(|file| file.length).sum();
+        make_room((length / 100).saturating_mul(Self::PACKED));
+        let input = Input::open(files, options, hashed)?;
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         diagnosis.offer(Model::candidates());
         for device in described {
             device.nodes.iter().for_each(|node| diagnosis.describe(*node, device.known.clone()));
         }
         let reading = Reading::new(diagnosis, Some(Collector::default()));
-        let (store, overview) = Default::default();
-        Ok(Self { input, reading, network: network(described), store, overview, damages: 0 })
+        Ok(Self { input, reading, store: Store::new(network(described)), damages: 0 })
     }
 
     /// Reads on: so many records; `false` at the end.
@@ -74,9 +86,7 @@ impl Opening {
     /// A frame that contradicts itself proves nothing, but is shown.
     #[inline]
     fn take(&mut self, mut record: Record, proves: bool) -> io::Result<()> {
-        self.store.push(&record, &self.network, self.input.merge().channels().len());
-        let decoded = self.network.handle(&record);
-        self.overview.take(record.timestamp, &decoded);
+        self.store.push(&record);
         let captures = self.input.merge();
         if self.damages != self.input.damages() {
             self.damages = self.input.damages();
@@ -104,16 +114,27 @@ impl Opening {
     /// # Errors
     /// As [`Opening::step`].
     pub fn finish(self, mut provenance: Provenance) -> io::Result<Opened> {
-        let Self { input, reading, store, overview, .. } = self;
+        let Self { input, reading, store, .. } = self;
         let captures = input.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
         let (results, collector) = reading.finish(input.merge(), &sources)?;
         provenance.files.extend(input.files().iter().map(|(file, seen)| file.used("capture", seen)));
-        provenance.devices = provenance::devices(&results, input.merge().channels());
+        provenance.add_nodes_of(&results, input.merge().channels());
         drop(captures);
-        Ok(Opened { input, store, overview, results, collector, provenance })
+        let indexing = Indexing::new(&store, input.merge().channels().len());
+        Ok(Opened { input, store, indexing, results, collector, provenance })
     }
+}
+
+/// Memory of a page grows in steps of 64 KiB, each of which costs as much as a large one: what will be needed is made in
+/// one. It is not touched, so that no more of it is used than is written.
+fn make_room(bytes: u64) {
+    let most = Store::MOST_BYTES as u64;
+    let mut room: Vec<u8> = Vec::new();
+    // Where there is not so much, it is found step by step as far as there is.
+    let _ = room.try_reserve_exact(usize::try_from(bytes.min(most)).unwrap_or(0));
+    std::hint::black_box(&mut room);
 }
 
 /// A network that knows the devices described.
@@ -147,10 +168,22 @@ impl Opened {
             "junit" => {
                 diagnosis::junit(&diagnosed, Some(canvass_analyzer::findings::Severity::Error), &mut out)?;
             }
-            "table" => diagnosis::table(&diagnosed, Style { color: false, width: None, verbose: false }, &mut out)?,
+            "table" => diagnosis::table(
+                &diagnosed,
+                Style { color: false, width: None, verbose: false, advice: ADVICE },
+                &mut out,
+            )?,
             other => return Err(io::Error::other(format!("no form of a diagnosis: {other}"))),
         }
         Ok(out)
+    }
+
+    /// Says the hashes of the captures, which somebody else has worked out; none of one that can't be read.
+    pub fn hashed(&mut self, hashes: &[Option<String>]) {
+        let captures = self.provenance.files.iter_mut().filter(|file| file.role == "capture");
+        for ((used, (file, _)), hash) in captures.zip(self.input.files()).zip(hashes) {
+            used.content = hash.as_ref().map(|hash| (file.length, hash.clone()));
+        }
     }
 
     /// A channel's name.

@@ -1,9 +1,8 @@
 //! Where a result of the page comes from, as the program would say it of the same files.
 
-use canvass_analyzer::findings::Results;
-use canvass_reports::provenance::{Choice, ChosenBy, Date, Host, Provenance};
-use canvass_suite::runner::DeviceIdentity;
-use canvass_traces::Channels;
+use crate::file::hexadecimal;
+use canvass_reports::provenance::{Choice, ChosenBy, Date, FileUsed, Host, Provenance};
+use sha2::{Digest, Sha256};
 
 /// What the page knows of its surroundings.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -18,31 +17,24 @@ pub struct Surroundings {
 impl Surroundings {
     /// The provenance of a diagnosis, where files of these names describe devices, as `NODES=FILE`.
     pub fn of_diagnosis(&self, devices: Vec<String>, format: Option<&str>, same_bus: bool) -> Provenance {
-        let given = |name: &str, value: Vec<String>| {
-            let by = if value.is_empty() { ChosenBy::Default } else { ChosenBy::CommandLine };
-            Choice { name: name.to_owned(), value, default: Vec::new(), by }
-        };
-        let usual = |name: &str, value: &str| {
-            let value = vec![value.to_owned()];
-            Choice { name: name.to_owned(), value: value.clone(), default: value, by: ChosenBy::Default }
-        };
-        let flag = |name: &str, set: bool| match set {
-            true => Choice { value: vec!["yes".to_owned()], by: ChosenBy::CommandLine, ..usual(name, "no") },
-            false => usual(name, "no"),
-        };
         let options = vec![
-            usual("fail-on", "error"),
-            given("threshold", Vec::new()),
-            given("bit-rate", Vec::new()),
+            usual("fail-on", ["error"]),
+            given("threshold", []),
+            given("bit-rate", []),
             given("device", devices),
-            given("from", Vec::new()),
-            given("to", Vec::new()),
-            given("format-in", format.map(str::to_owned).into_iter().collect()),
-            given("topic", Vec::new()),
+            given("from", []),
+            given("to", []),
+            given("format-in", format.map(str::to_owned)),
+            given("topic", []),
             flag("same-bus", same_bus),
             flag("strict", false),
         ];
         Provenance { options, ..self.provenance() }
+    }
+
+    /// The provenance of a comparison of two results.
+    pub fn of_comparison(&self) -> Provenance {
+        Provenance { options: vec![flag("allow-missing", false), given("earlier", [])], ..self.provenance() }
     }
 
     /// When and where.
@@ -53,18 +45,29 @@ impl Surroundings {
     }
 }
 
-/// What the nodes of captures said of themselves, where somebody asked them.
-pub fn devices(results: &Results, channels: &Channels) -> Vec<(String, DeviceIdentity)> {
-    let mut devices = Vec::new();
-    for (channel, bus) in &results.buses {
-        for (node, figures) in &bus.nodes {
-            let of = &figures.identity;
-            let identity =
-                DeviceIdentity { device_type: of.device_type, identity: of.numbers, names: of.names.clone() };
-            if identity != DeviceIdentity::default() {
-                devices.push((format!("node {node} on {}", channels.name(*channel)), identity));
-            }
-        }
+/// An option that stands at its default.
+pub fn usual<T: Into<String>>(name: &str, value: impl IntoIterator<Item = T>) -> Choice {
+    let value: Vec<String> = value.into_iter().map(Into::into).collect();
+    Choice { name: name.to_owned(), default: value.clone(), value, by: ChosenBy::Default }
+}
+
+/// An option without a default.
+pub fn given(name: &str, value: impl IntoIterator<Item = String>) -> Choice {
+    let value: Vec<String> = value.into_iter().collect();
+    let by = if value.is_empty() { ChosenBy::Default } else { ChosenBy::CommandLine };
+    Choice { name: name.to_owned(), value, default: Vec::new(), by }
+}
+
+/// An option that is given or not.
+pub fn flag(name: &str, set: bool) -> Choice {
+    match set {
+        true => Choice { value: vec!["yes".to_owned()], by: ChosenBy::CommandLine, ..usual(name, ["no"]) },
+        false => usual(name, ["no"]),
     }
-    devices
+}
+
+/// A file that was read as a whole.
+pub fn used(role: &'static str, name: &str, bytes: &[u8]) -> FileUsed {
+    let content = Some((bytes.len() as u64, hexadecimal(&Sha256::digest(bytes))));
+    FileUsed { role, path: name.to_owned(), content }
 }

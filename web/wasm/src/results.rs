@@ -1,19 +1,27 @@
 //! Results of `canvass test`, as their pages: two compared, many as a history.
 
+use crate::provenance::{Surroundings, used};
 use canvass_reports::comparison::{self, Missing, TestResult, compare};
 use canvass_reports::history::{self, History, Release};
-use canvass_reports::provenance::{FileUsed, Provenance};
+
+/// A result as it was chosen.
+pub struct ChosenResult {
+    /// The file's name.
+    pub name: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+}
 
 /// The page that tells what changed from an older result to a newer one.
 ///
 /// # Errors
 /// In words, if one is no result of `canvass test`.
-pub fn comparison(old: (&str, &str), new: (&str, &str), provenance: Provenance) -> Result<Vec<u8>, String> {
-    let (older, newer) = (read(old)?, read(new)?);
+pub fn comparison(old: &ChosenResult, new: &ChosenResult, surroundings: &Surroundings) -> Result<Vec<u8>, String> {
+    let (older, newer) = (old.read()?, new.read()?);
     let mut comparison = compare(&older, &newer, Missing::default());
-    comparison.provenance = provenance;
-    for (role, (name, _), result) in [("old", old, &older), ("new", new, &newer)] {
-        comparison.provenance.files.push(FileUsed { role, path: name.to_owned(), content: None });
+    comparison.provenance = surroundings.of_comparison();
+    for (role, chosen, result) in [("old", old, &older), ("new", new, &newer)] {
+        comparison.provenance.files.push(used(role, &chosen.name, &chosen.bytes));
         comparison.provenance.devices.push((format!("{role} device"), result.identity()));
     }
     let mut page = Vec::new();
@@ -25,11 +33,11 @@ pub fn comparison(old: (&str, &str), new: (&str, &str), provenance: Provenance) 
 ///
 /// # Errors
 /// As [`comparison`].
-pub fn history(results: &[(String, String)], provenance: Provenance) -> Result<Vec<u8>, String> {
+pub fn history(results: &[ChosenResult], surroundings: &Surroundings) -> Result<Vec<u8>, String> {
     let mut releases: Vec<Release> = Vec::new();
-    for (name, text) in results {
-        let result = read((name, text))?;
-        let stem = name.rsplit_once('.').map_or(&**name, |(stem, _)| stem);
+    for chosen in results {
+        let result = chosen.read()?;
+        let stem = chosen.name.rsplit_once('.').map_or(&*chosen.name, |(stem, _)| stem);
         let name = result.note("release").unwrap_or(stem).to_owned();
         match releases.iter_mut().find(|known| known.name == name) {
             Some(known) => known.results.push(result),
@@ -37,14 +45,17 @@ pub fn history(results: &[(String, String)], provenance: Provenance) -> Result<V
         }
     }
     let mut history = History::of(&releases);
-    history.provenance = provenance;
-    let file = |(name, _): &(String, String)| FileUsed { role: "result", path: name.clone(), content: None };
-    history.provenance.files.extend(results.iter().map(file));
+    history.provenance = surroundings.provenance();
+    history.provenance.files = results.iter().map(|chosen| used("result", &chosen.name, &chosen.bytes)).collect();
     let mut page = Vec::new();
     history::html(&history, &mut page).map_err(|error| error.to_string())?;
     Ok(page)
 }
 
-fn read((name, text): (&str, &str)) -> Result<TestResult, String> {
-    TestResult::read(text).map_err(|error| format!("{name}: {error}"))
+impl ChosenResult {
+    fn read(&self) -> Result<TestResult, String> {
+        let told = |error: &dyn std::fmt::Display| format!("{}: {error}", self.name);
+        let text = str::from_utf8(&self.bytes).map_err(|error| told(&error))?;
+        TestResult::read(text).map_err(|error| told(&error))
+    }
 }

@@ -1,24 +1,27 @@
 //! Simulated devices in the page: the cases and the fuzzer, to be tried without hardware. All of it in virtual time.
 
 use crate::host;
-use crate::provenance::Surroundings;
+use crate::provenance::{Surroundings, flag, given, usual};
+use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::KnownDevice;
 use canvass_device::Fault;
 use canvass_device::address::{BusAddress, Opened, SimulatedDevice, open_seeded_at};
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{self, Outcome, Plan as FuzzPlan};
-use canvass_fuzzer::coverage::LssReach;
+use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::stand::{TestStand as _, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
 use canvass_reports::conformance::{self, Document, Reporter};
 use canvass_reports::fuzz::{self, Words};
-use canvass_reports::provenance::{BusUsed, Provenance};
-use canvass_suite::bench::{Bench, Decoder, Options, Target};
+use canvass_reports::provenance::{BusUsed, Choice, Provenance};
+use canvass_suite::bench::{Bench, Decoder, Options, Target, Timing};
 use canvass_suite::catalogue;
-use canvass_suite::runner::{Plan, RunEvent, run};
+use canvass_suite::identity;
+use canvass_suite::runner::{DeviceIdentity, Plan, RunEvent, run};
 use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Deviation;
+use canvass_traces::Duration;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::io::{self, Write};
@@ -86,9 +89,84 @@ fn touches(wish: &Wish) -> std::collections::BTreeSet<Touch> {
     if wish.allow { Touch::ALL.iter().copied().collect() } else { Default::default() }
 }
 
-fn provenance(wish: &Wish, surroundings: &Surroundings, bit_rate: Option<u32>) -> Provenance {
+/// What is known of a run before the device is touched.
+fn provenance(wish: &Wish, surroundings: &Surroundings, bit_rate: Option<u32>, options: Vec<Choice>) -> Provenance {
     let bus = BusUsed { address: wish.bus.clone(), adapter: "simulated".to_owned(), bit_rate };
-    Provenance { bus: Some(bus), seed: Some(wish.seed), host: None, ..surroundings.provenance() }
+    Provenance { bus: Some(bus), seed: Some(wish.seed), host: None, options, ..surroundings.provenance() }
+}
+
+/// The words between commas.
+fn words_of(text: &str) -> impl Iterator<Item = String> {
+    text.split(',').map(str::trim).filter(|word| !word.is_empty()).map(str::to_owned)
+}
+
+/// The options of `canvass test` that does the same.
+fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
+    let timing = Timing::default();
+    let spans = [
+        ("sdo", timing.sdo_response),
+        ("boot-up", timing.boot_up),
+        ("reaction", timing.reaction),
+        ("silence", timing.silence),
+    ];
+    let mut timeouts: Vec<_> = spans.iter().map(|(what, span)| format!("{what}={}", span_text(*span))).collect();
+    // Who connects to a port is waited for; here nobody does.
+    timeouts.push("client=10s".to_owned());
+    vec![
+        usual("node", [target.node.to_string()]),
+        usual("device", [target.model.clone()]),
+        given("select", words_of(&wish.select)),
+        given("exclude", []),
+        given("failed-from", []),
+        given("shard", []),
+        allowed(wish),
+        given("waivers", []),
+        usual("repeat", ["1"]),
+        usual("retries", ["0"]),
+        flag("fail-fast", false),
+        flag("cct-markers", false),
+        usual("journal", ["none"]),
+        flag("restore", false),
+        usual("timeout", timeouts),
+        usual("tolerance", [timing.period_tolerance.to_string()]),
+        given("power-cycle", []),
+        flag("exhaustive", false),
+        given("for", []),
+    ]
+}
+
+/// As `--timeout` takes it.
+fn span_text(span: Duration) -> String {
+    match span.nanos() / 1_000_000 {
+        millis if millis % 1_000 == 0 => format!("{}s", millis / 1_000),
+        millis => format!("{millis}ms"),
+    }
+}
+
+fn allowed(wish: &Wish) -> Choice {
+    given("allow", wish.allow.then(|| "all".to_owned()))
+}
+
+/// The options of `canvass fuzz` that does the same, in as many sequences.
+fn options_of_fuzz(wish: &Wish, plan: &FuzzPlan, knowledge: &Knowledge, model: &Model, sequences: u64) -> Vec<Choice> {
+    let all = Targets::default().to_string();
+    let target = match &*wish.target {
+        "" => usual("target", [all]),
+        chosen => Choice { default: vec![all], ..given("target", words_of(chosen)) },
+    };
+    vec![
+        usual("node", [knowledge.node.to_string()]),
+        usual("device", [model.id()]),
+        target,
+        given("for", []),
+        given("runs", [sequences.to_string()]),
+        flag("stop-at-first", plan.stop_at_first),
+        usual("shrink-budget", [plan.shrink_budget.to_string()]),
+        allowed(wish),
+        given("replay", []),
+        given("regressions", []),
+        given("reproducers", []),
+    ]
 }
 
 /// The one device that an address names: no file, no live bus.
@@ -108,12 +186,12 @@ fn device(address: &str) -> Result<SimulatedDevice, String> {
 /// In words, if the device or the cases are none, or nothing could be run.
 pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     device(&wish.bus)?;
-    let selectors = wish.select.split(',').map(str::trim).filter(|one| !one.is_empty());
-    let selectors = selectors.map(str::parse).collect::<Result<Vec<_>, _>>().map_err(words)?;
+    let selectors = words_of(&wish.select).map(|one| one.parse());
+    let selectors = selectors.collect::<Result<Vec<_>, _>>().map_err(words)?;
     let cases = catalogue::select(&selectors).map_err(|idle| format!("{idle} selects no case"))?;
     let mut opened = open_seeded_at(&wish.bus, wish.seed, None).map_err(words)?;
     let target = target(&opened)?;
-    let provenance = provenance(wish, surroundings, opened.bus.bit_rate());
+    let mut provenance = provenance(wish, surroundings, opened.bus.bit_rate(), options_of_test(wish, &target));
     let options = Options { allow: touches(wish), ..Options::default() };
     let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
     let kept: [Kept; 2] = Default::default();
@@ -126,6 +204,7 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let ran = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
         match event {
             RunEvent::CaseStarted { case, number, of } => host::progress(*number, *of, case.id),
+            RunEvent::RunStarted(info) => provenance.devices.push((format!("node {}", info.node), info.device.clone())),
             RunEvent::RunFinished(_) => reports.iter_mut().for_each(|report| report.comes_from(&provenance)),
             _ => {}
         }
@@ -181,11 +260,26 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     });
     let outcome = outcome.map_err(words)?;
     let model = device.model().map_err(words)?;
-    let provenance = provenance(wish, surroundings, Some(stand.bit_rate()));
+    let options = options_of_fuzz(wish, &plan, &knowledge, model, outcome.sequences);
+    let mut provenance = provenance(wish, surroundings, Some(stand.bit_rate()), options);
+    provenance.devices.push((format!("node {}", knowledge.node), identity_of(wish, knowledge.node)?));
     let run = fuzzed(wish, &plan, &knowledge, model, outcome, stand.has_unconfigured(), provenance);
     let (mut html, mut json) = (Vec::new(), Vec::new());
     fuzz::html::render(&run, &mut html).and_then(|()| fuzz::json::render(&run, &mut json)).map_err(words)?;
     Ok(Tried { html, json })
+}
+
+/// What the device says of itself: another one of its kind, as those that were fuzzed are in any state.
+fn identity_of(wish: &Wish, node: NodeId) -> Result<DeviceIdentity, String> {
+    const BOOT: Duration = Duration::from_secs(5);
+    let mut opened = open_seeded_at(&wish.bus, wish.seed, Some(node)).map_err(words)?;
+    let boots = opened.bus.now() + BOOT;
+    while let Some(record) = opened.bus.receive(boots).map_err(words)? {
+        if record.frame.cob_id() == Some(0x700 + u16::from(node.raw())) {
+            break;
+        }
+    }
+    identity::ask(opened.bus.as_mut(), node).map_err(words)
 }
 
 fn fuzzed(
@@ -214,7 +308,7 @@ fn fuzzed(
             wish.bus, knowledge.node, plan.targets, plan.seed, outcome.sequences
         ),
         cancelled: false,
-        block_transfer: knowledge.services.block_transfer != Some(false),
+        sdo_reach: SdoReach::of(knowledge),
         reach: LssReach::of(&knowledge.services, has_unconfigured, &plan.allow),
         words: words.collect(),
         outcome,

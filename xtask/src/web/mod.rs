@@ -25,9 +25,7 @@ const MOST: u64 = 2_500_000;
 /// # Errors
 /// If something is missing for that, or fails.
 pub fn build() -> Result<()> {
-    let missing = missing();
-    ensure!(missing.is_empty(), "the page can't be made: {}", missing.join("; "));
-    install()?;
+    prepare()?;
     run("cargo", &["build", "--package", "canvass-web", "--target", TARGET, "--profile", "web", "--locked"])?;
     bind::bind(WASM, &format!("{FOLDER}/wasm"))?;
     run("node", &[&format!("{SOURCE}/build.mjs"), FOLDER])?;
@@ -35,6 +33,16 @@ pub fn build() -> Result<()> {
     eprintln!("WebAssembly, compressed: {size} bytes");
     ensure!(size < MOST, "expected less than {MOST} bytes");
     Ok(())
+}
+
+/// Fetches what it is made with.
+///
+/// # Errors
+/// If something can't be had.
+pub fn prepare() -> Result<()> {
+    let missing = missing();
+    ensure!(missing.is_empty(), "the page can't be made: {}", missing.join("; "));
+    install()
 }
 
 /// What [`build`] asks an xtask for that can make JavaScript for WebAssembly.

@@ -19,6 +19,8 @@ export function diagnosisView(app, root) {
     page = frame("Diagnosis", html);
     page.addEventListener("load", () => {
       performance.measure("canvass-diagnosis", "canvass-open");
+      // Who goes on to the list finds it ready.
+      app.engine.call("index").catch(() => {});
       if (app.cursor !== null) point(app.cursor);
     });
     const buttons = FORMS.map(([form, ending]) => button(form, () => download(form, ending), { class: "plain" }));

@@ -3,6 +3,7 @@ import { suggest } from "../suggest.js";
 
 const PRINTED = [
   ["decode", "text", "Decoded frames as text", "txt"],
+  ["decode", "table", "Decoded frames as a table", "txt"],
   ["decode", "csv", "Decoded frames as CSV", "csv"],
   ["decode", "json", "Decoded frames as JSON Lines", "jsonl"],
   ["events", "text", "Events as text", "txt"],

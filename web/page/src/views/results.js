@@ -8,9 +8,9 @@ export function resultsView(app, root) {
 
   function fill() {
     if (app.results.length === 0) return root.replaceChildren(welcome(WELCOME));
-    const read = app.results.map(([name, text]) => ({ name, text, known: parse(text) }));
+    const read = app.results.map(([name, bytes]) => ({ name, bytes, known: parse(bytes) }));
     const tests = read.filter(({ known }) => known?.schema?.startsWith("canvass/test/"));
-    const pairs = tests.map(({ name, text }) => [name, text]);
+    const pairs = tests.map(({ name, bytes }) => [name, bytes]);
     const cards = read.map((one) => card(one));
     if (tests.length === 2) cards.push(button("Compare both", () => report("compare", pairs)));
     if (tests.length > 1) cards.push(button("History of all", () => report("history", pairs)));
@@ -57,9 +57,9 @@ export function resultsView(app, root) {
   return { refresh: fill };
 }
 
-function parse(text) {
+function parse(bytes) {
   try {
-    const known = JSON.parse(text);
+    const known = JSON.parse(new TextDecoder().decode(bytes));
     return known && typeof known === "object" ? known : null;
   } catch {
     return null;

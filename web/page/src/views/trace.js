@@ -168,7 +168,9 @@ export function traceView(app, root) {
   async function show() {
     if (!app.summary) return;
     if (shown !== app.summary) {
-      shown = app.summary;
+      const { summary } = app;
+      if (!(await app.run("index", "index", {}, "Working out the list")) || summary !== app.summary || shown === summary) return;
+      shown = summary;
       time.show(await app.engine.call("overview"));
       await select();
       const row = Number(app.state.get("row") ?? 0);

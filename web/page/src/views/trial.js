@@ -21,8 +21,11 @@ export function trialView(app, root) {
     model.replaceChildren(...choices.models.map(({ id }) => element("option", { value: id }, id)));
     model.value = app.state.get("model") ?? "kuebler-sendix-58x8";
     select.value = app.state.get("select") ?? "";
+    seconds.value = app.state.get("seconds") ?? "5";
+    seed.value = app.state.get("seed") ?? "0";
+    allow.checked = app.state.get("allow") === "all";
     model.addEventListener("change", changed);
-    select.addEventListener("input", told);
+    [select, seconds, seed, allow].forEach((input) => input.addEventListener("input", told));
     search.addEventListener("input", list);
     const label = (name, input) => element("label", {}, `${name} `, input);
     const cases = suggest(select, families);
@@ -55,8 +58,18 @@ export function trialView(app, root) {
 
   /** The address keeps what is chosen, and the command line that does the same is shown. */
   function told() {
-    app.state.set({ model: model.value, faults: [...on].join(","), select: select.value });
-    command.textContent = `canvass test ${bus()}${select.value ? ` --select ${select.value}` : ""}`;
+    const { seconds, seed } = wished();
+    app.state.set({ model: model.value, faults: [...on].join(","), select: select.value, seconds: seconds === 5 ? "" : seconds, seed: seed || "", allow: allow.checked ? "all" : "" });
+    command.textContent = line("test", wished());
+  }
+
+  const wished = () => ({ bus: bus(), select: select.value, allow: allow.checked, seconds: Number(seconds.value) || 5, seed: Math.max(0, Math.trunc(Number(seed.value) || 0)) });
+
+  /** What the program is asked for the same. */
+  function line(kind, { bus, select, allow, seconds, seed }) {
+    const chosen = kind === "test" ? select && ` --select ${select}` : ` --for ${seconds}s`;
+    const chance = kind === "fuzz" || seed > 0 ? ` --seed ${seed}` : "";
+    return `canvass ${kind} ${bus}${chosen}${chance}${allow ? " --allow all" : ""}`;
   }
 
   /** Those that show on this device. */
@@ -81,13 +94,13 @@ export function trialView(app, root) {
   /** In a worker of its own, as it runs to its end at once: cancelled, it is ended. */
   async function go(kind) {
     engine ??= await app.engine.sibling((why) => app.say(why, true));
-    const wish = { bus: bus(), select: select.value, allow: allow.checked, seconds: Number(seconds.value) || 5, seed: Math.max(0, Math.trunc(Number(seed.value) || 0)) };
+    const wish = wished();
     const box = byId("progress");
     const [bar, text, cancel] = box.children;
     box.hidden = false;
     bar.value = 0;
     cancel.onclick = () => engine.restart();
-    const name = `canvass ${kind} ${wish.bus}`;
+    const name = line(kind, wish);
     text.textContent = name;
     try {
       const tried = await engine.call("trial", { kind, wish }, ({ done, all, what }) => {
@@ -108,7 +121,7 @@ export function trialView(app, root) {
       button(form, () => save(`${kind}.${form}`, tried[form], type), { class: "plain" }),
     );
     const keep = button("Keep under Results", () => {
-      app.addResults([[`${kind} ${bus()} ${new Date().toLocaleTimeString()}`, new TextDecoder().decode(tried.json)]]);
+      app.addResults([[`${kind} ${bus()} ${new Date().toLocaleTimeString()}`, tried.json]]);
       app.say("Kept: two results of test are compared under Results");
     }, { class: "plain" });
     page.replaceChildren(element("div", { class: "bar" }, element("code", {}, name), element("span", {}, "Save as "), buttons, keep), frame(name, tried.html));

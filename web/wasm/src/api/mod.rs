@@ -13,6 +13,7 @@ use crate::input::{Input, InputOptions};
 use crate::opening::{Opened, Opening};
 use crate::plots::Plots;
 use crate::provenance::Surroundings;
+use crate::results::ChosenResult;
 use crate::trace::selection::{Search, Selection};
 use crate::trial::Tried;
 use canvass_analyzer::filter::{Filter, FilterError};
@@ -37,6 +38,7 @@ pub struct Page {
     export: Option<Export>,
     plots: Option<Plots>,
     tried: Option<Tried>,
+    results: Vec<ChosenResult>,
 }
 
 fn error(text: impl std::fmt::Display) -> JsError {

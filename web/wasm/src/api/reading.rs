@@ -2,21 +2,47 @@
 
 use super::{Answer, Page, error, progress};
 use crate::descriptions::Described;
+use crate::file::hexadecimal;
 use crate::opening::Opening;
 use canvass_reports::escape::printable;
 use serde_json::json;
+use sha2::{Digest, Sha256};
 use wasm_bindgen::prelude::*;
+
+/// Works out the hash of a file, beside who reads it.
+#[wasm_bindgen]
+#[derive(Default)]
+pub struct Hasher(Sha256);
+
+#[wasm_bindgen]
+impl Hasher {
+    /// Of nothing yet.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes the next bytes.
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// The hash of all of them, in hexadecimal.
+    pub fn digest(self) -> String {
+        hexadecimal(&self.0.finalize())
+    }
+}
 
 #[wasm_bindgen]
 impl Page {
-    /// Begins to read the captures.
+    /// Begins to read the captures. Where their hashes are worked out `elsewhere`, `hashed` is to be called with them.
     ///
     /// # Errors
     /// If one can't be opened.
-    pub fn open(&mut self) -> Answer<()> {
+    pub fn open(&mut self, elsewhere: bool) -> Answer<()> {
         (self.opening, self.opened, self.selection) = (None, None, None);
         (self.search, self.plots) = (None, None);
-        self.opening = Some(Opening::begin(&self.files, &self.options, &self.described).map_err(error)?);
+        self.opening = Some(Opening::begin(&self.files, &self.options, &self.described, !elsewhere).map_err(error)?);
         Ok(())
     }
 
@@ -38,6 +64,16 @@ impl Page {
             self.opened = Some(opening.finish(provenance).map_err(error)?);
         }
         Ok(told.to_string())
+    }
+
+    /// Says the hashes of the captures, in hexadecimal and in their order; `null` for one that can't be read: JSON.
+    ///
+    /// # Errors
+    /// If no capture is open, or it is none.
+    pub fn hashed(&mut self, hashes: &str) -> Answer<()> {
+        let hashes: Vec<Option<String>> = serde_json::from_str(hashes).map_err(error)?;
+        self.opened.as_mut().ok_or_else(|| error("no capture is open"))?.hashed(&hashes);
+        Ok(())
     }
 
     /// What the captures are, in short: JSON.

@@ -55,12 +55,25 @@ impl Page {
         json!({ "from": from, "words": words }).to_string()
     }
 
+    /// Works out what the list needs, of so many records on; JSON says how far it is. Until that has ended, rows far from
+    /// the first take long, and `overview` has not all of them.
+    ///
+    /// # Errors
+    /// If no capture is open.
+    #[wasm_bindgen(js_name = indexOn)]
+    pub fn index_on(&mut self, records: u32) -> Answer<String> {
+        let opened = self.opened.as_mut().ok_or_else(|| error("no capture is open"))?;
+        let more = opened.indexing.step(&mut opened.store, records as usize);
+        let all = opened.store.len();
+        Ok(json!({ "more": more, "looked": opened.indexing.looked_at(all), "all": all }).to_string())
+    }
+
     /// How many frames there were over time: JSON.
     ///
     /// # Errors
     /// If no capture is open.
     pub fn overview(&self) -> Answer<String> {
-        Ok(self.opened()?.overview.told().to_string())
+        Ok(self.opened()?.indexing.overview.told().to_string())
     }
 
     /// Chooses the rows that pass a filter and hold a text; both empty: all.

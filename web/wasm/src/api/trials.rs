@@ -1,7 +1,8 @@
 //! Simulated devices, and results of earlier runs.
 
 use super::{Answer, Page, error};
-use crate::{results, trial};
+use crate::results::{self, ChosenResult};
+use crate::trial;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -43,22 +44,28 @@ impl Page {
         self.tried.as_ref().map_or_else(Vec::new, |tried| tried.json.clone())
     }
 
-    /// The page that compares two results of `canvass test`; `results` is JSON: names and texts, the older first.
+    /// Adds a result to those that are compared.
+    #[wasm_bindgen(js_name = addResult)]
+    pub fn add_result(&mut self, name: &str, bytes: Vec<u8>) {
+        self.results.push(ChosenResult { name: name.to_owned(), bytes });
+    }
+
+    /// The page that compares the two results of `canvass test` that were added, the older first; they are forgotten.
     ///
     /// # Errors
     /// If they are not two results.
-    pub fn compare(&self, results: &str) -> Answer<Vec<u8>> {
-        let read: Vec<(String, String)> = serde_json::from_str(results).map_err(error)?;
-        let [(old, older), (new, newer)] = &read[..] else { return Err(error("expected two results")) };
-        results::comparison((old, older), (new, newer), self.surroundings.provenance()).map_err(error)
+    pub fn compare(&mut self) -> Answer<Vec<u8>> {
+        let results = std::mem::take(&mut self.results);
+        let [old, new] = &results[..] else { return Err(error("expected two results")) };
+        results::comparison(old, new, &self.surroundings).map_err(error)
     }
 
-    /// The page of many results, the oldest first.
+    /// The page of all results that were added, the oldest first; they are forgotten.
     ///
     /// # Errors
     /// If one is no result.
-    pub fn history(&self, results: &str) -> Answer<Vec<u8>> {
-        let read: Vec<(String, String)> = serde_json::from_str(results).map_err(error)?;
-        results::history(&read, self.surroundings.provenance()).map_err(error)
+    pub fn history(&mut self) -> Answer<Vec<u8>> {
+        let results = std::mem::take(&mut self.results);
+        results::history(&results, &self.surroundings).map_err(error)
     }
 }

@@ -1,6 +1,8 @@
 //! All records, in compressed blocks; and the network as it was at the begin of some of them, so that what any record
-//! means is worked out from the nearest one on.
+//! means is worked out from the nearest one on. While records come, they are only kept: the network is asked when all are
+//! there, by [`Indexing`].
 
+use super::overview::Overview;
 use super::pack::{self, Before};
 use canvass_analyzer::network::{Decoded, Network};
 use canvass_traces::{Record, Timestamp};
@@ -35,7 +37,7 @@ struct Block {
 
 impl Store {
     /// The memory that records may take: those of a capture of about a gigabyte.
-    const MOST_BYTES: usize = 256 << 20;
+    pub const MOST_BYTES: usize = 256 << 20;
     /// So many snapshots of one bus; of several buses fewer.
     const SNAPSHOTS: usize = 256;
 
@@ -59,10 +61,15 @@ impl Store {
         self.blocks.first().map(|block| block.first).or(self.open_first)
     }
 
-    /// Takes the next record; `network` has seen all before it.
+    /// Without records, for buses on which so much is known.
+    pub fn new(network: Network) -> Self {
+        Self { snapshots: vec![network], spacing: 1, ..Self::default() }
+    }
+
+    /// Takes the next record.
     #[inline]
-    pub fn push(&mut self, record: &Record, network: &Network, buses: usize) {
-        if self.len.is_multiple_of(BLOCK) && !self.begin_block(network, buses) {
+    pub fn push(&mut self, record: &Record) {
+        if self.len.is_multiple_of(BLOCK) && !self.begin_block() {
             self.left_out += 1;
             return;
         }
@@ -72,14 +79,18 @@ impl Store {
     }
 
     /// Closes the block that is full, and begins another; unless there is no more room.
-    fn begin_block(&mut self, network: &Network, buses: usize) -> bool {
+    fn begin_block(&mut self) -> bool {
         if self.bytes >= Self::MOST_BYTES {
             return false;
         }
         self.close_block();
-        self.spacing = self.spacing.max(1);
+        true
+    }
+
+    /// Keeps the network as it is before a block, should it be one from which walks begin.
+    fn remember(&mut self, block: usize, network: &Network, buses: usize) {
         let most = (Self::SNAPSHOTS / buses.max(1)).max(2);
-        if self.blocks.len() == self.snapshots.len() * self.spacing {
+        if block == self.snapshots.len() * self.spacing {
             self.snapshots.push(network.snapshot());
         }
         while self.snapshots.len() > most {
@@ -90,7 +101,6 @@ impl Store {
             });
             self.spacing *= 2;
         }
-        true
     }
 
     fn close_block(&mut self) {
@@ -123,6 +133,49 @@ impl Store {
         let snapshot = (row / BLOCK / self.spacing.max(1)).min(self.snapshots.len().checked_sub(1)?);
         let network = self.snapshots.get(snapshot)?.snapshot();
         Some(Walk { network, row: snapshot * self.spacing * BLOCK })
+    }
+}
+
+/// Goes through all records once: for what the page shows above the list, and so that any part of the list is soon there.
+pub struct Indexing {
+    walk: Option<Walk>,
+    buses: usize,
+    /// How many frames there were over time, so far.
+    pub overview: Overview,
+}
+
+impl Indexing {
+    /// Of a store that is complete, with the records of so many buses.
+    pub fn new(store: &Store, buses: usize) -> Self {
+        Self { walk: store.walk(0), buses, overview: Overview::default() }
+    }
+
+    /// Looks at the next records; `false` at the end.
+    pub fn step(&mut self, store: &mut Store, records: usize) -> bool {
+        let Some(walk) = &mut self.walk else { return false };
+        let end = walk.row.saturating_add(records).min(store.len());
+        while walk.row < end {
+            let (began, block) = (walk.row, walk.row / BLOCK);
+            if began.is_multiple_of(BLOCK) {
+                store.remember(block, &walk.network, self.buses);
+            }
+            walk.until(store, end.min((block + 1) * BLOCK), |step| {
+                self.overview.take(step.record.timestamp, &step.decoded);
+                ControlFlow::Continue(())
+            });
+            if walk.row == began {
+                break;
+            }
+        }
+        if walk.row < end || end == store.len() {
+            self.walk = None;
+        }
+        self.walk.is_some()
+    }
+
+    /// How many were looked at, of `all`.
+    pub fn looked_at(&self, all: usize) -> usize {
+        self.walk.as_ref().map_or(all, Walk::row)
     }
 }
 
@@ -175,5 +228,71 @@ impl Walk {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::parse_frame;
+
+    /// A node whose state changes all along, over so many blocks.
+    fn filled(blocks: usize) -> Store {
+        let mut store = Store::new(Network::new());
+        let frames = ["000#0105", "705#05", "000#8005", "705#7F", "605#4000100000000000", "585#4300100096010200"];
+        for n in 0..blocks * BLOCK + 7 {
+            let mut record = parse_frame(frames[n / 3 % frames.len()]).unwrap();
+            record.timestamp = Timestamp(n as u64 * 1_000_000);
+            store.push(&record);
+        }
+        store
+    }
+
+    fn indexed(mut store: Store, buses: usize, records: usize) -> (Store, Indexing) {
+        let mut indexing = Indexing::new(&store, buses);
+        while indexing.step(&mut store, records) {}
+        (store, indexing)
+    }
+
+    /// What the records from a row on mean.
+    fn from(store: &Store, row: usize) -> Vec<String> {
+        let mut told = Vec::new();
+        store.walk(row).unwrap().until(store, row + 9, |step| {
+            if step.row >= row {
+                told.push(format!("{} {:?}", step.row, step.decoded));
+            }
+            ControlFlow::Continue(())
+        });
+        told
+    }
+
+    #[test]
+    fn rows_mean_the_same_whether_the_list_was_worked_out_or_not() {
+        let (plain, (store, indexing)) = (filled(9), indexed(filled(9), 1, 1_000));
+        assert_eq!((store.snapshots.len(), store.spacing), (10, 1));
+        assert_eq!(indexing.looked_at(store.len()), store.len());
+        for row in [0, 1, BLOCK - 1, BLOCK, 3 * BLOCK + 5, 9 * BLOCK, store.len() - 1] {
+            assert_eq!(from(&store, row), from(&plain, row), "{row}");
+        }
+    }
+
+    #[test]
+    fn how_far_a_step_goes_makes_no_difference() {
+        let told = |records| indexed(filled(2), 1, records).1.overview.told();
+        assert_eq!(told(777), told(usize::MAX));
+        assert_eq!(told(777), told(BLOCK));
+    }
+
+    #[test]
+    fn of_many_buses_there_are_fewer_snapshots_of_the_network() {
+        let (store, _) = indexed(filled(9), Store::SNAPSHOTS / 4, BLOCK);
+        assert_eq!((store.snapshots.len(), store.spacing), (3, 4));
+        assert_eq!(from(&store, 8 * BLOCK), from(&filled(9), 8 * BLOCK));
+    }
+
+    #[test]
+    fn a_capture_without_frames_needs_no_work() {
+        let (store, indexing) = indexed(Store::new(Network::new()), 0, 10);
+        assert!(store.is_empty() && indexing.looked_at(0) == 0);
     }
 }
