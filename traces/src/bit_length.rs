@@ -53,7 +53,7 @@ fn control(frame: &Frame) -> u32 {
     u32::from(frame.kind() == FrameKind::Remote) << 6 | u32::from(frame.dlc() & 0xF)
 }
 
-/// The bits of a frame with that header of `len` bits; `filled` is the data with zeros behind it.
+/// The bits of a frame with that header of `len` bits; `filled` is the data with zeros after it.
 #[inline]
 fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [u8; 8]) -> u32 {
     // Nearly all frames have eight bytes: with their number known, each step is a look-up without a test.
@@ -129,7 +129,7 @@ struct Run {
 }
 
 impl Run {
-    /// The run after one more bit, and whether a stuff bit was added behind it.
+    /// The run after one more bit, and whether a stuff bit was added after it.
     const fn after(self, bit: bool) -> (Self, bool) {
         let len = if self.bit == bit { self.len + 1 } else { 1 };
         if len == 5 { (Self { bit: !bit, len: 1 }, true) } else { (Self { bit, len }, false) }

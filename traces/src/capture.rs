@@ -1,7 +1,7 @@
 //! Opening a capture, whatever its format.
 
 use crate::compression;
-use crate::{Channels, Damage, Format, ReadOptions, Reader, Record, Source, SourceError, TimeBase};
+use crate::{Channels, Damage, Format, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -126,6 +126,10 @@ impl Reader for Capture {
 
     fn bit_rate(&self) -> Option<u32> {
         self.reader.bit_rate()
+    }
+
+    fn next_kept(&mut self, skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
+        self.reader.next_kept(skip)
     }
 }
 

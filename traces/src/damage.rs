@@ -4,7 +4,7 @@ use crate::{Place, Record, SourceError};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Something in a source that is not a readable frame. Reading goes on behind it, unless it is
+/// Something in a source that is not a readable frame. Reading goes on after it, unless it is
 /// [fatal](DamageKind::is_fatal).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Damage {
@@ -41,7 +41,7 @@ pub enum DamageKind {
 }
 
 impl DamageKind {
-    /// Whether nothing can be read behind it.
+    /// Whether nothing can be read after it.
     pub const fn is_fatal(self) -> bool {
         matches!(self, Self::Fatal)
     }

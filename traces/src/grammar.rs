@@ -130,15 +130,15 @@ pub(crate) fn decimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a,
     }
 }
 
-/// The digits behind a decimal point, at least one and at most nine, in billionths.
+/// The digits after a decimal point, at least one and at most nine, in billionths.
 #[inline]
 pub(crate) fn billionths(input: &[u8]) -> Parsed<'_, u32> {
     const SCALE: [u32; 10] = [1_000_000_000, 100_000_000, 10_000_000, 1_000_000, 100_000, 10_000, 1_000, 100, 10, 1];
     match digits(input) {
-        (0, _) => Expected::fail(input, "digits behind the point"),
+        (0, _) => Expected::fail(input, "digits after the point"),
         (count, value) => match SCALE.get(count) {
             Some(scale) => Ok((input.get(count..).unwrap_or_default(), value as u32 * scale)),
-            None => Expected::fail(input, "at most nine digits behind the point"),
+            None => Expected::fail(input, "at most nine digits after the point"),
         },
     }
 }

@@ -4,7 +4,7 @@
 //! passed over as one damage, in bounded memory. A byte order mark (UTF-8) before the first line is no part of it.
 
 use crate::grammar::Expected;
-use crate::{Channels, Damage, DamageKind, Place, Reader, Record, Source, SourceError, TimeBase};
+use crate::{Channels, Damage, DamageKind, Place, Reader, Record, SkipSet, Source, SourceError, TimeBase, Timestamp};
 use memchr::memchr;
 use std::borrow::Cow;
 
@@ -67,6 +67,21 @@ impl Lines {
         let (content, len) = usual(self.source.window(), place)?;
         (self.number, self.given) = (place.number, len);
         Some(content)
+    }
+
+    /// Passes over lines as long as `skipped` gives their length with their end, but not over too many; says how many.
+    #[inline]
+    fn skip_usual(&mut self, mut skipped: impl FnMut(&[u8]) -> Option<usize>) -> usize {
+        self.source.consume(std::mem::take(&mut self.given));
+        let (window, mut at, mut count) = (self.source.window(), 0, 0);
+        while count < SkipSet::IN_A_ROW
+            && let Some(len) = skipped(window.get(at..).unwrap_or_default())
+        {
+            (at, count) = (at + len, count + 1);
+        }
+        self.number += count as u64;
+        self.source.consume(at);
+        count
     }
 
     /// The next line; `None` at the end.
@@ -198,7 +213,7 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     })
 }
 
-/// What a comment begins with that is given with the frame behind it: others are a person's, or the format's own.
+/// What a comment begins with that is given with the frame after it: others are a person's, or the format's own.
 pub(crate) const NOTE: &str = "canvass: ";
 
 /// The text of a line that is such a comment.
@@ -218,6 +233,13 @@ pub(crate) trait LineFormat {
     /// [`LineFormat::line`] says of it, which is asked where this gives `None`.
     #[inline]
     fn usual_line(&mut self, _window: &[u8], _place: Place) -> Option<(Record, usize)> {
+        None
+    }
+
+    /// The time of the line that begins here, and its length with its end, if it is a usual line with a frame that is skipped.
+    /// A format that has this owes no damages.
+    #[inline]
+    fn skipped_line(&mut self, _window: &[u8], _skip: &SkipSet) -> Option<(Timestamp, usize)> {
         None
     }
 
@@ -330,6 +352,22 @@ impl<F: LineFormat> Reader for TextReader<F> {
 
     fn bit_rate(&self) -> Option<u32> {
         self.format.bit_rate()
+    }
+
+    fn next_kept(&mut self, skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
+        // What stands before a frame is given with it.
+        if self.begun && self.notes.is_empty() && !skip.is_empty() {
+            let (format, mut last) = (&mut self.format, None);
+            let skipped = self.lines.skip_usual(|window| {
+                let (time, len) = format.skipped_line(window, skip)?;
+                last = Some(time);
+                Some(len)
+            });
+            if let Some(last) = last {
+                skip.skipped_at(last, skipped);
+            }
+        }
+        self.next()
     }
 }
 

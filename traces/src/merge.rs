@@ -3,14 +3,14 @@
 //! - One record of each source is looked ahead, and only while more than one source is left; nothing is sorted.
 //!   Where a source's own clock steps back, its records keep the order of their source.
 //! - Of records of the same time, those of the source named first come first.
-//! - A damage comes out as soon as it is found: behind the record before it in its own source. One with a salvaged
+//! - A damage comes out as soon as it is found: after the record before it in its own source. One with a salvaged
 //!   record takes that record's place in time.
 //! - Channels of different sources are different channels, even if their names are equal: with more than one source
 //!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
 //!   rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
 //!   or several recorders on the same bus: equal names are then one channel.
 
-use crate::{Capture, ChannelId, Channels, Damage, Reader, Record, TimeBase, Timestamp};
+use crate::{Capture, ChannelId, Channels, Damage, Reader, Record, SkipSet, TimeBase, Timestamp};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::path::Path;
@@ -51,6 +51,8 @@ pub struct Merge {
     heap: BinaryHeap<Reverse<(Timestamp, usize)>>,
     /// Sources whose next item is not known yet, the last one next.
     wanted: Vec<usize>,
+    /// A channel of a source has another number here.
+    renumbered: bool,
 }
 
 /// One of the captures.
@@ -80,6 +82,7 @@ impl Merge {
             channels: Channels::new(),
             own_names: Vec::new(),
             heap: BinaryHeap::new(),
+            renumbered: false,
         }
     }
 
@@ -120,6 +123,22 @@ impl Merge {
         self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
     }
 
+    /// The next item, without the records that are skipped. So that whoever waits can do something else, one of many comes all
+    /// the same.
+    #[inline]
+    pub fn next_kept(&mut self, skip: &mut SkipSet) -> Option<(usize, Item)> {
+        // A reader knows its own channels.
+        let is_alone = self.sources.len() == 1 && !self.renumbered;
+        for _ in 0..SkipSet::IN_A_ROW {
+            let next = if is_alone { (0, self.take_by(0, |capture| capture.next_kept(skip))?) } else { self.next()? };
+            match &next.1 {
+                Ok(record) if skip.skips(record) => {}
+                _ => return Some(next),
+            }
+        }
+        self.next()
+    }
+
     /// Looks at the next item of a source: an item without a time is given back at once.
     fn look_ahead(&mut self, at: usize) -> Option<Item> {
         let item = self.take(at)?;
@@ -139,7 +158,12 @@ impl Merge {
     /// The next item of a source, with its channel as it is called here.
     #[inline]
     fn take(&mut self, at: usize) -> Option<Item> {
-        match self.sources.get_mut(at)?.capture.next()? {
+        self.take_by(at, Capture::next)
+    }
+
+    #[inline]
+    fn take_by(&mut self, at: usize, next: impl FnOnce(&mut Capture) -> Option<Item>) -> Option<Item> {
+        match next(&mut self.sources.get_mut(at)?.capture)? {
             Ok(record) => {
                 let channel = self.channel(at, record.channel);
                 Some(Ok(record.on(channel)))
@@ -173,6 +197,7 @@ impl Merge {
             if self.own_names.len() <= usize::from(merged.0) {
                 self.own_names.push(own.into());
             }
+            self.renumbered |= usize::from(merged.0) != source.channels.len();
             source.channels.push(merged);
         }
         source.channels.last().copied().unwrap_or(channel)

@@ -19,6 +19,7 @@
 //! - A point may also stand before the first byte, as some versions write it after the CAN FD flags.
 
 use crate::grammar::{Expected, Parsed, eight_bytes, hex_byte, hex_field, hex_run, nibble, tag, whole};
+use crate::hex::write_hex;
 use crate::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp, XlHeader};
 use std::fmt::{self, Write};
 
@@ -62,7 +63,7 @@ fn after(found: &str) -> String {
 /// ```
 pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     let bytes = text.as_bytes();
-    whole(frame(bytes), "nothing more behind the frame").map_err(|missing| {
+    whole(frame(bytes), "nothing more after the frame").map_err(|missing| {
         let position = bytes.len().saturating_sub(missing.at.len());
         let rest = text.get(position..).unwrap_or_default();
         let found = rest.chars().take(40).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
@@ -144,7 +145,7 @@ fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-/// `_9` to `_F` behind eight bytes.
+/// `_9` to `_F` after eight bytes.
 #[inline]
 fn raw_dlc(frame: Frame, input: &[u8]) -> Parsed<'_, Record> {
     match input {
@@ -288,11 +289,4 @@ pub(crate) fn write_frame(out: &mut impl Write, frame: &Frame, xl: Option<XlHead
 
 fn write_bytes(out: &mut impl Write, data: &[u8]) -> fmt::Result {
     data.iter().try_for_each(|&byte| write_hex(out, byte))
-}
-
-/// A byte as two hexadecimal digits, without the detour through the formatter.
-pub(crate) fn write_hex(out: &mut impl Write, byte: u8) -> fmt::Result {
-    const DIGITS: &[u8; 16] = b"0123456789ABCDEF";
-    out.write_char(char::from(DIGITS[usize::from(byte >> 4)]))?;
-    out.write_char(char::from(DIGITS[usize::from(byte & 15)]))
 }

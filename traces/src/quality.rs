@@ -127,7 +127,7 @@ impl Quality {
         self.damages.count(damage.kind);
     }
 
-    /// From the first frame to the last one; zero where the clock stepped back behind its begin.
+    /// From the first frame to the last one; zero where the clock stepped back after its begin.
     pub fn duration(&self) -> Duration {
         match (self.first, self.last) {
             (Some(first), Some(last)) => last.since(first),

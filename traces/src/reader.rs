@@ -1,6 +1,6 @@
 //! What every capture reader does.
 
-use crate::{Channels, Damage, Format, Record};
+use crate::{Channels, Damage, Format, Record, SkipSet};
 
 /// Reads a capture, one record or damage after the other, in the order of the source.
 ///
@@ -15,6 +15,11 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
     /// The bit rate of the bus in bit/s, where the source says it.
     fn bit_rate(&self) -> Option<u32> {
         None
+    }
+
+    /// What comes next; records that are skipped need not be given, and are where that is not quicker.
+    fn next_kept(&mut self, _skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
+        self.next()
     }
 }
 

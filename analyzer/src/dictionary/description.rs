@@ -3,6 +3,7 @@
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, Multiplexer, NodeId};
+use crate::object;
 use std::collections::BTreeMap;
 
 /// A device description, as far as it could be read. Texts come from the file and may hold anything.
@@ -155,7 +156,7 @@ pub struct SubExtension {
 impl DeviceDescription {
     /// The number of the device profile: the low word of 1000h, 0 (none) included; `None` if 1000h has no default.
     pub fn device_profile(&self) -> Option<u16> {
-        let device_type = self.dictionary.entry(Multiplexer::new(0x1000, 0)).ok()?;
+        let device_type = self.dictionary.entry(Multiplexer::new(object::DEVICE_TYPE, 0)).ok()?;
         let value = device_type.configured.as_ref().or(device_type.default.as_ref())?.fixed()?.to_raw()?;
         Some((value & 0xFFFF) as u16)
     }

@@ -40,7 +40,7 @@ impl ObjectCode {
         })
     }
 
-    /// Whether the value is at sub-index 0 itself, not behind a count of entries.
+    /// Whether the value is at sub-index 0 itself, not after a count of entries.
     pub const fn is_single(self) -> bool {
         !matches!(self, Self::ARRAY | Self::RECORD | Self::DEFSTRUCT)
     }

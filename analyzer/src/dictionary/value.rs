@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::data_type::{DataClass, DataType};
+use canvass_traces::hex;
 
 /// A value, by what its data type says it is. Numbers of all lengths share one variant; the length is in the
 /// [`DataType`], which goes with the value wherever it is encoded.
@@ -45,7 +46,7 @@ pub struct DaysAndMilliseconds {
 /// Why bytes are no value of a data type, or a value has no encoding in it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ValueError {
-    /// The number of bytes is another than the data type's.
+    /// The number of bytes is not that of the data type.
     #[error("{data_type} has {expected} bytes, found {found}")]
     Length {
         /// The data type asked for.
@@ -209,7 +210,7 @@ impl fmt::Display for Value {
                 f,
                 char::decode_utf16(units.iter().copied()).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)),
             ),
-            Self::OctetString(bytes) | Self::Domain(bytes) => hexadecimal(f, bytes),
+            Self::OctetString(bytes) | Self::Domain(bytes) => hex::spaced(bytes).fmt(f),
             Self::TimeOfDay(time) => write!(f, "day {} + {} ms", time.days, time.milliseconds),
             Self::TimeDifference(time) => write!(f, "{} days + {} ms", time.days, time.milliseconds),
         }
@@ -222,14 +223,6 @@ fn quoted(f: &mut fmt::Formatter<'_>, characters: impl Iterator<Item = char>) ->
         write!(f, "{}", character.escape_debug())?;
     }
     f.write_str("\"")
-}
-
-fn hexadecimal(f: &mut fmt::Formatter<'_>, bytes: &[u8]) -> fmt::Result {
-    for (position, byte) in bytes.iter().enumerate() {
-        let space = if position == 0 { "" } else { " " };
-        write!(f, "{space}{byte:02X}")?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

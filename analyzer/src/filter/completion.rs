@@ -6,7 +6,7 @@ use crate::message::Service;
 
 /// What joins tests, and what stands before one.
 const WORDS: [&str; 5] = ["and ", "or ", "not ", "in ", "("];
-/// What a number or a name is held against.
+/// What a number or a name is compared with.
 const OPERATORS: [&str; 2] = ["=", " in "];
 
 /// A word that no filter has but as a name.

@@ -2,7 +2,7 @@
 
 use super::parser::{self, FilterError};
 use crate::message::{Message, Service};
-use crate::network::Decoded;
+use crate::network::{Decoded, Steady};
 use crate::wire::sdo::{Request, Response};
 use canvass_traces::{Direction, Record};
 use std::ops::RangeInclusive;
@@ -84,6 +84,11 @@ impl Filter {
     pub fn matches(&self, subject: &Subject<'_>) -> bool {
         self.0.matches(subject)
     }
+
+    /// Whether neither this frame passes nor any that is like it.
+    pub fn refuses_alike(&self, subject: &Subject<'_>, steady: Steady) -> bool {
+        self.0.of_alike(subject, steady) == Some(false)
+    }
 }
 
 impl Expression {
@@ -98,6 +103,26 @@ impl Expression {
             Self::Service { services, negated } => services.contains(&subject.decoded.service) != *negated,
             Self::Channel { names, negated } => names.iter().any(|name| name == subject.channel) != *negated,
             Self::Flag(flag) => flag.of(subject),
+        }
+    }
+}
+
+impl Expression {
+    /// What it says of all frames that are like this one; nothing where they differ.
+    fn of_alike(&self, subject: &Subject<'_>, steady: Steady) -> Option<bool> {
+        let decided = |terms: &[Self], by: bool| {
+            let told: Vec<Option<bool>> = terms.iter().map(|term| term.of_alike(subject, steady)).collect();
+            if told.contains(&Some(by)) { Some(by) } else { (!told.contains(&None)).then_some(!by) }
+        };
+        match self {
+            Self::Or(terms) => decided(terms, true),
+            Self::And(terms) => decided(terms, false),
+            Self::Not(term) => term.of_alike(subject, steady).map(|told| !told),
+            Self::Number { field: NumberField::Len, .. } | Self::Flag(Flag::Tx | Flag::Rx) => None,
+            Self::Number { field: NumberField::Id, .. } if steady == Steady::Extended => None,
+            Self::Number { .. } | Self::Service { .. } | Self::Channel { .. } | Self::Flag(_) => {
+                Some(self.matches(subject))
+            }
         }
     }
 }

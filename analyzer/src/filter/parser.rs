@@ -87,7 +87,7 @@ fn conjunction(input: &str, depth: usize) -> Parsed<'_, Expression> {
     Ok((rest, one_or(terms, Expression::And)))
 }
 
-/// One or more with something between them, behind which there must be another.
+/// One or more with something between them, after which there must be another.
 fn joined<'a, T>(
     input: &'a str,
     mut between: impl Parser<&'a str, Output = &'a str, Error = Mistake<'a>>,
@@ -225,7 +225,7 @@ fn range(input: &str) -> Parsed<'_, RangeInclusive<u32>> {
     }
 }
 
-/// Decimal, or hexadecimal with 0x in front or h behind.
+/// Decimal, or hexadecimal with 0x before it or h after it.
 fn number(input: &str) -> Parsed<'_, u32> {
     let expected = "a number such as 63, 0x3F or 3Fh";
     let (rest, digits) = match preceded(multispace0::<_, Mistake<'_>>, take_while1(alphanumeric)).parse(input) {

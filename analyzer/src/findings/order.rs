@@ -1,7 +1,7 @@
 //! Puts records in the order of their times.
 //!
 //! Kernels with several processors, and adapters with several controllers, hand over frames that have come at nearly the
-//! same time in another order. Who looks at them one after the other takes an answer for one to an earlier request.
+//! same time in another order. Taken one after the other, an answer seems to belong to an earlier request.
 
 use canvass_traces::{Duration, Place, Record, Timestamp};
 

@@ -1,4 +1,4 @@
-//! What is found within the cases of a conformance run, as its markers cut the capture: it was provoked, and is told with the
+//! What is found within the cases of a conformance run, as its markers cut the capture: it was provoked, and is reported with the
 //! case that did it.
 
 use super::finding::Finding;

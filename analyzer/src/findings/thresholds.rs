@@ -10,7 +10,7 @@ use std::fmt;
 /// A number that a rule compares with.
 #[derive(Debug)]
 pub struct Threshold {
-    /// Its name, behind the rule's id and a dot.
+    /// Its name, after the rule's id and a dot.
     pub name: &'static str,
     /// What it is unless it is set.
     pub default: u64,

@@ -34,6 +34,8 @@ pub struct Bus {
     pub(super) values: Room,
     /// The next frame begins a new list of events.
     pub(super) handled: bool,
+    /// Counts what changes the meaning of frames to come, beside their CAN-IDs.
+    pub(super) turn: u64,
 }
 
 /// What all buses share.
@@ -85,6 +87,7 @@ impl Bus {
             room: rooms.shown,
             values: rooms.values,
             handled: false,
+            turn: 0,
         }
     }
 

@@ -62,6 +62,8 @@ pub struct CobIds {
     moved: BTreeSet<(u32, u16)>,
     /// How many frames more did not fit a learned use than did, by CAN-ID.
     misfits: BTreeMap<u16, u16>,
+    /// How often a use has changed.
+    changes: u64,
 }
 
 impl Default for CobIds {
@@ -70,6 +72,7 @@ impl Default for CobIds {
             table: (0..=0x7FF).map(|id| (predefined(id), Source::Predefined)).collect(),
             moved: BTreeSet::new(),
             misfits: BTreeMap::new(),
+            changes: 0,
         }
     }
 }
@@ -79,6 +82,12 @@ impl CobIds {
     #[inline]
     pub fn get(&self, can_id: u16) -> (Use, Source) {
         self.table.get(usize::from(can_id)).copied().unwrap_or((Use::Unknown, Source::Predefined))
+    }
+
+    /// How often the use of a CAN-ID has changed.
+    #[inline]
+    pub const fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// The CAN-ID of a use, the lowest if there are several.
@@ -108,6 +117,7 @@ impl CobIds {
     fn set(&mut self, can_id: u16, entry: (Use, Source)) {
         let Some(place) = self.table.get_mut(usize::from(can_id)) else { return };
         let before = std::mem::replace(place, entry);
+        self.changes += u64::from(before != entry);
         self.moved.remove(&(rank(before.0), can_id));
         if entry != (predefined(can_id), Source::Predefined) && entry.0 != Use::Unknown {
             self.moved.insert((rank(entry.0), can_id));

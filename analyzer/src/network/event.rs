@@ -18,7 +18,7 @@ pub enum Event {
     /// holds it as [`Bus::left_transfer`](super::Bus::left_transfer).
     TransferLeft(ChannelIndex),
     /// A node's state changed, or is known now.
-    StateChanged(NodeId, Change),
+    StateChanged(NodeId, StateChange),
     /// A node sent an EMCY.
     Emergency(NodeId, Emergency),
     /// A message of layer setting (LSS or LMT); the frame has its meaning.
@@ -51,7 +51,7 @@ pub enum Event {
 
 /// A change of a node's NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Change {
+pub struct StateChange {
     /// The state before, where it was known.
     pub from: Option<State>,
     /// The state now.

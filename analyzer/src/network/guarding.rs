@@ -22,6 +22,11 @@ impl Guarding {
         self.asked = Some(now);
     }
 
+    /// Whether the last message was a heartbeat, and the next one is, too, if it has no toggle bit.
+    pub const fn beats(&self) -> bool {
+        self.beats && !self.toggle && self.asked.is_none()
+    }
+
     /// Takes a message other than a boot-up, and says whether it is an answer: it was asked for, or it has the toggle
     /// bit, or follows one that has it, as where a recorder leaves remote frames out. One request makes no node a
     /// guarded one: a tool may ask a producer of heartbeats.

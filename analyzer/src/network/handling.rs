@@ -2,7 +2,7 @@
 
 use super::bus::Bus;
 use super::cob_ids::{Source, Use};
-use super::event::{Change, Emergency, Event};
+use super::event::{Emergency, Event, StateChange};
 use super::node::Cause;
 use super::sdo::{Channel, ChannelIndex, Step, Violation};
 use super::{Decoded, configured, learning};
@@ -183,10 +183,11 @@ impl Bus {
 
     /// Takes an NMT command as obeyed: error control shows soon enough if it was not.
     fn commanded(&mut self, id: NodeId, command: Command) -> Option<Event> {
+        self.turn += 1;
         let node = self.node_mut(id);
         let from = node.state.map(|state| state.0);
         let to = node.obey(command)?;
-        let event = Event::StateChanged(id, Change { from, to, cause: Cause::Command });
+        let event = Event::StateChanged(id, StateChange { from, to, cause: Cause::Command });
         if from != Some(to) {
             self.events.push(event);
         }
@@ -216,7 +217,7 @@ impl Bus {
         let from = node.state.map(|from| from.0);
         node.state = Some((to, cause));
         let changed = cause == Cause::BootUp || from != Some(to);
-        let event = changed.then_some(Event::StateChanged(id, Change { from, to, cause }));
+        let event = changed.then_some(Event::StateChanged(id, StateChange { from, to, cause }));
         self.events.extend(event);
         if cause == Cause::BootUp {
             self.started(id);
@@ -267,7 +268,7 @@ impl Bus {
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
-        // Works out the layout if it is new: who shows the PDO finds it in the node.
+        // Works out the layout if it is new: renderings of the PDO find it in the node.
         let node = self.node_mut(id);
         node.layout(id, number);
         if node.addressing(number).is_none() {

@@ -12,6 +12,7 @@ use super::{configured, recognition};
 use crate::dictionary::{DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::object;
+use crate::object::encoder;
 use crate::wire::pdo::MappingEntry;
 use crate::wire::srdo::{self, Half};
 use crate::{CobId, Multiplexer, NodeId};
@@ -98,8 +99,9 @@ fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: 
         return;
     }
     let before = pdo.map(|pdo| node.mapping(server, pdo));
-    node.learn(object, value, shown);
+    let lays_out = node.learn(object, value, shown);
     let after = pdo.map(|pdo| node.mapping(server, pdo));
+    bus.turn += u64::from(lays_out);
     if let Some(pdo) = pdo
         && before != after
     {
@@ -141,6 +143,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
         }
     }
     let (places, mappings) = (places(bus, node), mappings(bus, node));
+    bus.turn += 1;
     let state = bus.node_mut(node);
     let before = state.parameters().count();
     state.restart();
@@ -176,6 +179,7 @@ pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>)
     if bus.node_mut(node).parameters().next().is_some() {
         return described_late(bus, node, device, None);
     }
+    bus.turn += 1;
     bus.node_mut(node).describe(Arc::clone(device));
     from_description(bus, node, &device.description);
 }
@@ -188,6 +192,7 @@ pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>)
 
 fn described_late(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>, event: Option<Event>) {
     let (places, announced) = (places(bus, node), bus.events.len());
+    bus.turn += 1;
     bus.node_mut(node).describe(Arc::clone(device));
     from_description(bus, node, &device.description);
     let parameters: Vec<_> = bus.node_mut(node).parameters().collect();
@@ -223,6 +228,7 @@ fn take_over_description(bus: &mut Bus, from: NodeId, to: NodeId) {
     let Some(known) = bus.node(from) else { return };
     let Some(device) = known.device.clone() else { return };
     let recognition = known.recognition.clone();
+    bus.turn += 1;
     let node = bus.node_mut(to);
     if node.device.is_none() {
         node.describe(Arc::clone(&device));
@@ -278,7 +284,8 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
 
 /// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
 fn is_learned(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000..=0x1FFF | 0x6200 | 0x6502) || is_scaling_parameter(object)
+    matches!(object.index.0, 0x1000..=0x1FFF | encoder::CYCLIC_TIMER | encoder::NUMBER_OF_REVOLUTIONS)
+        || is_scaling_parameter(object)
 }
 
 /// Gives a COB-ID parameter's CAN-ID its use.

@@ -21,14 +21,16 @@ mod recognition;
 mod scaling;
 pub mod sdo;
 mod srdo_pairs;
+mod steady;
 
 pub use bus::Bus;
 pub use cob_ids::{Source, Use};
-pub use event::{Change, Emergency, Event, Exchange, Move};
+pub use event::{Emergency, Event, Exchange, Move, StateChange};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
 pub use open_errors::OpenErrors;
 pub use recognition::{Candidate, Candidates, Fact, Recognition, Shown};
+pub use steady::{Skipping, Steady};
 
 use crate::dictionary::KnownDevice;
 use crate::message::{Message, PdoNumber, Service};

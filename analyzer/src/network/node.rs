@@ -10,6 +10,7 @@ use crate::network::layouts::Layouts;
 use crate::network::recognition::{self, Recognition};
 use crate::network::scaling;
 use crate::object;
+use crate::object::encoder;
 use crate::wire::error_control::State;
 use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
@@ -110,8 +111,8 @@ impl Node {
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
-    /// Notes a communication parameter that the trace has shown.
-    pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) {
+    /// Notes a communication parameter that the trace has shown, and says whether that changes how process data are laid out.
+    pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) -> bool {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
         if shown == Shown::Read && !written {
             // Not written since the start: it was there before, so a reset will bring it back.
@@ -121,10 +122,11 @@ impl Node {
         let before = self.parameters.insert(object, (value, shown)).map(|before| before.0);
         let is_mapping =
             PdoNumber::of_mapping_index(object.index.0).is_some() || matches!(object.index.0, 0x1381..=0x13C0);
-        let lays_out = is_mapping || scaling::is_scaling_parameter(object);
-        if lays_out && before != Some(value) {
+        let lays_out = (is_mapping || scaling::is_scaling_parameter(object)) && before != Some(value);
+        if lays_out {
             self.forget_layouts();
         }
+        lays_out
     }
 
     /// Parameters were stored by that sub-index of 1010h: a reset does not change them any more.
@@ -142,8 +144,15 @@ impl Node {
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
         // Device type, identity and resolution are the device's own: no default changes them.
-        self.stored
-            .retain(|object, _| matches!(object.index.0, object::DEVICE_TYPE | object::IDENTITY | 0x6501 | 0x6507));
+        self.stored.retain(|object, _| {
+            matches!(
+                object.index.0,
+                object::DEVICE_TYPE
+                    | object::IDENTITY
+                    | encoder::SINGLE_TURN_RESOLUTION
+                    | encoder::PROFILE_AND_SOFTWARE_VERSION
+            )
+        });
     }
 
     /// The node started anew: with what is stored, as far as the trace has shown that.

@@ -8,6 +8,7 @@
 use super::number::number;
 use crate::dictionary::{KnownDevice, Value};
 use crate::object;
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -53,7 +54,7 @@ impl Candidates {
         PRODUCT,
         Multiplexer::new(object::IDENTITY, 3),
         Multiplexer::new(object::IDENTITY, 4),
-        Multiplexer::new(0x6507, 0),
+        Multiplexer::new(encoder::PROFILE_AND_SOFTWARE_VERSION, 0),
     ];
 
     /// The models that a node may be that has shown this: nothing contradicts them, and something speaks for them.
@@ -176,7 +177,7 @@ pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usiz
     let all = candidates.iter().enumerate();
     let mut fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?)));
     let (place, first, by) = fitting.next()?;
-    // Who says what a node is need not rule out the models that nobody named.
+    // Where the user says what a node is, other models need not be ruled out.
     let others: Vec<_> =
         fitting.map(|(_, candidate, _)| candidate).filter(|other| other.is_said || !first.is_said).collect();
     others.iter().all(|other| first.has_pdos_of(other)).then(|| {

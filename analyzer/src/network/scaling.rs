@@ -5,6 +5,7 @@ use super::node::Node;
 use crate::dictionary::Unit;
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::object;
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId};
 use std::borrow::Cow;
 
@@ -13,7 +14,17 @@ const KUEBLER: u32 = 0x13;
 
 /// Whether the values of other objects depend on that object.
 pub const fn is_scaling_parameter(object: Multiplexer) -> bool {
-    matches!(object.index.0, object::DEVICE_TYPE | 0x6000 | 0x6001 | 0x6005 | 0x6031 | 0x6500 | 0x6501 | 0x6507)
+    matches!(
+        object.index.0,
+        object::DEVICE_TYPE
+            | encoder::OPERATING_PARAMETERS
+            | encoder::UNITS_PER_REVOLUTION
+            | encoder::MEASURING_STEPS
+            | encoder::SPEED_PARAMETER
+            | encoder::OPERATING_STATUS
+            | encoder::SINGLE_TURN_RESOLUTION
+            | encoder::PROFILE_AND_SOFTWARE_VERSION
+    )
 }
 
 /// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
@@ -24,8 +35,8 @@ pub fn scale(node: &Node, id: NodeId, object: Multiplexer) -> Option<Unit> {
     }
     let of = |index, sub| node.parameter(id, Multiplexer::new(index, sub));
     match object.index.0 {
-        0x6030 => speed(node, of),
-        0x600C => position(of, true),
+        encoder::SPEED_VALUE => speed(node, of),
+        encoder::POSITION_RAW_VALUE => position(of, true),
         _ => position(of, false),
     }
 }
@@ -33,10 +44,17 @@ pub fn scale(node: &Node, id: NodeId, object: Multiplexer) -> Option<Unit> {
 /// Positions, limits and offsets of positions, speeds.
 const fn may_scale(object: Multiplexer) -> bool {
     match object.index.0 {
-        0x6003 | 0x6004 | 0x600C | 0x6509 => object.sub.0 == 0,
-        0x6010 | 0x6020 | 0x6030 | 0x6310..=0x6317 | 0x6320..=0x6327 | 0x6330..=0x6337 | 0x6401 | 0x6402 => {
-            object.sub.0 != 0
+        encoder::PRESET_VALUE | encoder::POSITION_VALUE | encoder::POSITION_RAW_VALUE | encoder::OFFSET_VALUE => {
+            object.sub.0 == 0
         }
+        encoder::CHANNEL_PRESET_VALUES
+        | encoder::CHANNEL_POSITION_VALUES
+        | encoder::SPEED_VALUE
+        | 0x6310..=0x6317
+        | 0x6320..=0x6327
+        | 0x6330..=0x6337
+        | encoder::WORK_AREA_LOW_LIMIT
+        | encoder::WORK_AREA_HIGH_LIMIT => object.sub.0 != 0,
         _ => false,
     }
 }
@@ -46,21 +64,23 @@ fn position(of: impl Fn(u16, u8) -> Option<u32>, raw: bool) -> Option<Unit> {
     match of(object::DEVICE_TYPE, 0)? >> 16 {
         // Rotary: 01h to 05h of CiA 406; 0Bh of newer devices.
         0x01..=0x05 | 0x0B => {
-            let physical = || of(0x6501, 0);
+            let physical = || of(encoder::SINGLE_TURN_RESOLUTION, 0);
             // Bit 2 switches the scaling function.
-            let scaled = of(0x6000, 0).or_else(|| of(0x6500, 0)).map(|operating| operating & 4 != 0);
+            let scaled = of(encoder::OPERATING_PARAMETERS, 0)
+                .or_else(|| of(encoder::OPERATING_STATUS, 0))
+                .map(|operating| operating & 4 != 0);
             let steps = match scaled {
                 _ if raw => physical(),
                 Some(false) => physical(),
-                Some(true) | None => of(0x6001, 0),
+                Some(true) | None => of(encoder::UNITS_PER_REVOLUTION, 0),
             };
             let steps = steps.filter(|&steps| steps > 0)?;
             Some(unit(360.0 / f64::from(steps), Cow::Borrowed("°")))
         }
         // Linear: 08h and 09h. 6005h:01 counts in steps of 0.001 µm, and so does 6501h.
         0x08 | 0x09 => {
-            let configured = of(0x6005, 1).filter(|_| !raw);
-            let nanometres = configured.or_else(|| of(0x6501, 0)).filter(|&step| step > 0)?;
+            let configured = of(encoder::MEASURING_STEPS, 1).filter(|_| !raw);
+            let nanometres = configured.or_else(|| of(encoder::SINGLE_TURN_RESOLUTION, 0)).filter(|&step| step > 0)?;
             Some(unit(f64::from(nanometres) / 1e6, Cow::Borrowed("mm")))
         }
         _ => None,
@@ -75,7 +95,10 @@ fn speed(node: &Node, of: impl Fn(u16, u8) -> Option<u32>) -> Option<Unit> {
         Some(rpm) if rpm == "rpm" => Some(unit(1.0, rpm)),
         _ => {
             // speed = steps / s * multiplier / divisor
-            let (multiplier, divisor) = (of(0x6031, 3).filter(|&m| m > 0), of(0x6031, 4).filter(|&d| d > 0));
+            let (multiplier, divisor) = (
+                of(encoder::SPEED_PARAMETER, 3).filter(|&m| m > 0),
+                of(encoder::SPEED_PARAMETER, 4).filter(|&d| d > 0),
+            );
             match (multiplier.zip(divisor), format) {
                 (Some((multiplier, divisor)), _) => {
                     Some(unit(f64::from(divisor) / f64::from(multiplier), Cow::Borrowed("steps/s")))
@@ -90,8 +113,8 @@ fn speed(node: &Node, of: impl Fn(u16, u8) -> Option<u32>) -> Option<Unit> {
 /// The state of the bit of 6000h that an annotation calls "Speed format".
 fn named_format(node: &Node, of: &impl Fn(u16, u8) -> Option<u32>) -> Option<Cow<'static, str>> {
     let device = node.device.as_ref()?;
-    let operating = of(0x6000, 0)?;
-    let annotation = device.manual.annotations.get(Multiplexer::new(0x6000, 0))?;
+    let operating = of(encoder::OPERATING_PARAMETERS, 0)?;
+    let annotation = device.manual.annotations.get(Multiplexer::new(encoder::OPERATING_PARAMETERS, 0))?;
     let bit = annotation.bits.iter().find(|bit| bit.name.starts_with("Speed format"))?;
     let state = if operating >> bit.bit.min(31) & 1 != 0 { Some(&bit.name) } else { bit.clear.as_ref() };
     Some(match state?.split_once(": ")?.1 {
@@ -106,8 +129,8 @@ fn format_of_kuebler(of: &impl Fn(u16, u8) -> Option<u32>) -> Option<Cow<'static
         return None;
     }
     // The low word of 6507h is the version of the profile: 0302h is 3.2.
-    let bit = if of(0x6507, 0)? as u16 >= 0x0400 { 12 } else { 13 };
-    let units_per_second = of(0x6000, 0)? >> bit & 1 != 0;
+    let bit = if of(encoder::PROFILE_AND_SOFTWARE_VERSION, 0)? as u16 >= 0x0400 { 12 } else { 13 };
+    let units_per_second = of(encoder::OPERATING_PARAMETERS, 0)? >> bit & 1 != 0;
     Some(Cow::Borrowed(if units_per_second { "steps/s" } else { "rpm" }))
 }
 

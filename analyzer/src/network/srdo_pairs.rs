@@ -5,7 +5,7 @@ use crate::wire::srdo::{Fit, Half, Pair, Srdo, is_inverse};
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::BTreeMap;
 
-/// The SRDO pairs of a bus. A pair is one only when the inverted data were seen behind the data; until then its
+/// The SRDO pairs of a bus. A pair is one only when the inverted data were seen after the data; until then its
 /// frames are of no known use.
 #[derive(Clone, Default)]
 pub struct SrdoPairs {

@@ -1,6 +1,6 @@
 //! The bit rate of a bus, inferred from frames that follow each other without a pause.
 //!
-//! When several nodes wait for the bus, the next frame begins right behind the intermission: the distance of two time
+//! When several nodes wait for the bus, the next frame begins right after the intermission: the distance of two time
 //! stamps is then the number of bits of the second frame, taken at the bit rate. Such pairs agree on one of the usual
 //! bit rates; all other pairs are further apart and agree on nothing.
 

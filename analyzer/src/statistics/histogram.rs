@@ -10,7 +10,7 @@ use canvass_traces::Duration;
 
 /// From 100 to 999.
 const BUCKETS: usize = 900;
-/// The first three digits of a time have at most so many digits behind them.
+/// The first three digits of a time have at most so many digits after them.
 const DECADES: usize = 18;
 
 /// How often which times occurred.
@@ -90,7 +90,7 @@ impl Histogram {
     }
 }
 
-/// The first three digits of a number, rounded, and how many digits come behind them.
+/// The first three digits of a number, rounded, and how many digits come after them.
 fn rounded(nanos: u64) -> (usize, usize) {
     let decade = nanos.checked_ilog10().unwrap_or(0).saturating_sub(2);
     let unit = 10_u64.pow(decade);

@@ -76,7 +76,7 @@ impl TestRun {
         for CaseMark { id, verdict } in CaseMark::all(comment) {
             let name = CaseName::Id(id.into());
             let verdict = verdict.map(Arc::from);
-            // The frame behind the end of a case is none of it.
+            // The frame after the end of a case is none of it.
             match self.open(&name).filter(|_| verdict.is_some()) {
                 Some(open) => open.verdict = verdict,
                 None if room.take(2 * id.len()) => self.begin(name, verdict, now, place, room),

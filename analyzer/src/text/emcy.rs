@@ -1,4 +1,4 @@
-//! EMCY messages in words: those of CiA 301, and behind them those of the device's manual.
+//! EMCY messages in words: those of CiA 301, and after them those of the device's manual.
 
 use super::escaped::Escaped;
 use crate::NodeId;

@@ -8,6 +8,7 @@
 //! CiA 301 V4 send as boot-up.
 
 use super::{Malformed, Wire};
+use canvass_traces::hex;
 use nom::IResult;
 use std::fmt;
 
@@ -241,10 +242,10 @@ impl fmt::Display for Emcy {
         if let Some(register) = self.register() {
             write!(f, ", register {register}")?;
         }
-        for (n, byte) in self.manufacturer().iter().enumerate() {
-            write!(f, "{}{byte:02X}", if n == 0 { ", data " } else { " " })?;
+        match self.manufacturer() {
+            [] => Ok(()),
+            bytes => write!(f, ", data {}", hex::spaced(bytes)),
         }
-        Ok(())
     }
 }
 

@@ -157,7 +157,7 @@ impl fmt::Display for ErrorFrame {
         f.write_str("error frame")?;
         let mut separator = ": ";
         for (class, name) in ErrorClass::NAMES {
-            // The counters are told at the end, with or without their class bit.
+            // The counters are reported at the end, with or without their class bit.
             if self.has(class) && class != Self::COUNTERS {
                 write!(f, "{separator}{name}")?;
                 self.detail(class, f)?;

@@ -9,6 +9,7 @@
 //! four numbers of LSS; that it was addressed, it does not answer. The rest is [`layer_setting`].
 
 use super::{Malformed, layer_setting, named};
+use canvass_traces::hex;
 use layer_setting::{Dialect, Limit, Protocol, Value, numbered};
 use nom::{IResult, Parser, bytes::complete::take};
 use std::fmt::{self, Display};
@@ -115,7 +116,7 @@ impl Dialect for Lmt {
     fn words(part: Part, Seven(bytes): Seven) -> impl Display {
         fmt::from_fn(move |f| {
             if part == Part::SerialNumber {
-                return bytes.iter().try_for_each(|byte| write!(f, "{byte:02X}"));
+                return hex::compact(&bytes).fmt(f);
             }
             let filled = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
             write!(f, "\"{}\"", bytes[..filled].escape_ascii())

@@ -4,7 +4,7 @@
 //! encoder and the text. What a frame means beyond itself (which object, which transfer) is the network's
 //! matter.
 //!
-//! What is illegal is represented, not refused, wherever its meaning can be told: unknown command specifiers,
+//! What is illegal is represented, not refused, wherever its meaning is known: unknown command specifiers,
 //! reserved codes and surplus bytes pass through, because a trace shows what was on the bus and a test must be
 //! able to send it.
 

@@ -43,12 +43,12 @@ impl Eds {
         self.headers().into_iter().find(|&header| self.name(header).eq_ignore_ascii_case(name))
     }
 
-    /// The line behind a section.
+    /// The line after a section.
     pub fn end(&self, header: usize) -> usize {
         self.headers().into_iter().find(|&other| other > header).unwrap_or(self.lines.len())
     }
 
-    /// The line behind the last field of a section.
+    /// The line after the last field of a section.
     pub fn last(&self, header: usize) -> usize {
         self.fields(header).last().map_or(header, |&line| line) + 1
     }

@@ -35,7 +35,7 @@ fn any(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     dice.pick(&all)
 }
 
-/// Puts a line somewhere behind that one in its section.
+/// Puts a line somewhere after that one in its section.
 fn behind(eds: &mut Eds, dice: &mut Dice, line: usize, text: String) -> Place {
     let last = eds.last(header_of(eds, line));
     let at = dice.between(line as u64 + 1, last as u64) as usize;
@@ -74,7 +74,7 @@ fn name(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     dice.pick(&fields(eds, &["ParameterName"]))
 }
 
-/// Removes a field: what is missing is told at its section.
+/// Removes a field: what is missing is reported at its section.
 fn remove(eds: &mut Eds, line: usize) -> Place {
     let header = header_of(eds, line);
     eds.lines.remove(line);

@@ -60,7 +60,7 @@ fn line_ends(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         let next = eds.lines.remove(line + 1);
         eds.lines[line] += &format!("\r{next}");
     }
-    // It is told at the beginning.
+    // It is reported at the beginning.
     Some(Place::Line(0))
 }
 
@@ -121,7 +121,7 @@ fn half_read(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     for _ in 0..eds.lines.len() {
         unread(eds, dice);
     }
-    // It is told at the beginning.
+    // It is reported at the beginning.
     Some(Place::Line(0))
 }
 

@@ -168,7 +168,7 @@ fn an_inferred_bit_rate_fits_the_frames() {
     assert!(bus.peak_load().is_some_and(|(_, percent)| percent <= 100.0), "{:?}", bus.peak_load());
     let said = diagnose(&traffic.records(), |diagnosis| diagnosis.set_bit_rate(250_000));
     let load = said.findings.iter().find(|finding| finding.rule.id == "bus/load").expect("the load");
-    assert!(load.message.contains("the bit rate is another"), "{}", load.message);
+    assert!(load.message.contains("the bit rate must be higher"), "{}", load.message);
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn response_times_count_from_the_first_request() {
     assert_eq!(node.responses.count(), 1);
 }
 
-/// What a conformance test provokes is told with the case that provoked it.
+/// What a conformance test provokes is reported with the case that provoked it.
 #[test]
 fn findings_in_a_certification_run_name_their_case() {
     let mut traffic = Traffic::default();

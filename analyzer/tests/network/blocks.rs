@@ -73,7 +73,7 @@ fn bytes_count_when_they_are_confirmed() {
 /// An exchange before, so that the capture can't have begun in the middle of a transfer.
 const BEFORE: [Line; 2] = [right("605#40 18 10 01 00 00 00 00"), right("585#43 18 10 01 13 00 00 00")];
 
-/// What belongs to another place of the transfer is told, and changes nothing: the transfer goes on.
+/// What belongs to another place of the transfer is reported, and changes nothing: the transfer goes on.
 #[test]
 fn a_message_of_another_place_is_told() {
     let start = "605#A3 00 00 00 00 00 00 00";
@@ -111,7 +111,7 @@ fn a_message_of_another_place_is_told() {
     }
 }
 
-/// An end that comes while more was due ends the transfer, and is told.
+/// An end that comes while more was due ends the transfer, and is reported.
 #[test]
 fn an_early_end_ends_it() {
     for place in [2, 3, 4, 5, 6, 7, 8] {
@@ -130,7 +130,7 @@ fn an_early_end_ends_it() {
     }
 }
 
-/// Segments are numbered from 1 in every sub-block. One that is left out, or comes twice, is told; the transfer is
+/// Segments are numbered from 1 in every sub-block. One that is left out, or comes twice, is reported; the transfer is
 /// blamed only when the receiver confirms what the capture has not.
 #[test]
 fn numbers_of_segments_go_up_by_one() {

@@ -1,20 +1,12 @@
 //! What is known of devices before the capture: descriptions, and models that are recognised.
 
 use crate::trace::Trace;
+use crate::{events, node};
 use canvass_analyzer::dictionary::{BitName, DeviceDescription, KnownDevice};
 use canvass_analyzer::network::{Candidate, Candidates, Event, Fact, Move, Source, Use};
 use canvass_analyzer::{Multiplexer, NodeId, PdoNumber};
 use canvass_traces::ChannelId;
 use std::sync::Arc;
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
 
 /// A description of some objects, each of 32 bits: index, sub-index, value.
 fn device(objects: &[(u16, u8, &str)]) -> KnownDevice {

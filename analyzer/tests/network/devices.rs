@@ -1,9 +1,10 @@
 //! Devices that are recognised, that get another node-ID or bit rate by objects of their own, or that speak LMT.
 
 use crate::trace::Trace;
+use crate::{events, node};
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, Settings};
 use canvass_analyzer::network::{Candidate, Candidates, Event, Fact};
-use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Duration};
 use std::sync::Arc;
 
@@ -68,10 +69,6 @@ AccessType=ro
 PDOMapping=1
 ";
 
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
 fn described() -> KnownDevice {
     let mut device = KnownDevice::described(DeviceDescription::read(EDS.as_bytes()).unwrap());
     device.manual.settings = Settings {
@@ -88,11 +85,6 @@ fn offering() -> Trace {
     let mut trace = Trace::new();
     trace.network.offer(Candidates::new(|| [Candidate::of("model", Arc::new(described()))].into()));
     trace
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
 }
 
 #[test]

@@ -1,21 +1,13 @@
 //! Dialogues of layer setting, and what follows from the states and errors that nodes show.
 
 use crate::trace::Trace;
-use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange};
+use crate::{events, node};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::network::{Cause, Emergency, Event, Exchange, StateChange};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::Emcy;
 use canvass_analyzer::wire::error_control::State;
-use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_traces::{ChannelId, Duration, Timestamp};
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
+use canvass_traces::{Duration, Timestamp};
 
 fn asked(unanswered: bool) -> Event {
     Event::LayerSetting(Exchange::Request { unanswered })
@@ -115,7 +107,7 @@ fn a_command_to_all_changes_the_nodes_that_are_known() {
     trace.say("707#00");
     let to = |id, state| {
         let from = Some(State::PRE_OPERATIONAL);
-        Event::StateChanged(node(id), Change { from, to: state, cause: Cause::Command })
+        Event::StateChanged(node(id), StateChange { from, to: state, cause: Cause::Command })
     };
     assert_eq!(events(&mut trace, "000#01 00"), [to(5, State::OPERATIONAL), to(7, State::OPERATIONAL)]);
     assert_eq!(events(&mut trace, "000#01 00"), [], "they are operational already");
@@ -128,7 +120,7 @@ fn a_command_to_all_changes_the_nodes_that_are_known() {
 #[test]
 fn a_state_is_news_once() {
     let mut trace = Trace::new();
-    let change = |from, to| Event::StateChanged(node(5), Change { from, to, cause: Cause::ErrorControl });
+    let change = |from, to| Event::StateChanged(node(5), StateChange { from, to, cause: Cause::ErrorControl });
     assert_eq!(events(&mut trace, "705#05"), [change(None, State::OPERATIONAL)]);
     assert_eq!(events(&mut trace, "705#05"), []);
     assert_eq!(events(&mut trace, "705#7F"), [change(Some(State::OPERATIONAL), State::PRE_OPERATIONAL)]);
@@ -156,7 +148,7 @@ fn an_error_has_an_age() {
 #[test]
 fn two_kinds_of_boot_up_are_one_start() {
     let started = |from| {
-        let change = Change { from, to: State::PRE_OPERATIONAL, cause: Cause::BootUp };
+        let change = StateChange { from, to: State::PRE_OPERATIONAL, cause: Cause::BootUp };
         Event::StateChanged(node(5), change)
     };
     let mut trace = Trace::new();
@@ -170,7 +162,7 @@ fn two_kinds_of_boot_up_are_one_start() {
     assert_eq!(events(&mut trace, "085#"), [started(Some(State::PRE_OPERATIONAL))]);
 }
 
-/// The object that was written is told where it is the manufacturer's that sets the node-ID: not without one.
+/// The object that was written is reported where it is the manufacturer's that sets the node-ID: not without one.
 #[test]
 fn a_transfer_names_its_object() {
     let mut trace = Trace::new();

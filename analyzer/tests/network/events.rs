@@ -1,20 +1,11 @@
 //! What frames bring about on their bus.
 
 use crate::trace::Trace;
+use crate::{events, node, select_node_63};
+use canvass_analyzer::PdoNumber;
 use canvass_analyzer::network::sdo::Outcome;
 use canvass_analyzer::network::{Event, Exchange, Move, Source, Use};
-use canvass_analyzer::{NodeId, PdoNumber};
 use canvass_traces::{ChannelId, Duration};
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-/// What the frame brings about.
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
 
 #[test]
 fn a_frame_begins_a_new_list() {
@@ -28,13 +19,7 @@ fn a_frame_begins_a_new_list() {
 #[test]
 fn a_new_node_id_is_followed_by_the_lss_address() {
     let mut trace = Trace::new();
-    for (sub, value) in (1..).zip(["13", "F1", "66", "A5"]) {
-        trace.say(&format!("63F#40 18 10 0{sub} 00 00 00 00"));
-        trace.say(&format!("5BF#43 18 10 0{sub} {value} 00 00 00"));
-    }
-    for (command, value) in (0x40..).zip(["13", "F1", "66", "A5"]) {
-        trace.say(&format!("7E5#{command:02X} {value} 00 00 00 00 00 00"));
-    }
+    select_node_63(&mut trace);
     trace.say("7E4#44 00 00 00 00 00 00 00");
     trace.say("7E5#11 2A 00 00 00 00 00 00");
     trace.say("7E4#11 00 00 00 00 00 00 00");

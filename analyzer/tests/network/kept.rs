@@ -1,13 +1,10 @@
 //! What a node keeps over its next start: 1010h stores, 1011h restores the defaults (CiA 301, 7.5.2.13 and 7.5.2.14).
 
+use crate::node;
 use crate::trace::Trace;
+use canvass_analyzer::PdoNumber;
 use canvass_analyzer::network::{Event, Move, Source, Use};
-use canvass_analyzer::{NodeId, PdoNumber};
 use canvass_traces::ChannelId;
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
 
 /// Node 5 takes a value of four bytes.
 fn written(trace: &mut Trace, object: &str, value: &str) {

@@ -1,18 +1,9 @@
 //! Dialogues of LMT, and the addresses of LSS.
 
 use crate::trace::Trace;
-use canvass_analyzer::NodeId;
+use crate::{events, node, select_node_63};
 use canvass_analyzer::network::{Event, Exchange};
-use canvass_traces::{ChannelId, Duration};
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
+use canvass_traces::Duration;
 
 /// Each service of LMT that has an answer is missed when the next request comes first (CiA 205-2).
 #[test]
@@ -107,13 +98,7 @@ fn a_part_of_an_lss_address_is_too_few() {
 #[test]
 fn an_lss_address_belongs_to_the_slave_that_was_selected() {
     let mut trace = Trace::new();
-    for (sub, value) in (1..).zip(["13", "F1", "66", "A5"]) {
-        trace.say(&format!("63F#40 18 10 0{sub} 00 00 00 00"));
-        trace.say(&format!("5BF#43 18 10 0{sub} {value} 00 00 00"));
-    }
-    for (command, value) in (0x40..).zip(["13", "F1", "66", "A5"]) {
-        trace.say(&format!("7E5#{command:02X} {value} 00 00 00 00 00 00"));
-    }
+    select_node_63(&mut trace);
     trace.say("7E5#04 00 00 00 00 00 00 00");
     trace.say("7E5#04 01 00 00 00 00 00 00");
     trace.say("7E5#11 2A 00 00 00 00 00 00");

@@ -1,18 +1,10 @@
 //! What the network learns from SDO traffic, and what a boot-up makes it forget (CiA 301, 7.3.2.2.1).
 
 use crate::trace::Trace;
+use crate::{events, node};
 use canvass_analyzer::network::{Event, Move, Source, Use};
-use canvass_analyzer::{NodeId, PdoNumber, Service};
+use canvass_analyzer::{PdoNumber, Service};
 use canvass_traces::ChannelId;
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
 
 /// Node 5 takes a value of four bytes; what follows from it.
 fn written(trace: &mut Trace, object: &str, value: &str) -> Vec<Event> {

@@ -1,18 +1,10 @@
 //! Where services are on a bus, and what is no parameter of a node.
 
 use crate::trace::Trace;
+use crate::{events, node};
 use canvass_analyzer::network::{Event, Move, Source, Use};
-use canvass_analyzer::{Multiplexer, NodeId, PdoNumber};
+use canvass_analyzer::{Multiplexer, PdoNumber};
 use canvass_traces::{ChannelId, Duration, Timestamp};
-
-fn node(raw: u8) -> NodeId {
-    NodeId::new(raw).unwrap()
-}
-
-fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
-    trace.say(frame);
-    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
-}
 
 /// A message that is too short for a code is no end of an error.
 #[test]
@@ -85,7 +77,7 @@ fn a_start_brings_back_what_was_switched_off() {
     assert_eq!(started.iter().filter(|event| **event == back).count(), 1, "{started:?}");
 }
 
-/// The mapping that a start takes back is told once, however many entries it has.
+/// The mapping that a start takes back is reported once, however many entries it has.
 #[test]
 fn a_mapping_is_told_once() {
     let mut trace = Trace::new();
@@ -118,7 +110,7 @@ fn an_srdo_maps_up_to_64_objects() {
     }
 }
 
-/// Multiplexed PDOs that are too short are told, and their place is believed all the same: any bytes may be a PDO.
+/// Multiplexed PDOs that are too short are reported, and their place is believed all the same: any bytes may be a PDO.
 #[test]
 fn short_multiplexed_pdos_disprove_nothing() {
     let mut trace = Trace::new();

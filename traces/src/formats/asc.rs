@@ -29,7 +29,7 @@
 //! - `ErrorFrame` tells no class that is the same in all versions; it is read as a bus error without detail.
 //!
 //! A last line without line end is read if all that its DLC promises is there and can't be a part of a longer
-//! number; a `CANFD` row must go on behind its flags.
+//! number; a `CANFD` row must go on after its flags.
 
 use crate::formats::asc_row::{self, AscRow, Radix};
 use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
@@ -115,7 +115,7 @@ impl Asc {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
         if !matches!(rest.first(), Some(b' ' | b'\t')) {
-            return Err(line.damage(Expected::new(rest, "a space behind the time")));
+            return Err(line.damage(Expected::new(rest, "a space after the time")));
         }
         let before = if self.relative { self.now } else { Timestamp::ZERO };
         self.now = before.after(time).ok_or_else(|| line.malformed(LATEST))?;

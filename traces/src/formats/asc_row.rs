@@ -1,4 +1,4 @@
-//! The rows of Vector ASC behind their times.
+//! The rows of Vector ASC after their times.
 
 use crate::grammar::{Expected, Parsed, decimal, hex_byte, nibble, skip_blanks, word};
 use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp};
@@ -16,7 +16,7 @@ pub(crate) enum AscRow<'a> {
     Frame {
         channel: &'a [u8],
         record: Record,
-        /// The frame may go on if the file was cut behind this line.
+        /// The frame may go on if the file was cut after this line.
         in_doubt: bool,
     },
     /// A request to send.
@@ -49,7 +49,7 @@ const EVENTS: &[&[u8]] = &[
     b"KLine",
 ];
 
-/// What stands behind the channel in rows that are no frames.
+/// What stands after the channel in rows that are no frames.
 const CHANNEL_EVENTS: &[&[u8]] = &[b"Statistic:", b"J1939TP", b"J1939PG", b"OverloadFrame"];
 
 /// Class of an error frame that is not told more closely: a bus error, as Linux numbers it.
@@ -64,7 +64,7 @@ pub(crate) const FLAG_BRS: u32 = 0x2000;
 /// The sender is error passive.
 pub(crate) const FLAG_ESI: u32 = 0x4000;
 
-/// A row behind its time.
+/// A row after its time.
 pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     let (rest, first) = next_word(input, "an event")?;
     match first {
@@ -196,7 +196,7 @@ fn at_zero(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// The flags behind duration and bit count, where the row has them.
+/// The flags after duration and bit count, where the row has them.
 fn row_flags(input: &[u8]) -> (&[u8], Option<u32>) {
     let third = || {
         let (rest, _) = next_word(input, "a duration").ok()?;

@@ -2,8 +2,8 @@
 
 use crate::channel_numbers::ChannelNumbers;
 use crate::formats::asc_row::{BUS_ERROR, FLAG_BRS, FLAG_ESI, FLAG_FDF};
+use crate::hex::write_hex;
 use crate::local_time::date_of;
-use crate::notation::write_hex;
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{Direction, Flags, Loss, Losses, Record, TimeBase, WriteError, WriteOptions, Writer};
 use std::fmt::{self, Write as _};

@@ -80,7 +80,7 @@ impl LineFormat for Console {
     }
 }
 
-/// Whether these bytes behind the first one of a line, a space, are those of a frame.
+/// Whether these bytes after the first one of a line, a space, are those of a frame.
 fn is_frame(behind: &[u8]) -> bool {
     let whole = |line: &[u8]| start(line).is_ok_and(|(rest, start)| body(rest, start.id, start.flags).is_ok());
     // With a time, the first byte is its parenthesis.

@@ -9,10 +9,10 @@
 //! - The fraction has 6 or 9 digits. Times count from 1970, or with `-tz` from the first frame: a log that begins
 //!   before 1973 is taken to be of that kind.
 //! - The interface name is padded on its left to the longest name so far, so several spaces are normal.
-//! - `R` or `T` is the direction (`-x`). Another single word behind the frame is ignored, unless it is two hex
+//! - `R` or `T` is the direction (`-x`). Another single word after the frame is ignored, unless it is two hex
 //!   digits: then the bytes were written apart, and cutting them off would invent a shorter frame.
 //! - `DROPCOUNT: dropped N CAN frames on …` tells that the recorder lost frames; it is given as
-//!   [`crate::DamageKind::Dropped`]. Lines that begin with a tab behind an error frame are its explanation (`-e`).
+//!   [`crate::DamageKind::Dropped`]. Lines that begin with a tab after an error frame are its explanation (`-e`).
 //! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark are from people's editors. A line that would
 //!   be a frame if its first byte were another is no comment, but a damaged frame.
 //!
@@ -20,7 +20,7 @@
 //!
 //! Candump ends every line. A last line without end is either a file cut short or the work of an editor, and
 //! `123#11` may be the beginning of `123#1122`. Such a line is read only where its frame can't go on: it has all
-//! 8 data bytes (64 for CAN FD), a remote frame's length, a raw DLC, or a direction behind it. If lines before
+//! 8 data bytes (64 for CAN FD), a remote frame's length, a raw DLC, or a direction after it. If lines before
 //! it had a direction, it needs one too, and likewise the raw DLC, for which 8 bytes alone are then not enough.
 //! Otherwise it is reported as truncated: better to miss a frame aloud than to invent one.
 
@@ -30,8 +30,8 @@ use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::notation::{frame, write_frame};
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{
-    ChannelId, Channels, Damage, Direction, Flags, Frame, Loss, Losses, Place, ReadOptions, Reader, Record, Source,
-    TimeBase, Timestamp, WriteError, WriteOptions, Writer,
+    ChannelId, Channels, Damage, Direction, Flags, Frame, Loss, Losses, Place, ReadOptions, Reader, Record, SkipSet,
+    Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
 };
 use std::fmt::Write as _;
 use std::io::Write;
@@ -66,7 +66,7 @@ struct CandumpLog {
     names: Names,
 }
 
-/// What the frames so far had behind their data: the last line must have it too, if it has no end.
+/// What the frames so far had after their data: the last line must have it too, if it has no end.
 #[derive(Default)]
 struct Habits {
     direction: bool,
@@ -80,6 +80,14 @@ impl LineFormat for CandumpLog {
         self.explained = false;
         self.habits.direction |= usual.0.direction != Direction::Unknown;
         Some(usual)
+    }
+
+    #[inline]
+    fn skipped_line(&mut self, window: &[u8], skip: &SkipSet) -> Option<(Timestamp, usize)> {
+        let usual = candump_usual::skipped(window, &self.names, skip)?;
+        self.explained = false;
+        self.habits.direction |= usual.direction != Direction::Unknown;
+        Some((usual.time, usual.end))
     }
 
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
@@ -113,7 +121,7 @@ impl CandumpLog {
         Ok(record.seen(Timestamp(nanos), channel, tail.direction, line.place))
     }
 
-    /// What is not a frame, or a frame behind spaces.
+    /// What is not a frame, or a frame after spaces.
     fn other_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Option<Result<Record, Damage>> {
         if let [b'(', ..] = text {
             return Some(self.frame_line(line, text, channels));
@@ -125,7 +133,7 @@ impl CandumpLog {
     }
 }
 
-/// Whether these bytes behind the first one of a line are those of a frame.
+/// Whether these bytes after the first one of a line are those of a frame.
 fn is_frame(behind: &[u8]) -> bool {
     let line = [b"(", behind].concat();
     stamp_and_interface(&line).is_ok_and(|(rest, _)| frame(rest).is_ok())
@@ -160,7 +168,7 @@ pub(crate) fn intern<'a>(name: &'a [u8], channels: &mut Channels) -> Result<Chan
     }
 }
 
-/// Time and interface, with the spaces behind them.
+/// Time and interface, with the spaces after them.
 #[inline]
 fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
     let (rest, ()) = tag(b"(", "'('")(skip_blanks(input))?;
@@ -185,7 +193,7 @@ fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
     }
 }
 
-/// What stands behind a frame.
+/// What stands after a frame.
 struct Tail {
     direction: Direction,
     /// A word: nothing belongs to the frame any more.

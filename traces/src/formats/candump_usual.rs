@@ -8,14 +8,14 @@
 //! the grammar: this is never another truth, only a faster way to the same one.
 
 use crate::digits::{eight_decimal, hex_prefix};
-use crate::{CanId, ChannelId, Direction, Frame, Place, Record, Timestamp};
+use crate::{CanId, ChannelId, Direction, Frame, Place, Record, SkipSet, Timestamp};
 
 /// The names that were met, each as its line has it between the time and the id.
 #[derive(Default)]
 pub(crate) struct Names(Vec<Name>);
 
 struct Name {
-    /// The padding, the name and the space behind it, filled up with zeros.
+    /// The padding, the name and the space after it, filled up with zeros.
     word: u64,
     /// The bytes of a word that belong to it.
     mask: u64,
@@ -49,22 +49,49 @@ impl Names {
     }
 }
 
+/// A usual line, taken apart.
+pub(crate) struct UsualLine {
+    pub(crate) time: Timestamp,
+    pub(crate) direction: Direction,
+    /// Its length with its end.
+    pub(crate) end: usize,
+    channel: ChannelId,
+    id: CanId,
+    data: [u8; 8],
+    len: usize,
+}
+
 /// The frame of the line at the window's start and the length of that line with its end, if it is usual.
 #[inline]
 pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record, usize)> {
+    let UsualLine { time, direction, end, channel, id, data, len } = usual(window, names, |_, _| true)?;
+    let frame = Frame::short(id, data, len);
+    Some((Record::new(Timestamp::ZERO, channel, frame).seen(time, channel, direction, place), end))
+}
+
+/// The line at the window's start, if it is usual and its frame is skipped.
+#[inline]
+pub(crate) fn skipped(window: &[u8], names: &Names, skip: &SkipSet) -> Option<UsualLine> {
+    let usual = usual(window, names, |channel, id| skip.may_skip(channel, id))?;
+    let payload = usual.data.get(..usual.len)?;
+    skip.skips_data(usual.channel, usual.id, payload).then_some(usual)
+}
+
+/// The line at the window's start, if it is usual and its frame is wanted, as far as its identifier tells.
+#[inline]
+fn usual(window: &[u8], names: &Names, is_wanted: impl FnOnce(ChannelId, CanId) -> bool) -> Option<UsualLine> {
     let (nanos, at) = time(window)?;
     let name = names.find(chunk(window, at)?)?;
     let (id, at) = identifier(window, at + name.len)?;
+    if !is_wanted(name.channel, id) {
+        return None;
+    }
     let (digits, data) = hex_prefix(*chunk(window, at)?);
     if !digits.is_multiple_of(2) {
         return None;
     }
     let (direction, end) = line_end(window, at + digits)?;
-    let frame = Frame::short(id, data, digits / 2);
-    Some((
-        Record::new(Timestamp::ZERO, name.channel, frame).seen(Timestamp(nanos), name.channel, direction, place),
-        end,
-    ))
+    Some(UsualLine { time: Timestamp(nanos), direction, end, channel: name.channel, id, data, len: digits / 2 })
 }
 
 #[inline]
@@ -72,7 +99,7 @@ fn chunk<const N: usize>(window: &[u8], at: usize) -> Option<&[u8; N]> {
     window.get(at..)?.first_chunk()
 }
 
-/// The time in nanoseconds, and where the text behind its parenthesis and one space begins.
+/// The time in nanoseconds, and where the text after its parenthesis and one space begins.
 #[inline]
 fn time(window: &[u8]) -> Option<(u64, usize)> {
     let head: &[u8; 24] = window.first_chunk()?;
@@ -96,7 +123,7 @@ fn two_decimal(tens: u8, ones: u8) -> Option<u64> {
     (tens < 10 && ones < 10).then(|| u64::from(10 * tens + ones))
 }
 
-/// An identifier of 3 or 8 digits that is no error frame, and where the text behind its `#` begins.
+/// An identifier of 3 or 8 digits that is no error frame, and where the text after its `#` begins.
 #[inline]
 fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     let text: &[u8; 9] = chunk(window, at)?;
@@ -114,7 +141,7 @@ fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     (i8 == b'#').then_some((id, at + 9))
 }
 
-/// The direction behind the data, and where the next line begins.
+/// The direction after the data, and where the next line begins.
 #[inline]
 fn line_end(window: &[u8], at: usize) -> Option<(Direction, usize)> {
     match window.get(at..)? {

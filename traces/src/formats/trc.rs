@@ -173,7 +173,7 @@ impl Trc {
             _ => self.numbers.pass(),
         }
         match row.map_err(|error| line.damage(error.into()))?.content {
-            // What kind of row it was going to be can't be told.
+            // What kind of row it was going to be can't be known.
             Content::Event | Content::Unsupported if !line.ended => Err(line.cut("the end of this row")),
             Content::Event => Ok(None),
             Content::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
@@ -208,7 +208,7 @@ fn start_time(days: &[u8]) -> Option<u64> {
     whole.checked_sub(DAYS_TO_1970)?.checked_mul(DAY)?.checked_add(fraction)
 }
 
-/// `18.12.2021 14:28:07.062`, perhaps with more digits behind another point.
+/// `18.12.2021 14:28:07.062`, perhaps with more digits after another point.
 fn start_in_text(text: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(text).ok()?;
     let (date, time) = text.split_once(' ')?;

@@ -52,7 +52,7 @@ pub(crate) enum Content<'a> {
         offset: u64,
         bus: &'a [u8],
         record: Record,
-        /// The row may go on if the file was cut behind it.
+        /// The row may go on if the file was cut after it.
         in_doubt: bool,
     },
     /// Status, error counters and the like.

@@ -3,8 +3,8 @@
 use crate::channel_numbers::ChannelNumbers;
 use crate::formats::asc_row::BUS_ERROR;
 use crate::formats::trc::{DAY, DAYS_TO_1970};
+use crate::hex::write_hex;
 use crate::local_time::date_of;
-use crate::notation::write_hex;
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{Direction, Flags, Loss, Losses, Record, TimeBase, WriteError, WriteOptions, Writer};
 use std::fmt::{self, Write as _};

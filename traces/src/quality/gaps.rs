@@ -21,7 +21,7 @@ pub struct Gap {
     pub length: Duration,
     /// What was usual before it.
     pub usual: Duration,
-    /// The frame behind it.
+    /// The frame after it.
     pub end: Sighting,
 }
 

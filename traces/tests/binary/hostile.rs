@@ -201,7 +201,7 @@ proptest! {
         read(&bytes[..cut.index(bytes.len())]);
     }
 
-    /// Anything behind a magic number.
+    /// Anything after a magic number.
     #[test]
     fn noise_is_no_capture(
         name in prop::sample::select(SAMPLES),

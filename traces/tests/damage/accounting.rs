@@ -1,4 +1,4 @@
-//! A capture of which one byte is damaged: whatever no longer comes out as a frame is told.
+//! A capture of which one byte is damaged: whatever no longer comes out as a frame is reported.
 
 use crate::corpus::{Sample, Xorshift, read, samples};
 use canvass_traces::{Damage, DamageKind, Format};
@@ -18,7 +18,7 @@ fn told(damage: &Damage) -> u64 {
     }
 }
 
-/// The bytes behind the first frame's place: what is before it is told as a whole.
+/// The bytes after the first frame's place: what is before it is reported as a whole.
 fn rows(sample: &Sample) -> std::ops::Range<usize> {
     let first = sample.frames.iter().map(|frame| frame.place.offset).min().unwrap_or_default();
     first as usize..sample.bytes.len()

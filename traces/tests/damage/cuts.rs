@@ -11,7 +11,7 @@ fn loses(sample: &Sample, end: usize, read: usize) -> bool {
     sample.frames[read..].iter().any(|frame| (frame.place.offset as usize) < end && begun(frame.place.offset as usize))
 }
 
-/// The manual prints a frame with length 4 and six bytes: cut behind the fourth, it is a good one.
+/// The manual prints a frame with length 4 and six bytes: cut after the fourth, it is a good one.
 const CONTRADICTS_ITSELF: &str = "kuebler-5.7.7.txt";
 
 #[test]

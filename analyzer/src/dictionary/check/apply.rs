@@ -1,37 +1,37 @@
-//! Mends a file: applies what mends its findings, and looks again until nothing is left that can be mended.
+//! Fixes a file: applies what fixes its findings, and looks again until nothing is left that can be fixed.
 
 use super::{Finding, check};
 use crate::dictionary::eds::DescriptionError;
 use crate::dictionary::rules::{Rule, text as rules};
 
-/// Each pass mends what does not overlap; a list that misses many objects takes a pass for each.
+/// Each pass fixes what does not overlap; a list that misses many objects takes a pass for each.
 const MOST_PASSES: usize = 1000;
 
-/// A file that was mended.
+/// A file that was fixed.
 #[derive(Debug)]
-pub struct Mended {
+pub struct FixedFile {
     /// The new bytes.
     pub bytes: Vec<u8>,
-    /// The rules whose breaches were mended, one for each, in the order in which they were.
-    pub mended: Vec<&'static Rule>,
+    /// The rules whose breaches were fixed, one for each, in the order in which they were.
+    pub rules: Vec<&'static Rule>,
 }
 
-/// Mends what can be mended without guessing, of the findings that are `wanted`.
+/// Fixes what can be fixed without guessing, of the findings that are `wanted`.
 ///
 /// # Errors
 /// As [`check`].
-pub fn mend(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Mended, DescriptionError> {
-    let mut mended = Mended { bytes: bytes.to_vec(), mended: Vec::new() };
+pub fn apply_fixes(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<FixedFile, DescriptionError> {
+    let mut fixed = FixedFile { bytes: bytes.to_vec(), rules: Vec::new() };
     for _ in 0..MOST_PASSES {
-        let Some(next) = pass(&mended.bytes, &wanted)? else { break };
-        mended.bytes = next.bytes;
-        mended.mended.extend(next.mended);
+        let Some(next) = pass(&fixed.bytes, &wanted)? else { break };
+        fixed.bytes = next.bytes;
+        fixed.rules.extend(next.rules);
     }
-    Ok(mended)
+    Ok(fixed)
 }
 
 /// The file after one pass; `None` if there is nothing to do.
-fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<Mended>, DescriptionError> {
+fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedFile>, DescriptionError> {
     let checked = check(bytes, None)?;
     let mut encoding = Encoding::of(bytes);
     let mut edits = Vec::new();
@@ -64,7 +64,7 @@ fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<Mended
         at = edit.range.end;
     }
     text.push_str(checked.text.get(at..).unwrap_or_default());
-    Ok(encoding.encode(&text).filter(|next| next != bytes).map(|bytes| Mended { bytes, mended: rules }))
+    Ok(encoding.encode(&text).filter(|next| next != bytes).map(|bytes| FixedFile { bytes, rules }))
 }
 
 /// How the characters of a file are written.

@@ -1,6 +1,6 @@
-//! A device description checked as a text: every breach of a rule with its place in the file, and what mends it.
+//! A device description checked as a text: every breach of a rule with its place in the file, and what fixes it.
 //!
-//! For whoever shows the file: the command line draws the places, an editor underlines them and offers the edits.
+//! For programs that show the file: the command line draws the places, an editor underlines them and offers the edits.
 
 mod apply;
 mod beside;
@@ -9,7 +9,7 @@ mod locate;
 mod source;
 mod waiver;
 
-pub use apply::{Mended, mend};
+pub use apply::{FixedFile, apply_fixes};
 pub use beside::Folder;
 pub use fix::{Edit, Fix};
 use source::Lines;
@@ -46,7 +46,7 @@ pub struct Finding {
     pub column: u32,
     /// Where it is in the text, in bytes; empty without a line.
     pub span: Range<usize>,
-    /// What mends it without guessing.
+    /// What fixes it without guessing.
     pub fix: Option<Fix>,
     /// The reason that the file gives for leaving it so.
     pub waived: Option<String>,
@@ -108,11 +108,11 @@ pub fn check_in<'a>(
     let waivers = waiver::read(&source);
     let mut findings: Vec<Finding> = problems.into_iter().map(|problem| locate::locate(problem, &source)).collect();
     findings.sort_by_key(|finding| (finding.line, finding.column));
-    // What can't be written back as it was read is not mended.
-    let is_mendable = apply::Encoding::of(bytes).keeps(&text, bytes);
+    // What can't be written back as it was read is not fixed.
+    let is_fixable = apply::Encoding::of(bytes).keeps(&text, bytes);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
-        if is_mendable && let Ok(read) = &description {
+        if is_fixable && let Ok(read) = &description {
             finding.fix = fix::of(finding, &source, read);
         }
     }

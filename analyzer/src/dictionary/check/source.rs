@@ -70,7 +70,7 @@ impl<'a> Source<'a> {
         self.lines.starts.len() as u32
     }
 
-    /// A line with its end; empty behind the last.
+    /// A line with its end; empty after the last.
     pub fn whole_line(&self, number: u32) -> Range<usize> {
         let begin = (number as usize).checked_sub(1).and_then(|at| self.lines.starts.get(at)).copied();
         let end = self.lines.starts.get(number as usize).copied().unwrap_or(self.text.len());

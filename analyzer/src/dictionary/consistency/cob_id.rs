@@ -4,6 +4,7 @@ use super::Check;
 use crate::dictionary::object::Setting;
 use crate::dictionary::rules::pdo as rules;
 use crate::identity::{CobId, Multiplexer, SubIndex};
+use crate::object;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -15,18 +16,18 @@ pub(super) fn check(check: &mut Check<'_>) {
 
 /// The COB-IDs that the predefined connection set gives to what the device has.
 const PREDEFINED: [(u16, u8, u32); 9] = [
-    (0x1014, 0, 0x80),
-    (0x1400, 1, 0x200),
+    (object::COB_ID_EMCY, 0, 0x80),
+    (object::RPDO_COMMUNICATION_PARAMETER, 1, 0x200),
     (0x1401, 1, 0x300),
     (0x1402, 1, 0x400),
     (0x1403, 1, 0x500),
-    (0x1800, 1, 0x180),
+    (object::TPDO_COMMUNICATION_PARAMETER, 1, 0x180),
     (0x1801, 1, 0x280),
     (0x1802, 1, 0x380),
     (0x1803, 1, 0x480),
 ];
 /// The same for messages that are not of one node.
-const OF_THE_NETWORK: [(u16, u32); 2] = [(0x1005, 0x80), (0x1012, 0x100)];
+const OF_THE_NETWORK: [(u16, u32); 2] = [(object::COB_ID_SYNC, 0x80), (object::COB_ID_TIME, 0x100)];
 
 /// EMCY, the first four PDOs of each direction, SYNC and TIME have the COB-IDs of the predefined connection set.
 fn predefined(check: &mut Check<'_>) {
@@ -72,7 +73,7 @@ fn shown(cob_id: CobId, plus_node_id: bool) -> String {
 /// The first SDO server can have no others.
 fn first_server(check: &mut Check<'_>) {
     for (sub, base) in [(1, 0x600), (2, 0x580)] {
-        let at = Multiplexer::new(0x1200, sub);
+        let at = Multiplexer::new(object::SDO_SERVER_PARAMETER, sub);
         let Some((cob_id, plus_node_id)) = default(check, at) else { continue };
         // Many leave away the node-ID, which nobody takes at its word.
         let is_bare = !plus_node_id && cob_id.0 == base;
@@ -123,7 +124,7 @@ fn own(check: &mut Check<'_>) {
     }
 }
 
-/// Two that send disturb each other; who receives takes what was meant for somebody else.
+/// Two senders disturb each other; a receiver takes what was meant for another node.
 fn twice(check: &mut Check<'_>, used: &Used, other: &Used) {
     let found = format!("{} as in {}", shown(CobId(used.cob_id.can_id()), used.plus_node_id), other.at);
     let rule = if used.is_sent && other.is_sent { &rules::COB_ID_TWICE } else { &rules::COB_ID_SHARED };
@@ -142,14 +143,14 @@ fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Use
     let cob_id = CobId(cob_id);
     // Of SYNC and TIME bit 30 says that the device sends the message, and bit 31 not that it is switched off.
     let is_sent = is_sent.unwrap_or(!cob_id.allows_rtr());
-    let is_of_network = matches!(at.index.0, 0x1005 | 0x1012);
+    let is_of_network = matches!(at.index.0, object::COB_ID_SYNC | object::COB_ID_TIME);
     (is_of_network || cob_id.is_valid()).then_some(Used { at, field, cob_id, plus_node_id, is_sent })
 }
 
 /// Where the COB-IDs of the device stand, and whether it sends by them: of SYNC, TIME, EMCY, PDOs, and all SDO servers but the
 /// first, which is reached by CAN-IDs that are restricted for others.
 fn of_device(check: &Check<'_>) -> Vec<(Multiplexer, Option<bool>)> {
-    let single = [(0x1005, None), (0x1012, None), (0x1014, Some(true))];
+    let single = [(object::COB_ID_SYNC, None), (object::COB_ID_TIME, None), (object::COB_ID_EMCY, Some(true))];
     let single = single.map(|(index, is_sent)| (Multiplexer::new(index, 0), is_sent));
     let kinds = [
         (0x1400, 0x15FF, 1, Some(false)),

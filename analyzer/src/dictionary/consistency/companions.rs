@@ -4,21 +4,25 @@ use super::Check;
 use crate::dictionary::problem::Place;
 use crate::dictionary::rules::{Rule, standard as rules};
 use crate::identity::{Index, Multiplexer};
+use crate::object;
 use std::ops::RangeInclusive;
 
 /// What every CANopen device has.
-const MANDATORY: [(u16, &Rule); 3] =
-    [(0x1000, &rules::MANDATORY), (0x1001, &rules::MANDATORY), (0x1018, &rules::IDENTITY_MISSING)];
+const MANDATORY: [(u16, &Rule); 3] = [
+    (object::DEVICE_TYPE, &rules::MANDATORY),
+    (object::ERROR_REGISTER, &rules::MANDATORY),
+    (object::IDENTITY, &rules::IDENTITY_MISSING),
+];
 
 /// An object, and those that it makes no sense without.
 const COMPANIONS: [(u16, &[u16]); 7] = [
-    (0x1007, &[0x1005]),
-    (0x100C, &[0x100D]),
-    (0x100D, &[0x100C]),
-    (0x1011, &[0x1010]),
-    (0x1015, &[0x1014]),
-    (0x1019, &[0x1005]),
-    (0x1006, &[0x1005]),
+    (object::SYNCHRONOUS_WINDOW_LENGTH, &[object::COB_ID_SYNC]),
+    (object::GUARD_TIME, &[object::LIFE_TIME_FACTOR]),
+    (object::LIFE_TIME_FACTOR, &[object::GUARD_TIME]),
+    (object::RESTORE_DEFAULT_PARAMETERS, &[object::STORE_PARAMETERS]),
+    (object::INHIBIT_TIME_EMCY, &[object::COB_ID_EMCY]),
+    (object::SYNCHRONOUS_COUNTER_OVERFLOW, &[object::COB_ID_SYNC]),
+    (object::COMMUNICATION_CYCLE_PERIOD, &[object::COB_ID_SYNC]),
 ];
 
 /// The values that CiA 301 allows by default.
@@ -35,9 +39,9 @@ const fn allowed(first: u16, last: u16, subs: RangeInclusive<u8>, values: &'stat
 }
 
 const RANGES: [Allowed; 8] = [
-    allowed(0x1016, 0x1016, 1..=127, &[0..=0x00FF_FFFF]),
-    allowed(0x1019, 0x1019, 0..=0, &[0..=240]),
-    allowed(0x1029, 0x1029, 1..=1, &[0..=2]),
+    allowed(object::CONSUMER_HEARTBEAT_TIME, object::CONSUMER_HEARTBEAT_TIME, 1..=127, &[0..=0x00FF_FFFF]),
+    allowed(object::SYNCHRONOUS_COUNTER_OVERFLOW, object::SYNCHRONOUS_COUNTER_OVERFLOW, 0..=0, &[0..=240]),
+    allowed(object::ERROR_BEHAVIOR, object::ERROR_BEHAVIOR, 1..=1, &[0..=2]),
     allowed(0x1200, 0x127F, 3..=3, &[0..=127]),
     allowed(0x1280, 0x12FF, 3..=3, &[0..=127]),
     // 254 and 255 are multiplex PDOs.

@@ -5,6 +5,8 @@ use crate::dictionary::names::ENCODER_PROFILE;
 use crate::dictionary::object::{Access, Setting};
 use crate::dictionary::rules::{Rule, standard as rules};
 use crate::identity::Multiplexer;
+use crate::object;
+use crate::object::encoder;
 
 /// The encoder types of CiA 406 in the high word of 1000h.
 const SINGLE_TURN: u64 = 1;
@@ -14,35 +16,51 @@ pub(super) fn check(check: &mut Check<'_>) {
     if check.description.device_profile() != Some(ENCODER_PROFILE) {
         return;
     }
-    let kind = check.default(0x1000, 0).map(|device_type| device_type >> 16);
+    let kind = check.default(object::DEVICE_TYPE, 0).map(|device_type| device_type >> 16);
     // Of a linear encoder 6501h is the measuring step, which says nothing about its range.
     if !matches!(kind, Some(SINGLE_TURN | MULTI_TURN)) {
         return;
     }
-    let (steps, revolutions) = (check.default(0x6501, 0), check.default(0x6502, 0));
+    let (steps, revolutions) =
+        (check.default(encoder::SINGLE_TURN_RESOLUTION, 0), check.default(encoder::NUMBER_OF_REVOLUTIONS, 0));
     if let Some(number) = revolutions.filter(|&number| (number > 1) != (kind == Some(MULTI_TURN))) {
         let expected = match kind {
             Some(MULTI_TURN) => "more than one revolution of a multi-turn encoder",
             _ => "one revolution of a single-turn encoder",
         };
-        check.report(Multiplexer::new(0x6502, 0), "DefaultValue", &rules::REVOLUTIONS, expected, &number.to_string());
+        check.report(
+            Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0),
+            "DefaultValue",
+            &rules::REVOLUTIONS,
+            expected,
+            &number.to_string(),
+        );
     }
     let positions = steps.zip(revolutions).and_then(|(steps, revolutions)| steps.checked_mul(revolutions));
     // A description stands for all encoders of a family: what 6501h and 6502h read of one by default bounds no limits.
-    let is_of_all = [0x6501, 0x6502].map(|index| is_const(check, index));
+    let is_of_all =
+        [encoder::SINGLE_TURN_RESOLUTION, encoder::NUMBER_OF_REVOLUTIONS].map(|index| is_const(check, index));
     if let Some(most) = steps {
         let expected = "measuring units up to the steps of a revolution (6501h)";
-        at_most(check, 0x6001, Most { most, is_of_all: is_of_all[0] }, &rules::UNITS, expected);
+        at_most(check, encoder::UNITS_PER_REVOLUTION, Most { most, is_of_all: is_of_all[0] }, &rules::UNITS, expected);
     }
     if let Some(most) = positions {
         let expected = "a measuring range up to the steps of all revolutions (6501h times 6502h)";
         let most = Most { most, is_of_all: is_of_all == [true; 2] };
-        at_most(check, 0x6002, most, &rules::MEASURING_RANGE, expected);
+        at_most(check, encoder::TOTAL_MEASURING_RANGE, most, &rules::MEASURING_RANGE, expected);
     }
     // What is scaled goes up to the measuring range, which is the device's own resolution if it has no other.
-    if let Some(most) = check.default(0x6002, 0).or(positions).and_then(|range| range.checked_sub(1)) {
-        let most = Most { most, is_of_all: is_const(check, 0x6002) };
-        at_most(check, 0x6003, most, &rules::PRESET, "a preset value below the total measuring range (6002h)");
+    if let Some(most) =
+        check.default(encoder::TOTAL_MEASURING_RANGE, 0).or(positions).and_then(|range| range.checked_sub(1))
+    {
+        let most = Most { most, is_of_all: is_const(check, encoder::TOTAL_MEASURING_RANGE) };
+        at_most(
+            check,
+            encoder::PRESET_VALUE,
+            most,
+            &rules::PRESET,
+            "a preset value below the total measuring range (6002h)",
+        );
     }
 }
 

@@ -8,6 +8,7 @@ use crate::dictionary::problem::Place;
 use crate::dictionary::rules;
 use crate::dictionary::value::Value;
 use crate::identity::{Index, Multiplexer};
+use crate::object;
 
 pub(super) fn check(check: &mut Check<'_>) {
     numbers(check);
@@ -22,11 +23,11 @@ fn numbers(check: &mut Check<'_>) {
     let device = &check.description.device;
     let numbers = [(1, device.vendor_number), (2, device.product_number), (3, device.revision_number)];
     for (sub, number) in numbers {
-        let (Some(default), Some(number)) = (check.default(0x1018, sub), number) else { continue };
+        let (Some(default), Some(number)) = (check.default(object::IDENTITY, sub), number) else { continue };
         if default != u64::from(number) {
             let expected = "the number that DeviceInfo has";
             let found = format!("{default:X}h instead of {number:X}h");
-            let at = Multiplexer::new(0x1018, sub);
+            let at = Multiplexer::new(object::IDENTITY, sub);
             check.report(at, "DefaultValue", &rules::file::IDENTITY, expected, &found);
         }
     }
@@ -35,7 +36,8 @@ fn numbers(check: &mut Check<'_>) {
 /// A device has the heartbeat, or node guarding with both of its objects.
 fn error_control(check: &mut Check<'_>) {
     let has = |index| check.object(Index(index)).is_some();
-    let (heartbeat, guarding) = (has(0x1017), has(0x100C) && has(0x100D));
+    let (heartbeat, guarding) =
+        (has(object::PRODUCER_HEARTBEAT_TIME), has(object::GUARD_TIME) && has(object::LIFE_TIME_FACTOR));
     if !heartbeat && !guarding {
         let place = Place { line: 0, section: "1017", field: "" };
         let expected = "producer heartbeat time, or guard time and life time factor";
@@ -45,13 +47,13 @@ fn error_control(check: &mut Check<'_>) {
 
 /// A device is addressed by all four numbers of its identity.
 fn layer_setting(check: &mut Check<'_>) {
-    let has = |sub| check.description.dictionary.entry(Multiplexer::new(0x1018, sub)).is_ok();
+    let has = |sub| check.description.dictionary.entry(Multiplexer::new(object::IDENTITY, sub)).is_ok();
     if check.description.device.lss_supported
-        && check.object(Index(0x1018)).is_some()
+        && check.object(Index(object::IDENTITY)).is_some()
         && let Some(missing) = (1..=4).find(|&sub| !has(sub))
     {
         let expected = "1018h with sub-indexes 1 to 4, since LSS_Supported=1";
-        let at = Multiplexer::new(0x1018, missing);
+        let at = Multiplexer::new(object::IDENTITY, missing);
         check.report(at, "", &rules::file::LSS, expected, &format!("no {at}"));
     }
 }

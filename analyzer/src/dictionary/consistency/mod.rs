@@ -86,7 +86,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// The entries behind the count in sub-index 0.
+/// The entries after the count in sub-index 0.
 fn elements(object: &Object) -> impl Iterator<Item = &super::object::Entry> {
     object.entries().iter().filter(|entry| !matches!(entry.sub, SubIndex(0 | 0xFF)))
 }

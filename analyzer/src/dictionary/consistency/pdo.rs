@@ -5,10 +5,11 @@ use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::{Access, Entry, Object};
 use crate::dictionary::rules::{Rule, pdo as rules};
 use crate::identity::{Index, Multiplexer, SubIndex};
+use crate::object;
 
 /// The two directions: first communication parameter, first mapping parameter.
-const RPDO: (u16, u16) = (0x1400, 0x1600);
-const TPDO: (u16, u16) = (0x1800, 0x1A00);
+const RPDO: (u16, u16) = (object::RPDO_COMMUNICATION_PARAMETER, object::RPDO_MAPPING_PARAMETER);
+const TPDO: (u16, u16) = (object::TPDO_COMMUNICATION_PARAMETER, object::TPDO_MAPPING_PARAMETER);
 
 pub(super) fn check(check: &mut Check<'_>) {
     for (communication, mapping) in [RPDO, TPDO] {

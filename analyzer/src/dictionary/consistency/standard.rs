@@ -5,6 +5,7 @@ use crate::dictionary::names::object_name;
 use crate::dictionary::object::{Access, Entry, Object};
 use crate::dictionary::rules::standard as rules;
 use crate::identity::{Multiplexer, SubIndex};
+use crate::object;
 
 pub(super) fn check(check: &mut Check<'_>) {
     let profile = check.description.device_profile();
@@ -24,7 +25,13 @@ pub(super) fn check(check: &mut Check<'_>) {
 /// CiA 301 lets the error register, the status register and the high resolution time stamp be mapped.
 fn mappable(check: &mut Check<'_>, object: &Object, entry: &Entry) {
     let at = Multiplexer { index: object.index, sub: entry.sub };
-    if entry.pdo_mappable && matches!(at.index.0, 0x1000..=0x1EFF) && !matches!(at.index.0, 0x1001 | 0x1002 | 0x1013) {
+    if entry.pdo_mappable
+        && matches!(at.index.0, 0x1000..=0x1EFF)
+        && !matches!(
+            at.index.0,
+            object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::HIGH_RESOLUTION_TIME_STAMP
+        )
+    {
         check.report(at, "PDOMapping", &rules::MAPPING, "PDOMapping=0 in the communication profile", "1");
     }
 }
@@ -50,7 +57,7 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
         check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
     // The COB-IDs of the first SDO server are those of the predefined connection set, and fixed; those of others are not.
-    let standard_access = if at.index.0 == 0x1200 { Some(Access::Ro) } else { standard.access };
+    let standard_access = if at.index.0 == object::SDO_SERVER_PARAMETER { Some(Access::Ro) } else { standard.access };
     let Some(access) = standard_access else { return };
     let rule = match (access, entry.access) {
         (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,

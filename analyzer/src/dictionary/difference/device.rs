@@ -1,38 +1,38 @@
 //! The device in general, how a DCF sets it, and the version of the file.
 
 use super::kind::kinds;
-use super::{Class, Comparison, Fact, Kind, Subject};
+use super::{ChangeKind, Class, Comparison, Fact, Subject};
 use crate::dictionary::description::{Commissioning, DeviceDescription, DeviceInfo};
 use std::collections::BTreeSet;
 
 kinds! {
-    /// the number of the vendor or of the product is another
+    /// the vendor-ID or the product code has changed
     ///
     /// Tools choose the description by these numbers, and a master that expects the old ones (1F85h, 1F86h) does not start the
     /// device.
     NUMBER: Breaking "device/identity";
 
-    /// the revision number is another
+    /// the revision number has changed
     ///
     /// Tools may choose the description by it. CiA 301: its high word changes if the CANopen behaviour does.
     REVISION: Notable "device/revision";
 
-    /// one of the two does not tell the number
+    /// one of the two does not give the number
     ///
     /// So it can't be compared: an XDD has no revision number, other files left it out.
     UNTOLD: Notable "device/untold";
 
-    /// vendor, product or order code is called otherwise
+    /// the name of vendor or product, or the order code, has changed
     ///
     /// Tools show these texts and choose by the numbers.
     NAME: Harmless "device/name";
 
-    /// the device does not know the bit rate any more
+    /// the device no longer supports the bit rate
     ///
     /// On a bus with that bit rate it does not take part, or disturbs everybody.
     BIT_RATE_GONE: Breaking "device/bit-rate-gone";
 
-    /// the device knows another bit rate
+    /// the device supports another bit rate
     ///
     /// Those that it knew it still knows.
     BIT_RATE_ADDED: Harmless "device/bit-rate-added";
@@ -47,29 +47,29 @@ kinds! {
     /// Those that it had it still has.
     MORE_PDOS: Harmless "device/more-pdos";
 
-    /// what can be mapped is coarser, or mapping is fixed now
+    /// mapping is coarser, or fixed now
     ///
     /// Granularity is the smallest number of bits that can be mapped, 0 if nothing can: a mapping with fewer is refused.
     COARSER: Breaking "device/coarser-mapping";
 
-    /// what can be mapped is finer
+    /// mapping is finer
     ///
     /// Mappings that were possible still are.
     FINER: Harmless "device/finer-mapping";
 
-    /// the device has LSS no more
+    /// the device no longer has LSS
     ///
     /// A master that gives it node-ID or bit rate by LSS gets no answer.
     NO_LSS: Breaking "device/no-lss";
 
-    /// the device can't do any more what it could
+    /// the device can no longer do something
     ///
     /// A network that is started by this device, or that uses group messaging or dynamic channels, has to be set up otherwise.
     FEATURE_GONE: Notable "device/feature-gone";
 
-    /// the device can do what it could not
+    /// the device can do something new
     ///
-    /// Who does not know it does not use it.
+    /// Programs that do not know it do not use it.
     FEATURE_ADDED: Harmless "device/feature-added";
 
     /// a data type can't skip bits of an RPDO any more
@@ -82,17 +82,17 @@ kinds! {
     /// Mappings that were possible still are.
     DUMMY_ADDED: Harmless "device/dummy-added";
 
-    /// the device gets another node-ID or bit rate
+    /// the device is set to another node-ID or bit rate
     ///
-    /// Who talks to the old node-ID, or at the old bit rate, does not reach it; COB-IDs that are made of the node-ID move too.
+    /// It is no longer reached at the old node-ID or bit rate; COB-IDs that contain the node-ID change too.
     COMMISSIONED: Breaking "commissioning/address";
 
-    /// the device is put into its network otherwise
+    /// the network settings of the device have changed
     ///
     /// Names and numbers of networks are for tools; a serial number is for LSS.
     NETWORK: Notable "commissioning/network";
 
-    /// the version of the file is another
+    /// the version of the file has changed
     ///
     /// A new version is the sign that something has changed.
     VERSION: Harmless "file/version";
@@ -116,7 +116,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
 }
 
 fn identity(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo) {
-    let numbers: [(&Kind, _, _, _); 3] = [
+    let numbers: [(&ChangeKind, _, _, _); 3] = [
         (&NUMBER, "VendorNumber", old.vendor_number, new.vendor_number),
         (&NUMBER, "ProductNumber", old.product_number, new.product_number),
         (&REVISION, "RevisionNumber", old.revision_number, new.revision_number),
@@ -135,7 +135,7 @@ fn identity(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo)
     }
 }
 
-fn text(comparison: &mut Comparison<'_>, kind: &'static Kind, field: &'static str, old: &str, new: &str) {
+fn text(comparison: &mut Comparison<'_>, kind: &'static ChangeKind, field: &'static str, old: &str, new: &str) {
     let fact = |text: &str| Some(Fact::Text(text.to_owned()));
     comparison.changed(kind, Subject::Field(field), fact(old), fact(new));
 }
@@ -153,18 +153,18 @@ fn bit_rates(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo
 fn numbers(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo) {
     let number = |number: u16| Some(Fact::Number(number.into()));
     for (field, before, after) in [("NrOfRXPDO", old.rpdos, new.rpdos), ("NrOfTXPDO", old.tpdos, new.tpdos)] {
-        let kind: &Kind = if after < before { &FEWER_PDOS } else { &MORE_PDOS };
+        let kind: &ChangeKind = if after < before { &FEWER_PDOS } else { &MORE_PDOS };
         comparison.changed(kind, Subject::Field(field), number(before), number(after));
     }
     // 0: nothing can be mapped, which is coarser than everything else.
     let coarseness = |granularity: u8| if granularity == 0 { u8::MAX } else { granularity };
     let (before, after) = (old.granularity, new.granularity);
-    let kind: &Kind = if coarseness(after) > coarseness(before) { &COARSER } else { &FINER };
+    let kind: &ChangeKind = if coarseness(after) > coarseness(before) { &COARSER } else { &FINER };
     comparison.changed(kind, Subject::Field("Granularity"), number(before.into()), number(after.into()));
 }
 
 fn features(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo) {
-    let features: [(&Kind, _, _, _); 5] = [
+    let features: [(&ChangeKind, _, _, _); 5] = [
         (&NO_LSS, "LSS_Supported", old.lss_supported, new.lss_supported),
         (&FEATURE_GONE, "SimpleBootUpMaster", old.simple_boot_up_master, new.simple_boot_up_master),
         (&FEATURE_GONE, "SimpleBootUpSlave", old.simple_boot_up_slave, new.simple_boot_up_slave),

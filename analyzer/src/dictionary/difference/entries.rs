@@ -6,7 +6,7 @@ use crate::dictionary::object::{Access, Entry};
 use crate::identity::Multiplexer;
 
 kinds! {
-    /// the data type is another
+    /// the data type has changed
     ///
     /// A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same length, the
     /// same bytes now mean another value.
@@ -22,19 +22,19 @@ kinds! {
     /// A master that reads it gets abort 0601 0001h, and a tool can't verify what it has written.
     NOT_READABLE: Breaking "entry/not-readable";
 
-    /// the entry can be read or written, and could not
+    /// the entry can now be read or written
     ///
-    /// Who does not know it leaves it as it is.
+    /// Programs that do not know it do not access it.
     MORE_ACCESS: Harmless "entry/more-access";
 
-    /// the value is constant no longer
+    /// the value is no longer constant
     ///
     /// A tool that reads constant values once, or takes them from the description, keeps an old one.
     NOT_CONSTANT: Notable "entry/not-constant";
 
     /// the value is constant now
     ///
-    /// Who reads it again finds the same.
+    /// Programs that read it again get the same value.
     CONSTANT: Harmless "entry/constant";
 
     /// a TPDO can't carry the entry any more
@@ -47,23 +47,23 @@ kinds! {
     /// A mapping that names it is refused (abort 0604 0041h), and the PDO stays as it was.
     NO_RPDO: Breaking "entry/no-rpdo";
 
-    /// a PDO can carry the entry, and could not
+    /// a PDO can now carry the entry
     ///
     /// Mappings that were possible still are.
     MORE_PDO: Harmless "entry/more-pdo";
 
-    /// the sub-index has another name
+    /// the name of the sub-index has changed
     ///
     /// Programs that address entries by name, as scripts with python-canopen do, no longer find it.
     NAME: Notable "entry/name";
 
-    /// what a tool does with the entry when it downloads or reads everything is another
+    /// tools handle the entry differently when they download or read everything
     ///
     /// ObjFlags tells tools which entries to leave out: a value that was part of each download no longer is, or the other
     /// way round.
     FLAGS: Notable "entry/flags";
 
-    /// the meaning of the entry in the application is described otherwise
+    /// the description of what the entry means in the application has changed
     ///
     /// Denotation is a text for people.
     DENOTATION: Harmless "entry/denotation";

@@ -9,7 +9,7 @@ pub enum Class {
     Harmless,
     /// The device does something else, or a tool shows something else; nothing is refused.
     Notable,
-    /// A configuration tool, a DCF or another device that relies on the old description goes wrong.
+    /// A configuration tool, a DCF or another device that relies on the old description fails.
     Breaking,
 }
 
@@ -34,7 +34,7 @@ impl fmt::Display for Class {
 }
 
 /// A kind of change.
-pub struct Kind {
+pub struct ChangeKind {
     /// Stable and textual, such as `entry/data-type`.
     pub id: &'static str,
     /// How much such a change matters.
@@ -42,7 +42,7 @@ pub struct Kind {
     doc: &'static str,
 }
 
-impl Kind {
+impl ChangeKind {
     #[doc(hidden)]
     pub const fn new(id: &'static str, class: Class, doc: &'static str) -> Self {
         Self { id, class, doc }
@@ -60,32 +60,32 @@ impl Kind {
     }
 }
 
-impl fmt::Debug for Kind {
+impl fmt::Debug for ChangeKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.id)
     }
 }
 
 /// Kinds are the same if they have the same id.
-impl PartialEq for Kind {
+impl PartialEq for ChangeKind {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
     }
 }
 
-impl Eq for Kind {}
+impl Eq for ChangeKind {}
 
 /// Declares the kinds of a family, and their list: title and reason are the documentation.
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])+ $name:ident: $class:ident $id:literal;)+) => {
         $($(#[doc = $doc])+
-        pub static $name: $crate::dictionary::difference::Kind = $crate::dictionary::difference::Kind::new(
+        pub static $name: $crate::dictionary::difference::ChangeKind = $crate::dictionary::difference::ChangeKind::new(
             $id,
             $crate::dictionary::difference::Class::$class,
             concat!($($doc, "\n"),+),
         );)+
 
-        pub(super) static KINDS: &[&$crate::dictionary::difference::Kind] = &[$(&$name),+];
+        pub(super) static KINDS: &[&$crate::dictionary::difference::ChangeKind] = &[$(&$name),+];
     };
 }
 

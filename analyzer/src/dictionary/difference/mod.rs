@@ -1,7 +1,7 @@
 //! What a release changed between two descriptions of a device, whatever their formats, and what of it breaks whoever
 //! relies on the old one.
 //!
-//! One file for each part of a description. A kind of change is declared beside the code that finds it; its documentation
+//! One file for each part of a description. A kind of change is declared next to the code that finds it; its documentation
 //! is what reports say about it.
 
 mod device;
@@ -17,7 +17,7 @@ mod values;
 mod tests;
 
 pub use fact::{Fact, Subject};
-pub use kind::{Class, Kind};
+pub use kind::{ChangeKind, Class};
 pub(super) use pdos::mapping;
 
 use super::description::DeviceDescription;
@@ -28,7 +28,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// What kind of change it is.
-    pub kind: &'static Kind,
+    pub kind: &'static ChangeKind,
     /// What has changed.
     pub subject: Subject,
     /// The name of the object or entry, by the new description where it still has one. Text of a file: may hold anything.
@@ -40,7 +40,7 @@ pub struct Difference {
 }
 
 /// All kinds of change, by family.
-pub fn kinds() -> impl Iterator<Item = &'static Kind> {
+pub fn kinds() -> impl Iterator<Item = &'static ChangeKind> {
     [device::KINDS, modules::KINDS, objects::KINDS, entries::KINDS, values::KINDS, pdos::KINDS]
         .into_iter()
         .flatten()
@@ -62,13 +62,13 @@ pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Differen
 struct Comparison<'a> {
     old: &'a DeviceDescription,
     new: &'a DeviceDescription,
-    /// Entries whose start value is told with their PDO.
+    /// Entries whose start value is reported with their PDO.
     told: BTreeSet<Multiplexer>,
     found: Vec<Difference>,
 }
 
 impl Comparison<'_> {
-    fn report(&mut self, kind: &'static Kind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
+    fn report(&mut self, kind: &'static ChangeKind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
         let name = match subject {
             Subject::Object(index) => self.name_of(Multiplexer { index, sub: SubIndex(0) }, true),
             Subject::Entry(at) => self.name_of(at, false),
@@ -78,7 +78,7 @@ impl Comparison<'_> {
     }
 
     /// Reports if the two are not the same.
-    fn changed(&mut self, kind: &'static Kind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
+    fn changed(&mut self, kind: &'static ChangeKind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
         if before != after {
             self.report(kind, subject, before, after);
         }

@@ -17,12 +17,12 @@ kinds! {
     /// DCFs that don't plug it in stay as they are.
     ADDED: Harmless "module/added";
 
-    /// the module under that number is another product
+    /// the number stands for another module
     ///
     /// ConnectedModules names modules by their numbers: a DCF now plugs in another one.
     PRODUCT: Breaking "module/product";
 
-    /// what the module adds to the object dictionary is other
+    /// the module adds other objects to the object dictionary
     ///
     /// Entries that a DCF sets may have moved, or be gone.
     CONTENT: Notable "module/content";

@@ -14,10 +14,10 @@ kinds! {
 
     /// the object is new
     ///
-    /// Who does not know it leaves it as it is.
+    /// Programs that do not know it do not access it.
     OBJECT_ADDED: Harmless "object/added";
 
-    /// the object code is another
+    /// the object code has changed
     ///
     /// Tools address the values of an ARRAY or RECORD by sub-index from 1 on and that of a VAR at sub-index 0: the same
     /// access now reaches something else, or abort 0609 0011h.
@@ -28,7 +28,7 @@ kinds! {
     /// The values stay where they are; a tool that generates source code from the description makes other types of it.
     OBJECT_STRUCTURE: Notable "object/structure";
 
-    /// the object has another name
+    /// the name of the object has changed
     ///
     /// Programs that address objects by name, as scripts with python-canopen do, no longer find it.
     OBJECT_NAME: Notable "object/name";
@@ -40,7 +40,7 @@ kinds! {
 
     /// the sub-index is new
     ///
-    /// Who does not know it leaves it as it is.
+    /// Programs that do not know it do not access it.
     SUB_ADDED: Harmless "sub-index/added";
 }
 

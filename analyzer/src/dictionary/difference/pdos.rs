@@ -12,17 +12,17 @@ use std::collections::BTreeSet;
 kinds! {
     /// the PDO carries something else
     ///
-    /// Who takes values out of it at the old places, or puts them there, gets others: the layout is not transmitted.
+    /// Programs that read or write values at the old places get other values: the layout is not transmitted.
     LAYOUT: Breaking "pdo/layout";
 
     /// the PDO has another CAN-ID
     ///
-    /// Who listens to the old one hears nothing, and the new one may be in use: other nodes are configured for the old.
+    /// Nodes that are configured for the old one receive nothing, and the new one may be in use.
     COB_ID: Breaking "pdo/cob-id";
 
     /// the PDO is switched off
     ///
-    /// Bit 31 of its COB-ID is set: a consumer waits in vain, a producer is not heard.
+    /// Bit 31 of its COB-ID is set: a consumer receives nothing, a producer is not received.
     SWITCHED_OFF: Breaking "pdo/switched-off";
 
     /// the PDO is switched on
@@ -30,18 +30,18 @@ kinds! {
     /// Bit 31 of its COB-ID was set: there is more traffic, on a CAN-ID that may be in use.
     SWITCHED_ON: Notable "pdo/switched-on";
 
-    /// the PDO can be asked for by a remote frame, or not any more
+    /// whether the PDO answers remote frames has changed
     ///
-    /// Bit 30 of its COB-ID is another. A master that polls it gets no answer if it is set.
+    /// Bit 30 of its COB-ID has changed. A master that polls it gets no answer if it is set.
     REMOTE: Notable "pdo/remote-frames";
 
-    /// the PDO is sent, or takes effect, at other times
+    /// when the PDO is sent, or takes effect, has changed
     ///
     /// Its values come more or less often, or no longer with SYNC: a consumer may run into its time-out, the bus may get full.
     TRANSMISSION: Notable "pdo/transmission";
 }
 
-/// The PDOs that both have. One that is gone is told as its objects.
+/// The PDOs that both have. One that is gone is reported as its objects.
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let objects = comparison.old.dictionary.objects().iter();
     let of = |index| PdoNumber::of_mapping_index(index).or(PdoNumber::of_communication_index(index));

@@ -69,7 +69,7 @@ const CHANGES: &[Change] = &[
     ("DefaultValue=$NODEID+0x180", "DefaultValue=$NODEID+0x40000180", &["pdo/remote-frames TPDO 1 $NODEID+180h -> $NODEID+40000180h"]),
     ("[2002sub0]\nParameterName=Highest sub-index supported\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2",
         "[2002sub0]\nParameterName=Highest sub-index supported\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=3", &["default/count 2002h:00 2 -> 3"]),
-    // Another type has other limits, which are told with it.
+    // Another type has other limits, which are reported with it.
     ("DataType=0x0006\nLowLimit=0\nHighLimit=1000", "DataType=0x0008\nLowLimit=0\nHighLimit=1000", &["entry/data-type 2000h:00 UNSIGNED16 -> REAL32", "default/changed 2000h:00 5 -> 5"]),
     ("DefaultValue=255", "DefaultValue=1", &["pdo/transmission 1800h:02 255 -> 1"]),
     ("VendorNumber=17", "VendorNumber=18", &["device/identity VendorNumber 00000011h -> 00000012h"]),

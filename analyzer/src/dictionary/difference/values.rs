@@ -1,13 +1,14 @@
 //! Limits, defaults and configured values.
 
 use super::kind::kinds;
-use super::{Comparison, Fact, Kind, Subject};
+use super::{ChangeKind, Comparison, Fact, Subject};
 use crate::PdoNumber;
 use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::names::object_name;
 use crate::dictionary::object::{Entry, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::Multiplexer;
+use crate::object;
 use std::cmp::Ordering;
 
 kinds! {
@@ -21,45 +22,45 @@ kinds! {
     /// Every value that was allowed still is.
     WIDER: Harmless "limit/wider";
 
-    /// the limit is of another form
+    /// the limit is written in another form
     ///
     /// One is a number and the other a formula with the node-ID: which one is narrower depends on the node-ID.
     LIMIT: Notable "limit/changed";
 
-    /// the COB-ID is another by default
+    /// the default COB-ID has changed
     ///
-    /// Who listens to the old CAN-ID hears nothing, and the new one may be in use: other nodes are configured for the old.
+    /// Nodes that are configured for the old CAN-ID receive nothing, and the new one may be in use.
     COB_ID: Breaking "default/cob-id";
 
-    /// the device type is another
+    /// the device type has changed
     ///
     /// A master that expects the old one in 1F84h does not start the device.
     DEVICE_TYPE: Breaking "default/device-type";
 
-    /// the identity is another
+    /// the identity has changed
     ///
     /// A master that expects the old vendor-ID or product code (1F85h, 1F86h) does not start the device, and a tool does not
     /// find the description for it.
     IDENTITY: Breaking "default/identity";
 
-    /// the default is another
+    /// the default has changed
     ///
     /// A device that is restored or was never configured behaves otherwise, and so does one whose DCF leaves the entry out.
     DEFAULT: Notable "default/changed";
 
-    /// sub-index 0 counts another number of sub-indexes
+    /// the count in sub-index 0 has changed
     ///
     /// It follows from the sub-indexes that are new or gone.
     COUNT: Harmless "default/count";
 
-    /// the value that the device is configured to is another
+    /// the configured value has changed
     ///
     /// The next download sets it.
     CONFIGURED: Notable "configured/changed";
 
-    /// the COB-ID that the device is configured to is another
+    /// the configured COB-ID has changed
     ///
-    /// Who listens to the old CAN-ID hears nothing until it is configured for the new one too.
+    /// Nodes that are configured for the old CAN-ID receive nothing until they are configured for the new one too.
     CONFIGURED_COB_ID: Breaking "configured/cob-id";
 }
 
@@ -69,15 +70,15 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
         return;
     }
     let is_cob_id = is_cob_id(at);
-    // What becomes of a PDO's is told with the PDO; what is left is of no consequence on the bus.
+    // What becomes of a PDO's is reported with the PDO; what is left is of no consequence on the bus.
     let is_of_pdo = PdoNumber::of_communication_index(at.index.0).is_some();
     let fact = |setting: &Option<Setting>| {
         setting.clone().map(|setting| if is_cob_id { Fact::CobId(setting) } else { Fact::Setting(setting) })
     };
-    let (default, configured): (&Kind, &Kind) = match (at.index.0, at.sub.0) {
+    let (default, configured): (&ChangeKind, &ChangeKind) = match (at.index.0, at.sub.0) {
         _ if is_cob_id && !is_of_pdo => (&COB_ID, &CONFIGURED_COB_ID),
-        (0x1000, 0) => (&DEVICE_TYPE, &CONFIGURED),
-        (0x1018, 1 | 2) => (&IDENTITY, &CONFIGURED),
+        (object::DEVICE_TYPE, 0) => (&DEVICE_TYPE, &CONFIGURED),
+        (object::IDENTITY, 1 | 2) => (&IDENTITY, &CONFIGURED),
         (_, 0) if !is_single && !new.access.is_writable() => (&COUNT, &CONFIGURED),
         _ => (&DEFAULT, &CONFIGURED),
     };
@@ -101,7 +102,7 @@ fn limits(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &E
         let bound = |entry: &Entry| of(entry).or_else(|| extreme(entry.data_type, high));
         let (old_bound, new_bound) =
             if old.data_type == new.data_type { (bound(old), bound(new)) } else { (before.clone(), after.clone()) };
-        let kind: &Kind = match (&old_bound, &new_bound) {
+        let kind: &ChangeKind = match (&old_bound, &new_bound) {
             (None, None) => continue,
             (None, Some(_)) if old.data_type == new.data_type => &NARROWER,
             (Some(_), None) if old.data_type == new.data_type => &WIDER,
@@ -150,7 +151,7 @@ fn real(value: &Value) -> Option<f64> {
     }
 }
 
-/// The lowest or highest value of a type of whole numbers: its limit where none is told.
+/// The lowest or highest value of a type of whole numbers: its limit where none is given.
 fn extreme(data_type: DataType, high: bool) -> Option<Setting> {
     let bits = data_type.bits()?;
     let all_ones = u64::MAX >> 64u32.checked_sub(bits)?;

@@ -8,7 +8,7 @@ use crate::dictionary::names::{ENCODER_PROFILE, object_name};
 use crate::identity::Multiplexer;
 use std::ops::Range;
 
-/// What is told of a place.
+/// What is shown for a place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hover {
     /// Markdown.

@@ -10,6 +10,7 @@ use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
 use crate::dictionary::value::Value;
 use crate::identity::{Index, SubIndex};
+use crate::object;
 
 /// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` tell
 /// what differs.
@@ -84,7 +85,10 @@ pub(super) fn add_pdos(device: &DeviceInfo, dictionary: &mut ObjectDictionary) {
     if device.compact_pdo == 0 {
         return;
     }
-    let directions = [(device.rpdos, 0x1400, 0x1600, "RPDO", 0x200), (device.tpdos, 0x1800, 0x1A00, "TPDO", 0x180)];
+    let directions = [
+        (device.rpdos, object::RPDO_COMMUNICATION_PARAMETER, object::RPDO_MAPPING_PARAMETER, "RPDO", 0x200),
+        (device.tpdos, object::TPDO_COMMUNICATION_PARAMETER, object::TPDO_MAPPING_PARAMETER, "TPDO", 0x180),
+    ];
     for (pdos, communication, mapping, name, cob_id) in directions {
         for number in 0..pdos.min(512) {
             if dictionary.object(Index(communication + number)).is_none() {

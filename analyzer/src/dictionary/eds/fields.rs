@@ -219,17 +219,11 @@ fn characters(text: &str) -> Vec<u8> {
 fn octets(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     for word in text.split_whitespace() {
-        let digits: Option<Vec<u32>> = word.trim_start_matches("0x").chars().map(|digit| digit.to_digit(16)).collect();
-        let digits = digits?;
-        if let [digit] = digits.as_slice() {
-            bytes.push(*digit as u8);
-            continue;
+        let digits = word.trim_start_matches("0x");
+        match digits.len() {
+            1 => bytes.push(u8::from_str_radix(digits, 16).ok()?),
+            _ => bytes.extend(canvass_traces::hex::parse(digits)?),
         }
-        let (pairs, rest) = digits.as_chunks::<2>();
-        if !rest.is_empty() {
-            return None;
-        }
-        bytes.extend(pairs.iter().map(|[high, low]| (high << 4 | low) as u8));
     }
     Some(bytes)
 }

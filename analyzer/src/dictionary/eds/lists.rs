@@ -1,5 +1,6 @@
 //! `MandatoryObjects`, `OptionalObjects`, `ManufacturerObjects`: which objects there are, and whether that is so.
 
+use crate::object;
 use std::collections::HashSet;
 
 use super::field_name::FieldName;
@@ -78,7 +79,7 @@ pub(super) fn numbered(section: &Section<'_>, count: FieldName, problems: &mut P
 /// The list in which an object belongs.
 pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     match index {
-        0x1000 | 0x1001 | 0x1018 => LISTS[0],
+        object::DEVICE_TYPE | object::ERROR_REGISTER | object::IDENTITY => LISTS[0],
         0x2000..=0x5FFF => LISTS[2],
         _ => LISTS[1],
     }
@@ -125,7 +126,7 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
                 report(&rules::list::UNDESCRIBED, "a section of each listed object");
             }
             // Mandatory since CiA 301 version 4.0.
-            let may_be_optional = index.0 == 0x1018 && position == 1;
+            let may_be_optional = index.0 == object::IDENTITY && position == 1;
             if section != list_of(index.0) && !may_be_optional {
                 report(&rules::list::WRONG, "mandatory, optional and manufacturer objects in their own lists");
             }

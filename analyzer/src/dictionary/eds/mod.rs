@@ -18,6 +18,7 @@ mod text;
 mod unkept;
 mod write;
 
+use crate::object;
 use field_name::FieldName;
 pub(super) use fields::setting;
 pub(super) use lexer::is_same;
@@ -132,7 +133,10 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
 fn check_pdo_counts(document: &lexer::Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
     let Some(section) = document.section("DeviceInfo") else { return };
     let DeviceInfo { rpdos, tpdos, .. } = description.device;
-    for (field, first, announced) in [(FieldName::NrOfRxPdo, 0x1400, rpdos), (FieldName::NrOfTxPdo, 0x1800, tpdos)] {
+    for (field, first, announced) in [
+        (FieldName::NrOfRxPdo, object::RPDO_COMMUNICATION_PARAMETER, rpdos),
+        (FieldName::NrOfTxPdo, object::TPDO_COMMUNICATION_PARAMETER, tpdos),
+    ] {
         let range = first..first + 0x200;
         let objects = description.dictionary.objects().iter().filter(|object| range.contains(&object.index.0)).count();
         if objects != usize::from(announced) {

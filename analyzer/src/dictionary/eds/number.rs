@@ -122,7 +122,7 @@ pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
     same.then(|| format!("{written}{comment}"))
 }
 
-/// Without quotes, and without what stands behind a `;`.
+/// Without quotes, and without what stands after a `;`.
 fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;
     let mut text = text.trim();

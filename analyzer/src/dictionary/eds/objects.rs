@@ -1,5 +1,6 @@
 //! Objects: `[1018]` with `[1018sub0]`, `[1018sub1]`…
 
+use crate::object;
 use std::collections::{BTreeMap, btree_map};
 
 use super::compact;
@@ -309,7 +310,7 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
         let expected = "the highest sub-index in sub-index 0";
         let found = format!("{highest:02X}h is the highest");
         // 1003h counts the errors that there are.
-        if object.index.0 != 0x1003 {
+        if object.index.0 != object::PREDEFINED_ERROR_FIELD {
             fields.problems.report(place, &rules::list::HIGHEST, expected, &found);
         }
     }

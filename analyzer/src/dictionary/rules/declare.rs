@@ -10,7 +10,7 @@
 ///     ///
 ///     /// # What to do
 ///     ///
-///     /// How to mend it.
+///     /// How to fix it.
 ///     COUNT: Warning Count, "eds/list/count", "CiA 306" "4.5" Known,
 ///         fails "[MandatoryObjects]\nSupportedObjects=9\n...",
 ///         passes "[MandatoryObjects]\nSupportedObjects=3\n...";

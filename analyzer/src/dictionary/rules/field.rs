@@ -58,7 +58,7 @@ rules! {
     /// two objects, or two entries of an object, have the same name
     ///
     /// Programs that find objects by their names, such as python-canopen, find only one of them; a user of a configuration
-    /// tool can't tell them apart. The first that repeats a name is told.
+    /// tool can't tell them apart. The first that repeats a name is reported.
     ///
     /// # What to do
     ///

@@ -162,7 +162,7 @@ rules! {
 
     /// a DCF leaves its node-ID or bit rate open
     ///
-    /// A node-ID of 255 is that of a device without one, which gets it by LSS, and a bit rate of 0 is none: whoever configures
+    /// A node-ID of 255 is that of a device without one, which gets it by LSS, and a bit rate of 0 is none: a tool that configures
     /// the device by the file alone does not know where to find it.
     ///
     /// # What to do

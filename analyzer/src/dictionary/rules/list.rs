@@ -16,7 +16,7 @@ rules! {
 
     /// the entries of a list are not numbered from 1 without a gap
     ///
-    /// Tools look for the entries 1 to SupportedObjects, and miss those behind a gap.
+    /// Tools look for the entries 1 to SupportedObjects, and miss those after a gap.
     ///
     /// # What to do
     ///

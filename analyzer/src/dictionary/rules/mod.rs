@@ -73,7 +73,7 @@ impl Rule {
         paragraphs(text.split_once("\n\n").map_or("", |(_, what)| what))
     }
 
-    /// How to mend a breach.
+    /// How to fix a breach.
     pub fn advice(&self) -> String {
         paragraphs(self.doc.split_once(ADVICE).map_or("", |(_, advice)| advice))
     }

@@ -27,7 +27,7 @@ rules! {
 
     /// modules are not numbered from 1 without a gap
     ///
-    /// A tool looks for modules from 1 to NrOfEntries, and misses those behind a gap.
+    /// A tool looks for modules from 1 to NrOfEntries, and misses those after a gap.
     ///
     /// # What to do
     ///

@@ -26,7 +26,7 @@ rules! {
         fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1Fh\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0x1F\nPDOMapping=0";
 
-    /// the node-ID stands behind the number in a formula
+    /// the node-ID stands after the number in a formula
     ///
     /// CiA 306 has `$NODEID+0x180`. There are tools that read 180h of `0x180+$NODEID`, and so give every device the same
     /// COB-ID.
@@ -49,7 +49,7 @@ rules! {
         fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=010\nPDOMapping=0",
         passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=10\nPDOMapping=0";
 
-    /// a comment stands behind a value
+    /// a comment stands after a value
     ///
     /// In CiA 306 a comment has a line of its own. Most tools cut it off all the same.
     ///

@@ -98,7 +98,7 @@ rules! {
     /// an entry that can be read and written may be mapped, and it is not told into which PDO
     ///
     /// With AccessType=rw and PDOMapping=1 a tool offers the entry for RPDOs and for TPDOs. A device that takes it in one of
-    /// them only refuses the other with abort 0604 0041h. One such entry is told of each object.
+    /// them only refuses the other with abort 0604 0041h. One such entry is reported for each object.
     ///
     /// # What to do
     ///
@@ -167,7 +167,7 @@ rules! {
 
     /// two messages that the device sends have the same COB-ID
     ///
-    /// Who receives them can't tell them apart. In a DCF its node-ID counts; in an EDS a COB-ID with $NODEID and one without
+    /// Receivers can't tell them apart. In a DCF its node-ID counts; in an EDS a COB-ID with $NODEID and one without
     /// are not compared, as they are the same for one node-ID only.
     ///
     /// # What to do

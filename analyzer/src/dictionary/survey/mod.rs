@@ -1,12 +1,14 @@
-//! What a device answers when its object dictionary is read: held against its description, and the start of one.
+//! What a device answers when its object dictionary is read: compared with its description, and the start of one.
 //!
-//! Nothing here reads from a device: whoever does fills a [`Survey`].
+//! Nothing here reads from a device: the caller does, and fills a [`Survey`].
 
 pub mod compare;
 pub mod describe;
 
 use crate::identity::{Index, Multiplexer, SubIndex};
+use crate::object;
 use crate::wire::sdo::AbortCode;
+use canvass_traces::hex;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -64,12 +66,10 @@ impl fmt::Display for Bytes<'_> {
         const SHOWN: usize = 8;
         match self.0.len() {
             0 => return f.write_str("no bytes"),
-            1 => f.write_str("1 byte:")?,
-            more => write!(f, "{more} bytes:")?,
+            1 => f.write_str("1 byte: ")?,
+            more => write!(f, "{more} bytes: ")?,
         }
-        for byte in self.0.iter().take(SHOWN) {
-            write!(f, " {byte:02X}")?;
-        }
+        hex::spaced(&self.0[..self.0.len().min(SHOWN)]).fmt(f)?;
         f.write_str(if self.0.len() > SHOWN { " …" } else { "" })
     }
 }
@@ -124,7 +124,7 @@ impl Survey {
 
     /// The number of the device profile: the low word of 1000h.
     pub fn device_profile(&self) -> Option<u16> {
-        self.number(Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+        self.number(Multiplexer::new(object::DEVICE_TYPE, 0)).map(|device_type| device_type as u16)
     }
 
     /// How many entries there were answers for, and how many of them exist.

@@ -6,6 +6,7 @@ mod parameters;
 mod unkept;
 mod write;
 
+use crate::object;
 pub(super) use unkept::unkept;
 pub use write::write;
 
@@ -40,7 +41,7 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     let mut lists = ObjectLists::default();
     for object in dictionary.objects() {
         let list = match object.index.0 {
-            0x1000 | 0x1001 | 0x1018 => &mut lists.mandatory,
+            object::DEVICE_TYPE | object::ERROR_REGISTER | object::IDENTITY => &mut lists.mandatory,
             0x2000..=0x5FFF => &mut lists.manufacturer,
             _ => &mut lists.optional,
         };

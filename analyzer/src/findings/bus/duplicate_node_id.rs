@@ -8,7 +8,7 @@ use crate::object;
 use crate::wire::error_control::State;
 use crate::wire::sdo::{Request, Response};
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// two devices have the same node-ID

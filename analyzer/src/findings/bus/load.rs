@@ -2,7 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen, Thresholds};
 use crate::statistics::RATES;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// the bus is nearly full
@@ -105,7 +105,7 @@ impl Rule for Load {
             let inferred = if scene.is_inferred { " (inferred)" } else { "" };
             // One frame may have begun before the window.
             let wrong =
-                if *load > 101 && !scene.is_inferred { ": more than fits, the bit rate is another" } else { "" };
+                if *load > 101 && !scene.is_inferred { ": more than fits: the bit rate must be higher" } else { "" };
             format!("up to {load} % of {rate} kbit/s{inferred} within {length}{wrong}")
         };
         sink.report(Report::at(full.first).measure(*load).evidence(end.evidence()), message);

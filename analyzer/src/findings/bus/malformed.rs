@@ -3,7 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::{Message, Service};
 use crate::wire::Malformed as Unreadable;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a frame is not as long as its service demands, or can't be read
 ///

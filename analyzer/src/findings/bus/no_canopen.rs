@@ -2,7 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// nothing on the bus is CANopen
 ///
@@ -13,7 +13,7 @@ use canvass_analyzer_macros::rule;
 /// Nothing was diagnosed: that there are no other findings says nothing about the machine.
 ///
 /// # What to do
-/// Error frames alone come of a wrong bit rate, or of a recorder that nobody else is connected to. If there are other
+/// Error frames alone come from a wrong bit rate, or of a recorder that nobody else is connected to. If there are other
 /// frames, check that this is the right bus, and the right channel of the recorder.
 #[rule(id = "bus/no-canopen", severity = Warning, services = [Unknown, ErrorFrame])]
 struct NoCanopen {

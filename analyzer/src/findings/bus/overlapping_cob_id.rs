@@ -5,7 +5,7 @@ use crate::message::Service;
 use crate::network::sdo::Outcome;
 use crate::object;
 use crate::{CobId, Multiplexer, NodeId};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// one CAN-ID was given to two producers

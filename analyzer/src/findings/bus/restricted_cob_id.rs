@@ -6,7 +6,7 @@ use crate::network::sdo::{Direction, Outcome};
 use crate::object;
 use crate::wire::sdo;
 use crate::{CobId, Multiplexer, NodeId};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a COB-ID is one that CiA 301 does not allow
 ///

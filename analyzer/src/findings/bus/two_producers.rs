@@ -6,7 +6,7 @@ use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, PdoNumber};
 use crate::wire::sync::Sync;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// What a period is compared with: one twentieth of it.

@@ -2,7 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// frames with CAN-IDs of no known use
 ///
@@ -14,7 +14,7 @@ use canvass_analyzer_macros::rule;
 /// their share of the bus, and nothing can be said of what is in them.
 ///
 /// # What to do
-/// Name the devices with --device, so that their COB-IDs are known, or record from the start of the machine.
+/// Say which devices the nodes are, by models or descriptions, so that their COB-IDs are known, or record from the start of the machine.
 #[rule(id = "bus/unknown-ids", severity = Info, services = [Unknown])]
 struct UnknownIds {
     /// fewer frames are not reported

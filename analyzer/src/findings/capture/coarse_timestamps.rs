@@ -3,7 +3,7 @@ use crate::findings::context::is_coarse;
 use crate::findings::rule::CaptureRule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::source::SourceQuality;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// the times of the capture are coarse

@@ -1,5 +1,5 @@
 use crate::findings::sink::{Report, Sink};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Place, Timestamp};
 
 /// frames are in the capture twice

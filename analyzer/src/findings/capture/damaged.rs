@@ -2,7 +2,7 @@ use super::name;
 use crate::findings::rule::CaptureRule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::source::SourceQuality;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// parts of the capture can't be read
 ///
@@ -11,7 +11,7 @@ use canvass_analyzer_macros::rule;
 ///
 /// # Why
 /// What stood there is missing in everything else that is said of this capture. Rules that wait for an answer or a next
-/// beat start anew behind each damage, so that nothing is blamed on a node that may be the file's.
+/// beat start anew after each damage, so that nothing is blamed on a node that may be the file's.
 ///
 /// # What to do
 /// Look at the places that are named on standard error. A cut file comes from a recorder that was switched off;

@@ -2,7 +2,7 @@ use super::name;
 use crate::findings::rule::CaptureRule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::source::SourceQuality;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// the recorder lost frames
 ///

@@ -2,7 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// Classes that are errors on the bus: transmit timeout, protocol, transceiver, no acknowledgement, bus error.
 const ERRORS: u32 = 0x001 | 0x008 | 0x010 | 0x020 | 0x080;

@@ -2,7 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// Receive or transmit error passive, in byte 1.
 const PASSIVE: u8 = 0x10 | 0x20;

@@ -1,6 +1,6 @@
 use crate::findings::order::Disorder;
 use crate::findings::sink::{Report, Sink};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// records are out of order by a little
 ///
@@ -8,7 +8,7 @@ use canvass_analyzer_macros::rule;
 /// times. What is older by more is a step of the clock.
 ///
 /// # Why
-/// Who reads the capture line by line sees answers before their requests. Kernels with several processors and adapters
+/// In the order of the file, answers come before their requests. Kernels with several processors and adapters
 /// with several channels hand frames over like this; nothing is wrong with the bus.
 ///
 /// # What to do

@@ -2,7 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// Overflow of the receive or transmit buffer, in byte 1.
 const OVERFLOW: u8 = 0x01 | 0x02;

@@ -2,7 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// error code and error register contradict each other
 ///

@@ -2,7 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an error is still present when the capture ends

@@ -6,7 +6,7 @@ use crate::object;
 use crate::text::EmcyText;
 use crate::wire::emcy::Emcy;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a node reports an error

@@ -2,7 +2,8 @@ use crate::dictionary::names::{ENCODER_PROFILE, bit_name};
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use canvass_analyzer_macros::rule;
+use crate::object::encoder;
+use canvass_macros::rule;
 
 /// an encoder shows an alarm
 ///
@@ -39,6 +40,6 @@ pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<
 
 impl Rule for Alarm {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        tell_bits(0x6503, "alarm", context, sink);
+        tell_bits(encoder::ALARMS, "alarm", context, sink);
     }
 }

@@ -20,7 +20,7 @@ pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
 
 /// How the shaft or rod of an encoder moves, by the upper word of 1000h.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum EncoderKind {
     /// 01h to 05h of CiA 406, and 0Bh of newer devices.
     Rotary,
     /// 08h and 09h.
@@ -28,11 +28,11 @@ pub enum Kind {
 }
 
 /// What kind of encoder a node is; `None` where 1000h is not known or says something else.
-pub fn kind(context: &Context<'_>, node: NodeId) -> Option<Kind> {
+pub fn kind(context: &Context<'_>, node: NodeId) -> Option<EncoderKind> {
     let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(object::DEVICE_TYPE, 0))?;
     match device_type >> 16 {
-        0x01..=0x05 | 0x0B => Some(Kind::Rotary),
-        0x08 | 0x09 => Some(Kind::Linear),
+        0x01..=0x05 | 0x0B => Some(EncoderKind::Rotary),
+        0x08 | 0x09 => Some(EncoderKind::Linear),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_control::State;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// preset or scaling was written in operation
 ///

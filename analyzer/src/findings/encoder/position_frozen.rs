@@ -3,7 +3,8 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::Service;
-use canvass_analyzer_macros::rule;
+use crate::object::encoder;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// the position stands still while the speed does not
@@ -49,8 +50,8 @@ impl Rule for PositionFrozen {
         let (mut position, mut speed) = (None, None);
         for operand in &context.news().operands {
             match (operand.object.index.0, operand.object.sub.0) {
-                (0x6004, _) => position = Some(operand.raw),
-                (0x6030, 1) => speed = Some(operand.signed()),
+                (encoder::POSITION_VALUE, _) => position = Some(operand.raw),
+                (encoder::SPEED_VALUE, 1) => speed = Some(operand.signed()),
                 _ => {}
             }
         }

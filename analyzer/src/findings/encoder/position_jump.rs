@@ -1,11 +1,12 @@
-use super::kind::{Kind, kind};
+use super::kind::{EncoderKind, kind};
 use crate::findings::facts::Operand;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Scene, Seen};
 use crate::message::{Message, Service};
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a position jumps as no shaft can
@@ -72,7 +73,7 @@ impl Axis {
 
 /// Whether it is the position of one channel (6020h) of an encoder with several.
 const fn is_channel(position: &Operand) -> bool {
-    position.object.index.0 == 0x6020
+    position.object.index.0 == encoder::CHANNEL_POSITION_VALUES
 }
 
 /// Far more than any number of units.
@@ -95,9 +96,15 @@ impl PositionJump {
             };
         }
         // A step of the sensor: of a revolution, or in nanometres.
-        let step = || known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
+        let step = || {
+            known
+                .and_then(|known| known.certain(node, Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0)))
+                .map(u64::from)
+        };
         match kind(context, node) {
-            Some(Kind::Linear) => step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
+            Some(EncoderKind::Linear) => {
+                step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6))
+            }
             _ => {
                 let units = per_revolution.or_else(step).unwrap_or(self.resolution);
                 units.saturating_mul(self.speed) / 60
@@ -166,12 +173,16 @@ impl Rule for PositionJump {
         for operand in &context.news().operands {
             let axis = &mut self.nodes[operand.node];
             match operand.object.index.0 {
-                0x6004 if context.decoded.service == Service::Pdo => position = Some(operand),
+                encoder::POSITION_VALUE if context.decoded.service == Service::Pdo => position = Some(operand),
                 // Of several channels the first one.
-                0x6020 if context.decoded.service == Service::Pdo => position = position.or(Some(operand)),
-                0x6001 => (axis.per_revolution, axis.a_second) = (Some(operand.raw), None),
-                0x6501 => axis.a_second = None,
-                0x6002 => axis.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
+                encoder::CHANNEL_POSITION_VALUES if context.decoded.service == Service::Pdo => {
+                    position = position.or(Some(operand));
+                }
+                encoder::UNITS_PER_REVOLUTION => (axis.per_revolution, axis.a_second) = (Some(operand.raw), None),
+                encoder::SINGLE_TURN_RESOLUTION => axis.a_second = None,
+                encoder::TOTAL_MEASURING_RANGE => {
+                    axis.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw });
+                }
                 _ => {}
             }
         }

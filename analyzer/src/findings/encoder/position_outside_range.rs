@@ -1,10 +1,11 @@
-use super::kind::{Kind, kind};
+use super::kind::{EncoderKind, kind};
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Service;
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 #[derive(Clone, Copy, Default)]
 struct Scaling {
@@ -35,9 +36,9 @@ const SCALING: u64 = 1 << 2;
 /// The positions of the sensor itself: steps of one revolution (6501h) times revolutions (6502h).
 fn physical_range(context: &Context<'_>, node: NodeId) -> Option<u64> {
     // In linear devices 6501h is the length of a step.
-    let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(Kind::Rotary))?;
+    let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(EncoderKind::Rotary))?;
     let of = |index| known.certain(node, Multiplexer::new(index, 0)).map(u64::from);
-    of(0x6501)?.checked_mul(of(0x6502)?).filter(|&range| range > 0)
+    of(encoder::SINGLE_TURN_RESOLUTION)?.checked_mul(of(encoder::NUMBER_OF_REVOLUTIONS)?).filter(|&range| range > 0)
 }
 
 impl Rule for PositionOutsideRange {
@@ -52,9 +53,13 @@ impl Rule for PositionOutsideRange {
             let scaling = &mut self.nodes[operand.node];
             match operand.object.index.0 {
                 // 6500h shows what of 6000h is in force.
-                0x6000 | 0x6500 => scaling.on = Some(operand.raw & SCALING != 0),
-                0x6002 => scaling.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
-                0x6004 if !operand.written => {
+                encoder::OPERATING_PARAMETERS | encoder::OPERATING_STATUS => {
+                    scaling.on = Some(operand.raw & SCALING != 0);
+                }
+                encoder::TOTAL_MEASURING_RANGE => {
+                    scaling.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw });
+                }
+                encoder::POSITION_VALUE if !operand.written => {
                     let range = match scaling.on {
                         Some(true) => scaling.range,
                         Some(false) => physical_range(context, operand.node),

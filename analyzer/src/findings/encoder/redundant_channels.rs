@@ -1,11 +1,12 @@
-use super::kind::{Kind, is_encoder, kind, layout};
+use super::kind::{EncoderKind, is_encoder, kind, layout};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen};
 use crate::message::{Message, PdoNumber, Service};
+use crate::object::encoder;
 use crate::wire::pdo::extract;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 #[derive(Clone, Copy, Default)]
@@ -21,7 +22,7 @@ struct Channels {
 /// the redundant channels of an encoder disagree
 ///
 /// The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the second one
-/// counting down as the first counts up. Their sum has been constant, and now is another. Where no mapping is known,
+/// counting down as the first counts up. Their sum was constant, and has changed. Where no mapping is known,
 /// two equal halves of the TPDO of a linear encoder are taken for such channels if their sum stays the same while they
 /// move. After a download to the node the sum is learned anew.
 ///
@@ -52,7 +53,7 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
         return None;
     }
     // Without a mapping: two halves. Angles run over; only lengths don't.
-    if kind(context, node) == Some(Kind::Rotary) {
+    if kind(context, node) == Some(EncoderKind::Rotary) {
         return None;
     }
     let payload = context.record.frame.data();
@@ -65,7 +66,7 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
 }
 
 /// The position of draw-wire encoders, once for each channel.
-const POSITION: u16 = 0x6020;
+const POSITION: u16 = encoder::CHANNEL_POSITION_VALUES;
 
 impl RedundantChannels {
     /// From so many PDOs on the sum is known, if a mapping says what they hold.

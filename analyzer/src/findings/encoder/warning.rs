@@ -2,7 +2,8 @@ use super::alarm::tell_bits;
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::Sink;
-use canvass_analyzer_macros::rule;
+use crate::object::encoder;
+use canvass_macros::rule;
 
 /// an encoder shows a warning
 ///
@@ -19,6 +20,6 @@ struct Warning;
 
 impl Rule for Warning {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        tell_bits(0x6505, "warning", context, sink);
+        tell_bits(encoder::WARNINGS, "warning", context, sink);
     }
 }

@@ -269,7 +269,7 @@ impl Facts {
         match transfer.multiplexer.index.0 {
             object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS => facts.last_store = Some(now),
             0x2000..=0x5FFF if signed => facts.last_store = Some(now),
-            0x1F50 | 0x1F51 => facts.last_program_control = Some(now),
+            object::PROGRAM_DATA | object::PROGRAM_CONTROL => facts.last_program_control = Some(now),
             _ => {}
         }
         if transfer.outcome == Outcome::Complete {

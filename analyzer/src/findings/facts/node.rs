@@ -16,7 +16,7 @@ pub struct NodeFacts {
     pub command: Option<(Command, Timestamp)>,
     /// The last reset by NMT command that no boot-up has followed yet.
     pub pending_reset: Option<Timestamp>,
-    /// The longest silence since that: who was not silent has not restarted.
+    /// The longest silence since then: a node that was not silent has not restarted.
     pub longest_pause: Duration,
     /// When an SDO client last wrote anything.
     pub last_download: Option<Timestamp>,

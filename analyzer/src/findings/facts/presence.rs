@@ -89,7 +89,7 @@ impl Presence {
         self.alarms[node].is_some_and(|alarm| silence > alarm)
     }
 
-    /// The silence of a node, if it is longer than what the node was told in the meantime explains. `period` is that of
+    /// The silence of a node, if it is longer than what the node was commanded in the meantime explains. `period` is that of
     /// its heartbeat, `layer_setting` when the LSS master last said something that may reset nodes.
     pub fn outage(
         &self,

@@ -207,7 +207,13 @@ impl Pending {
     /// Whether it stores or restores parameters, which takes some devices seconds.
     pub fn is_store(&self) -> bool {
         self.object.is_some_and(|object| {
-            matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | 0x1F50 | 0x1F51)
+            matches!(
+                object.index.0,
+                object::STORE_PARAMETERS
+                    | object::RESTORE_DEFAULT_PARAMETERS
+                    | object::PROGRAM_DATA
+                    | object::PROGRAM_CONTROL
+            )
         })
     }
 

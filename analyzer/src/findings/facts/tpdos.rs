@@ -7,6 +7,7 @@ use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::Service;
 use crate::network::{Bus, Decoded, Event};
 use crate::object;
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_traces::Duration;
 
@@ -18,7 +19,7 @@ const SYNC_WINDOW: u16 = object::SYNCHRONOUS_WINDOW_LENGTH;
 
 /// Event timer of the first TPDO, and the cyclic timer of encoders, in milliseconds.
 const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
-const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
 /// What is known of one TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -120,8 +121,8 @@ impl AllParameters {
 /// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
 /// encoders, or which model the node is.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
-    let object = decoded
-        .object
-        .is_some_and(|object| matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF | 0x6200));
+    let object = decoded.object.is_some_and(|object| {
+        matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF | encoder::CYCLIC_TIMER)
+    });
     object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
 }

@@ -2,7 +2,7 @@ use super::exchange::{Sender, answer_to, command, own_command, sender, wants_ans
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an LSS dialogue goes wrong

@@ -5,7 +5,7 @@ use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
 use crate::wire::layer_setting::ConfigureCommand;
 use crate::wire::lss::Request;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a node-ID or bit rate was changed and not stored
 ///

@@ -2,7 +2,7 @@ use super::exchange::{Sender, configured, own_command, sender, words};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// an LSS or LMT slave refuses a configuration
 ///

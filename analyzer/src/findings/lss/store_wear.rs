@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
 use crate::wire::layer_setting::ConfigureCommand;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// node-IDs and bit rates are stored more often than the memory bears
 ///

@@ -2,7 +2,7 @@ use super::exchange::{Sender, command, is_store, sender, wants_answer, words};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an LSS or LMT request gets no answer

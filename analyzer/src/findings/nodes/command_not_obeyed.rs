@@ -5,7 +5,7 @@ use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 use std::rc::Rc;
 

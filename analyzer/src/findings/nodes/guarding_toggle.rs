@@ -3,7 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// the toggle bit of guarding does not alternate
 ///

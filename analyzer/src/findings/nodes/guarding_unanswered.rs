@@ -3,7 +3,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::message::Message;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// a guarding request gets no answer

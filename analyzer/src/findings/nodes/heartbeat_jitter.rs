@@ -3,7 +3,7 @@ use crate::findings::rhythm::Jitter;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// heartbeats are irregular

@@ -1,7 +1,7 @@
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Seen, Thresholds};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// heartbeats are missing
 ///

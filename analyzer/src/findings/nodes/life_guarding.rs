@@ -4,7 +4,7 @@ use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::{Message, Service};
 use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// a guarded node is not asked for its state in time

@@ -5,7 +5,7 @@ use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, Service};
 use crate::wire::nmt::Command;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a node drops out

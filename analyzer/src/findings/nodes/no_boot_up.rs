@@ -5,7 +5,7 @@ use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
 use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
@@ -64,10 +64,10 @@ impl Rule for NoBootUp {
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
             let period = scene.facts.heartbeats.of(node).period();
-            // That it goes on as if nothing had happened is told as a command that it does not obey.
+            // That it goes on as if nothing had happened is reported as a command that it does not obey.
             let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
             let waited = scene.now.since(reset) > self.wait;
-            // What had dropped out before is told as that.
+            // What had dropped out before is reported as that.
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }

@@ -5,7 +5,7 @@ use crate::message::{Message, PdoNumber, Service};
 use crate::network::Cause;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a node sends PDOs although it is not operational

@@ -3,7 +3,7 @@ use crate::PerNode;
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 #[derive(Clone, Copy, Default)]

@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::message::Message;
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// a stopped node answers SDO requests

@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a node leaves operational by itself
 ///

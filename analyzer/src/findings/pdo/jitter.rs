@@ -5,7 +5,7 @@ use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Service;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a cyclic PDO is irregular

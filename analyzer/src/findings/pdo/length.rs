@@ -4,7 +4,7 @@ use crate::findings::{Context, Severity};
 use crate::message::{Message, PdoNumber};
 use crate::network::Node;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a PDO is not as long as its mapping says
 ///
@@ -36,7 +36,7 @@ const fn bit(number: PdoNumber) -> u64 {
 }
 
 impl Length {
-    /// Whether a TPDO of 8 bytes has nothing but zeros behind its mapping, and was never as long as that.
+    /// Whether a TPDO of 8 bytes has nothing but zeros after its mapping, and was never as long as that.
     fn fills_up(&self, node: NodeId, number: PdoNumber, mapped: usize, context: &Context<'_>) -> bool {
         let fitted = self.fitted[node] & bit(number) != 0;
         !fitted && context.record.frame.bytes().iter().skip(mapped).all(|&byte| byte == 0)

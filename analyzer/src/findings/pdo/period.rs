@@ -6,7 +6,7 @@ use crate::message::Service;
 use crate::object;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a cyclic PDO comes later than its event timer says

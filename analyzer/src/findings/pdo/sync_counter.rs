@@ -2,12 +2,12 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// the SYNC counter does not count
 ///
-/// The counter in SYNC is not one more than before, and not 1 behind the value at which it has gone back to 1 before
+/// The counter in SYNC is not one more than before, and not 1 after the value at which it has gone back to 1 before
 /// (1019h); or it is outside 1 to 240, or missing in some SYNC messages. After an NMT command or a pause it may begin
 /// anew.
 ///
@@ -20,7 +20,7 @@ use canvass_traces::{Duration, Timestamp};
 #[rule(id = "pdo/sync-counter", severity = Error, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,
-    /// The value behind which 1 has followed.
+    /// The value after which 1 has followed.
     overflow: Option<u8>,
 }
 
@@ -34,7 +34,7 @@ impl Rule for SyncCounter {
         };
         let Some(counter) = sync.counter else {
             if let Some((last, _)) = self.last.take() {
-                self.tell(1, context, sink, || format!("no counter behind counter {last}"));
+                self.tell(1, context, sink, || format!("no counter after counter {last}"));
             }
             return;
         };
@@ -51,7 +51,7 @@ impl Rule for SyncCounter {
             1 if last > 1 && self.overflow.is_none() => self.overflow = Some(last),
             1 if self.overflow == Some(last) => {}
             n if Some(n) == last.checked_add(1) && self.overflow.is_none_or(|overflow| n <= overflow) => {}
-            _ => self.tell(3, context, sink, || format!("counter {counter} behind counter {last}")),
+            _ => self.tell(3, context, sink, || format!("counter {counter} after counter {last}")),
         }
     }
 

@@ -3,7 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Message;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// a SYNC message is missing

@@ -5,7 +5,7 @@ use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a synchronous PDO does not come with its SYNC
 ///

@@ -3,7 +3,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::Message;
 use crate::wire::time::TimeOfDay;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
 /// the time in TIME jumps

@@ -5,7 +5,7 @@ use crate::message::Message;
 use crate::network::sdo::{Direction, Side};
 use crate::object;
 use crate::wire::sdo::{Abort, AbortCode, Request, Response};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// an SDO transfer was aborted
 ///

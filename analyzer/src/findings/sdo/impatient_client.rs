@@ -5,7 +5,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Message;
 use crate::wire::sdo::Request;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an SDO client gives up too soon

@@ -2,7 +2,7 @@ use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Thresholds};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an SDO server answers late

@@ -5,7 +5,7 @@ use crate::findings::{Context, Seen};
 use crate::message::Message;
 use crate::network::sdo::Violation;
 use crate::wire::sdo::{Request, Response};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// a rule of the SDO protocol is broken
 ///
@@ -34,7 +34,7 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
-        // Late, which is told as that.
+        // Late, which is reported as that.
         if violation == Violation::Unexpected && matches!(context.news().request, RequestEvent::AnsweredLate { .. }) {
             return;
         }

@@ -3,7 +3,7 @@ use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// an SDO client repeats its request
 ///

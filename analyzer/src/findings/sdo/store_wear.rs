@@ -4,8 +4,9 @@ use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
 use crate::network::sdo::{Direction, Outcome};
 use crate::object;
+use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 
 /// parameters are stored more often than the memory bears
 ///
@@ -45,7 +46,9 @@ fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
     };
     match object.index.0 {
         object::STORE_PARAMETERS => true,
-        0x6000 | 0x6003 | 0x6200 => vendor() == Some(TR_ELECTRONIC),
+        encoder::OPERATING_PARAMETERS | encoder::PRESET_VALUE | encoder::CYCLIC_TIMER => {
+            vendor() == Some(TR_ELECTRONIC)
+        }
         _ => false,
     }
 }

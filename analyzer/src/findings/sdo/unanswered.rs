@@ -8,7 +8,7 @@ use crate::network::Cause;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
-use canvass_analyzer_macros::rule;
+use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// No client gives up so soon.
@@ -79,7 +79,7 @@ impl Unanswered {
     /// So many requests that were given up are waited for.
     const MOST: usize = 64;
 
-    /// The client does not wait any more; who gives up at once is impatient, which is told elsewhere.
+    /// The client does not wait any more; one that gives up at once is reported by another rule.
     fn give_up(&mut self, pending: &Pending, context: &Context<'_>, sink: &mut Sink<'_>) {
         let waited = context.now().since(pending.request.time());
         let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));

@@ -27,7 +27,7 @@ const RANKS: [&[&str]; 7] = [
     &["sdo/late", "sdo/aborted"],
 ];
 
-/// The lower, the earlier it is told.
+/// The lower, the earlier it is reported.
 pub fn rank(rule: &str) -> usize {
     RANKS.iter().position(|rank| rank.contains(&rule)).unwrap_or(RANKS.len())
 }

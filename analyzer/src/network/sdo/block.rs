@@ -213,7 +213,7 @@ impl Channel {
         Step { violation, ..step }
     }
 
-    /// The client's messages of a block upload behind the initiate request.
+    /// The client's messages of a block upload after the initiate request.
     pub(super) fn block_upload_request(&mut self, now: Timestamp, request: Request, step: Step) -> Step {
         let block = self.block().filter(|block| block.direction() == Direction::Upload);
         let Some(block) = block else { return step.out_of_place() };

@@ -1,7 +1,7 @@
 //! A block transfer that was under way when the capture began.
 //!
 //! Its segments look like any message: the first byte is their number. What tells is that they come one after another
-//! without anything from the other side, numbered from 1 behind each confirmation.
+//! without anything from the other side, numbered from 1 after each confirmation.
 
 use super::transfer::Direction;
 use crate::wire::Wire;

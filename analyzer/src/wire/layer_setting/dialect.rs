@@ -98,12 +98,12 @@ pub trait Numbered: Copy + Eq + Hash + Debug + 'static {
 
 /// What a part of an address holds.
 pub trait Value: Copy + Ord + Hash + Debug + 'static {
-    /// Reads it from the bytes behind the command specifier.
+    /// Reads it from the bytes after the command specifier.
     ///
     /// # Errors
     /// [`Malformed`] if they are too few.
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed>;
-    /// Writes it to the bytes behind the command specifier.
+    /// Writes it to the bytes after the command specifier.
     fn emit(self, tail: &mut [u8]);
 }
 

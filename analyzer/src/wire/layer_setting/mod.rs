@@ -97,7 +97,7 @@ pub enum Request<D: Dialect> {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes behind it, as far as they are there.
+        /// The bytes after it, as far as they are there.
         tail: [u8; 7],
     },
 }
@@ -133,7 +133,7 @@ pub enum Response<D: Dialect> {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes behind it, as far as they are there.
+        /// The bytes after it, as far as they are there.
         tail: [u8; 7],
     },
 }

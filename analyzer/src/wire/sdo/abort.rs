@@ -172,10 +172,17 @@ impl Wire for Abort {
     }
 }
 
+impl AbortCode {
+    /// As the standard prints it: `0601 0002h`.
+    pub fn digits(self) -> impl fmt::Display {
+        fmt::from_fn(move |f| write!(f, "{:04X} {:04X}h", self.0 >> 16, self.0 & 0xFFFF))
+    }
+}
+
 /// `0601 0002h attempt to write a read only object`.
 impl fmt::Display for AbortCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:04X} {:04X}h ", self.0 >> 16, self.0 & 0xFFFF)?;
+        write!(f, "{} ", self.digits())?;
         match (self.name(), self.cal_name()) {
             (Some(name), _) => f.write_str(name),
             (None, Some(name)) => write!(f, "{name} (CAL)"),

@@ -98,7 +98,7 @@ impl Payload {
         }
     }
 
-    /// Reads the bytes behind the multiplexer; of an expedited value only those that count must be there.
+    /// Reads the bytes after the multiplexer; of an expedited value only those that count must be there.
     fn parse(command: u8, input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         match command & 0b11 {
             0b11 => {
@@ -149,7 +149,7 @@ impl Segment {
         (self.toggle as u8) << 4 | (7 - self.len) << 1 | self.last as u8
     }
 
-    /// Reads the bytes behind the command byte; only those that count must be there.
+    /// Reads the bytes after the command byte; only those that count must be there.
     fn parse(command: u8, input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         let len = 7 - usize::from(command >> 1 & 0b111);
         let (input, data) = named("the data that the command byte announces", take(len)).parse(input)?;

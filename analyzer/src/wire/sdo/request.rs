@@ -74,7 +74,7 @@ pub enum Request {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes behind it, as far as they are there.
+        /// The bytes after it, as far as they are there.
         tail: [u8; 7],
     },
 }

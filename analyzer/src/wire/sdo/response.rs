@@ -70,7 +70,7 @@ pub enum Response {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes behind it, as far as they are there.
+        /// The bytes after it, as far as they are there.
         tail: [u8; 7],
     },
 }

@@ -47,7 +47,7 @@ impl Root {
     pub const fn words(self) -> &'static str {
         match self {
             Self::PowerLoss => "a node loses its supply and comes back",
-            Self::PowerLossForGood => "a node loses its supply for good, and is reset in vain",
+            Self::PowerLossForGood => "a node loses its supply for good, and does not react to resets",
             Self::BrownOut => "a node restarts by itself",
             Self::CutOff => "a node goes bus-off and comes back",
             Self::WrongHeartbeatTime => "a heartbeat time that is longer than its consumer waits",

@@ -200,7 +200,7 @@ impl BlfReader {
             Content::Frame { mut record, channel } => {
                 let start = Timestamp(self.file.and_then(|file| file.start).unwrap_or_default());
                 let Some(timestamp) = start.after(record.timestamp.nanos()) else {
-                    let found = format!("{} behind the start", record.timestamp);
+                    let found = format!("{} after the start", record.timestamp);
                     return Err(Damage::new(DamageKind::Malformed, place, LATEST, found.as_bytes()));
                 };
                 record.timestamp = timestamp;
@@ -261,7 +261,7 @@ impl BlfReader {
         content.and_then(|content| self.take(content, place))
     }
 
-    /// Unpacks a container behind what is left of the one before.
+    /// Unpacks a container after what is left of the one before.
     fn container(&mut self, header: BaseHeader) -> Result<Option<Record>, Damage> {
         let place = self.place();
         if header.size < (BASE_HEADER + container::HEADER) as u32 {
@@ -277,7 +277,7 @@ impl BlfReader {
         match container::unpack(&mut self.source, length, &mut self.objects) {
             Unpacked::Whole => Ok(None),
             Unpacked::Overlong(more) => {
-                let found = format!("{more} bytes behind its content");
+                let found = format!("{more} bytes after its content");
                 Err(Damage::new(DamageKind::Malformed, place, "a container that its content fills", found.as_bytes()))
             }
             Unpacked::Cut => {
@@ -370,7 +370,7 @@ fn no_object(place: Place, found: &[u8]) -> Damage {
     Damage::new(DamageKind::Malformed, place, "an object with the signature LOBJ", &found[..found.len().min(16)])
 }
 
-/// A header that no object has: behind its signature the next one is looked for.
+/// A header that no object has: after its signature the next one is looked for.
 fn unlikely(header: BaseHeader, place: Place) -> Option<Damage> {
     if header.fits() {
         return None;

@@ -1,14 +1,14 @@
 //! CDR, the encoding of ROS 2 (OMG CORBA 3.3 part 2, 9.3; DDS-XTypes 1.3, 7.4).
 //!
 //! A header of 4 bytes tells the byte order: `00 00` big-endian, `00 01` little-endian (CDR); `00 06`, `00 07` the
-//! same in version 2, which aligns numbers of 8 bytes to 4. **Alignment counts from behind this header.** A text is
+//! same in version 2, which aligns numbers of 8 bytes to 4. **Alignment counts from after this header.** A text is
 //! its length, including its closing zero, and its bytes.
 
 use super::plan::Layout;
 use super::run::{Extent, Run};
 use crate::damage::Flaw;
 
-/// The bytes behind the header.
+/// The bytes after the header.
 pub(crate) struct Cdr<'a> {
     bytes: &'a [u8],
     at: usize,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! time of the first message, time of the last (64 bits each), uncompressed size (64), CRC-32 of the uncompressed
-//! records (32, 0 for none), compression ("", "zstd" or "lz4", behind its length of 32), compressed size (64), bytes
+//! records (32, 0 for none), compression ("", "zstd" or "lz4", after its length of 32), compressed size (64), bytes
 //! ```
 
 use crate::Source;

@@ -128,9 +128,7 @@ fn number(value: &Value) -> Option<i64> {
 fn hex(text: &str) -> Option<Vec<u8>> {
     let text = text.trim();
     let digits = text.strip_prefix("0x").unwrap_or(text).bytes().filter(|byte| !b" :-".contains(byte));
-    let digits: Option<Vec<u8>> = digits.map(|digit| char::from(digit).to_digit(16).map(|digit| digit as u8)).collect();
-    let digits = digits.filter(|digits| digits.len() % 2 == 0)?;
-    Some(digits.chunks(2).map(|pair| pair.iter().fold(0, |byte, digit| byte << 4 | digit)).collect())
+    crate::hex::parse(digits.collect::<Vec<u8>>())
 }
 
 /// The time stamp, in a header or beside the frame's fields.

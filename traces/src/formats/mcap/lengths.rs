@@ -4,13 +4,13 @@
 //! to have 4 GiB ends the program (mcap 0.26, `McapString`). So the lengths are looked at first. They also tell records
 //! without messages from messages whose code is damaged.
 
-/// A text behind its length; what follows it.
+/// A text after its length; what follows it.
 fn text(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
 }
 
-/// Names and values behind the length of all of them; what follows them.
+/// Names and values after the length of all of them; what follows them.
 fn map(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     let (mut pairs, rest) = rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)?;

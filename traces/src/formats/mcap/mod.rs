@@ -11,7 +11,7 @@
 //! The crate mcap writes the files, and its parser (`parse_record`) reads the records that describe a file. Its readers
 //! (`LinearReader`, `MessageStream`, the sans-io ones alike) can't serve here, for they are for files that are whole:
 //!
-//! - an error is their last event: behind a damaged chunk, or one whose checksum is wrong, they don't go on;
+//! - an error is their last event: after a damaged chunk, or one whose checksum is wrong, they don't go on;
 //! - with the checksum before the messages (`prevalidate_chunk_crcs`) they give nothing of a chunk that the end of the
 //!   file cuts, without it they give messages of a chunk whose checksum then proves wrong;
 //! - a record longer than their limit is an error too, and not passed over as an attachment should be;
@@ -22,7 +22,7 @@
 //! Behind a record whose length is damaged nothing tells where the next one begins: the rest is reported as cut.
 //!
 //! Easily got wrong: a file without footer (power cut, full disk) is still a good one as far as it goes; CDR aligns
-//! from behind its 4-byte header; bytes beyond the length are left over from earlier frames.
+//! from after its 4-byte header; bytes beyond the length are left over from earlier frames.
 
 mod cdr;
 mod chunk;

@@ -3,7 +3,7 @@
 //! Both encodings, CDR and ROS 1, walk the same plan; they differ in how they lay out numbers and texts.
 
 use super::fields::{Role, Shape, Values};
-use super::ros_definition::{Count, Definitions, Field, Kind, Message};
+use super::ros_definition::{Count, Definitions, Field, FieldKind, Message};
 use super::run::{self, Extent, Run};
 use crate::damage::Flaw;
 use crate::{Record, Timestamp};
@@ -98,7 +98,7 @@ fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> 
         return Some(place);
     }
     message.fields.iter().find_map(|field| match (field.kind, field.count) {
-        (Kind::Message(inner), Count::One) => find(messages, inner, seen),
+        (FieldKind::Message(inner), Count::One) => find(messages, inner, seen),
         _ => None,
     })
 }
@@ -122,9 +122,9 @@ fn shape(message: &Message) -> Option<Shape> {
 fn role(field: &Field) -> Option<Role> {
     let role = Role::by_name(&field.name)?;
     let fits = match (role, field.kind, field.count) {
-        (Role::Data, Kind::Number { size: 1, .. }, Count::Array(_) | Count::Sequence(_)) => true,
+        (Role::Data, FieldKind::Number { size: 1, .. }, Count::Array(_) | Count::Sequence(_)) => true,
         (Role::Data, ..) => false,
-        (_, Kind::Number { .. }, Count::One) => true,
+        (_, FieldKind::Number { .. }, Count::One) => true,
         _ => false,
     };
     fits.then_some(role)
@@ -154,19 +154,19 @@ impl Compiler<'_> {
             let time = on_path && !self.timed && self.is_time(field);
             match (field.kind, field.count) {
                 (_, Count::Array(0)) => {}
-                (Kind::Number { size, signed }, Count::One) => {
+                (FieldKind::Number { size, signed }, Count::One) => {
                     let role = if is_target { role(field) } else { None };
                     steps.push(McapStep::Number { size, signed, role });
                 }
-                (Kind::Number { .. }, count) if is_target && role(field) == Some(Role::Data) => {
+                (FieldKind::Number { .. }, count) if is_target && role(field) == Some(Role::Data) => {
                     steps.push(McapStep::Data(count));
                 }
-                (Kind::Number { size, .. }, count) => steps.push(McapStep::Numbers { size, count }),
-                (Kind::Text, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: false }]),
-                (Kind::WideText, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: true }]),
-                (Kind::Message(inner), _) if time => steps.extend(self.time(inner)?),
-                (Kind::Message(inner), Count::One) => steps.extend(self.message(inner, depth + 1, on_path)?),
-                (Kind::Message(inner), count) => {
+                (FieldKind::Number { size, .. }, count) => steps.push(McapStep::Numbers { size, count }),
+                (FieldKind::Text, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: false }]),
+                (FieldKind::WideText, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: true }]),
+                (FieldKind::Message(inner), _) if time => steps.extend(self.time(inner)?),
+                (FieldKind::Message(inner), Count::One) => steps.extend(self.message(inner, depth + 1, on_path)?),
+                (FieldKind::Message(inner), count) => {
                     let body = self.message(inner, depth + 1, false)?;
                     repeat(&mut steps, count, body);
                 }
@@ -177,18 +177,22 @@ impl Compiler<'_> {
 
     /// Whether the field is a point in time: `stamp` in a header or beside the frame.
     fn is_time(&self, field: &Field) -> bool {
-        let Kind::Message(inner) = field.kind else { return false };
+        let FieldKind::Message(inner) = field.kind else { return false };
         let parts = self.messages.get(inner).map_or(&[][..], |message| &message.fields);
         field.count == Count::One
             && Role::is_time(&field.name)
             && parts.len() == 2
-            && parts.iter().all(|part| matches!(part.kind, Kind::Number { .. }) && Role::of_time(&part.name).is_some())
+            && parts
+                .iter()
+                .all(|part| matches!(part.kind, FieldKind::Number { .. }) && Role::of_time(&part.name).is_some())
     }
 
     fn time(&mut self, place: usize) -> Option<Vec<McapStep>> {
         self.timed = true;
         let steps = self.messages.get(place)?.fields.iter().map(|field| match field.kind {
-            Kind::Number { size, signed } => Some(McapStep::Number { size, signed, role: Role::of_time(&field.name) }),
+            FieldKind::Number { size, signed } => {
+                Some(McapStep::Number { size, signed, role: Role::of_time(&field.name) })
+            }
             _ => None,
         });
         steps.collect()

@@ -220,7 +220,7 @@ impl McapReader {
         self.pending.extend(missing);
         self.source.consume(end + magic);
         if self.has(1)? {
-            let expected = "the end of the file behind the magic number";
+            let expected = "the end of the file after the magic number";
             self.pending.push_back(Damage::new(DamageKind::Malformed, self.place(), expected, b"more bytes"));
         }
         Ok(None)
@@ -245,7 +245,7 @@ impl McapReader {
         })
     }
 
-    /// A file without any CAN channel, or without the topics that the user wants, is told.
+    /// A file without any CAN channel, or without the topics that the user wants, is reported.
     fn nothing_found(&mut self, place: Place) {
         let topics = &self.topics;
         let seen = || format!("topics {}", topics.seen.join(", "));

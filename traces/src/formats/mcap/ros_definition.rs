@@ -5,14 +5,14 @@
 //! uint8[<=64] data              # T[] a sequence, T[<=N] a bounded one, T[N] an array
 //! int32 STANDARD=0              # a constant: no part of the message
 //! ================================================================================
-//! MSG: std_msgs/Header          # the definitions of the types used, each behind such a line
+//! MSG: std_msgs/Header          # the definitions of the types used, each after such a line
 //! ```
 
 use std::collections::HashMap;
 
 /// A field's type without its count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum FieldKind {
     /// A number of that many bytes, or a truth value.
     Number {
         size: usize,
@@ -36,7 +36,7 @@ pub(crate) enum Count {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Field {
     pub(crate) name: String,
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
     pub(crate) count: Count,
 }
 
@@ -108,13 +108,13 @@ fn plain_name(name: &str) -> String {
 fn field(line: &str) -> Result<Option<(&str, &str)>, String> {
     let mut words = line.splitn(2, char::is_whitespace);
     let (Some(kind), rest) = (words.next().filter(|word| !word.is_empty()), words.next()) else { return Ok(None) };
-    let rest = rest.ok_or_else(|| format!("a field's name behind its type: {line}"))?.trim();
+    let rest = rest.ok_or_else(|| format!("a field's name after its type: {line}"))?.trim();
     let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
     let (name, value) = rest.split_at(end);
     if name.is_empty() {
         return Err(format!("a field's name: {line}"));
     }
-    // A constant has its value behind `=`; a default value of ROS 2 stands behind a blank.
+    // A constant has its value after `=`; a default value of ROS 2 stands after a blank.
     Ok((!value.trim_start().starts_with('=')).then_some((kind, name)))
 }
 
@@ -144,8 +144,8 @@ fn counted(text: &str) -> Result<(&str, Count), String> {
     })
 }
 
-fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<Kind, String> {
-    let number = |size, signed| Ok(Kind::Number { size, signed });
+fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<FieldKind, String> {
+    let number = |size, signed| Ok(FieldKind::Number { size, signed });
     // `string<=10` is a bounded string: the same on the wire.
     match text.split("<=").next().unwrap_or(text) {
         "bool" | "byte" | "char" | "uint8" => return number(1, false),
@@ -156,15 +156,15 @@ fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<Kind
         "int32" => return number(4, true),
         "uint64" | "float64" => return number(8, false),
         "int64" => return number(8, true),
-        "string" => return Ok(Kind::Text),
-        "wstring" => return Ok(Kind::WideText),
+        "string" => return Ok(FieldKind::Text),
+        "wstring" => return Ok(FieldKind::WideText),
         _ => {}
     }
     let name = plain_name(text);
     let neighbour = user.split_once('/').map(|(package, _)| format!("{package}/{name}"));
     let known = [Some(name.clone()), neighbour, (name == "Header").then(|| "std_msgs/Header".to_owned())];
     let place = known.iter().flatten().find_map(|name| places.get(name.as_str()));
-    place.map(|&place| Kind::Message(place)).ok_or_else(|| format!("a known type: {text}"))
+    place.map(|&place| FieldKind::Message(place)).ok_or_else(|| format!("a known type: {text}"))
 }
 
 #[cfg(test)]
@@ -182,13 +182,13 @@ mod tests {
         let Definitions(messages) = parse("can_msgs/msg/Frame", FRAME).unwrap();
         let fields: Vec<_> =
             messages[0].fields.iter().map(|field| (field.name.as_str(), field.kind, field.count)).collect();
-        let flag = Kind::Number { size: 1, signed: false };
+        let flag = FieldKind::Number { size: 1, signed: false };
         assert_eq!(messages[0].name, "can_msgs/Frame");
         assert_eq!(
             fields,
             [
-                ("header", Kind::Message(1), Count::One),
-                ("id", Kind::Number { size: 4, signed: false }, Count::One),
+                ("header", FieldKind::Message(1), Count::One),
+                ("id", FieldKind::Number { size: 4, signed: false }, Count::One),
                 ("is_rtr", flag, Count::One),
                 ("is_extended", flag, Count::One),
                 ("is_error", flag, Count::One),
@@ -196,7 +196,7 @@ mod tests {
                 ("data", flag, Count::Array(8)),
             ]
         );
-        assert_eq!(messages[1].fields[0].kind, Kind::Message(2));
+        assert_eq!(messages[1].fields[0].kind, FieldKind::Message(2));
     }
 
     #[test]
@@ -209,20 +209,20 @@ mod tests {
         assert_eq!(
             fields,
             [
-                ("s", Kind::Text, Count::One),
-                ("x", Kind::Number { size: 1, signed: false }, Count::One),
-                ("parts", Kind::Message(1), Count::Sequence(None)),
-                ("w", Kind::WideText, Count::Sequence(Some(3))),
-                ("f", Kind::Number { size: 8, signed: false }, Count::Array(2)),
+                ("s", FieldKind::Text, Count::One),
+                ("x", FieldKind::Number { size: 1, signed: false }, Count::One),
+                ("parts", FieldKind::Message(1), Count::Sequence(None)),
+                ("w", FieldKind::WideText, Count::Sequence(Some(3))),
+                ("f", FieldKind::Number { size: 8, signed: false }, Count::Array(2)),
             ]
         );
-        let Kind::Message(header) = messages[1].fields[1].kind else { panic!() };
+        let FieldKind::Message(header) = messages[1].fields[1].kind else { panic!() };
         assert_eq!(messages[header].name, "std_msgs/Header");
     }
 
     #[test]
     fn what_is_not_known_is_named() {
-        assert_eq!(parse("a/B", "uint8"), Err("a field's name behind its type: uint8".into()));
+        assert_eq!(parse("a/B", "uint8"), Err("a field's name after its type: uint8".into()));
         assert_eq!(parse("a/B", "Nowhere x"), Err("a known type: Nowhere".into()));
         assert_eq!(parse("a/B", "uint8[x] x"), Err("a number of elements: uint8[x]".into()));
     }

@@ -19,7 +19,7 @@ const FRAME: &str =
 const FD_FRAME: &str =
     "std_msgs/Header header\nuint32 id\nbool is_extended\nbool is_error\nuint8 len\nuint8[<=64] data\n";
 
-/// The name of metadata that holds the comment of the message behind it, and of the value in it.
+/// The name of metadata that holds the comment of the message after it, and of the value in it.
 pub(crate) const COMMENT: &str = "comment";
 
 struct McapWriter {

@@ -10,9 +10,9 @@
 //! tell the length of a frame check sequence); a snapshot length of 0 means none, which the crate refuses in its checked
 //! packets, so that the raw ones are read; a packet whose captured length is below its original length was cut.
 //!
-//! Nothing in the file tells where a packet begins. So behind a packet that is damaged the next header must look like
+//! Nothing in the file tells where a packet begins. So after a packet that is damaged the next header must look like
 //! one, else the next packet is searched for, byte by byte: lengths that fit each other and the link type, a time near
-//! the last one, a readable frame, and again such a header behind it, or the end of the file.
+//! the last one, a readable frame, and again such a header after it, or the end of the file.
 //!
 //! The format names no channel: all frames are on [`CHANNEL`], but with SLL2 the interface's index tells them
 //! apart (`if5`).

@@ -234,7 +234,7 @@ impl PcapReader {
         damage
     }
 
-    /// What is behind a damaged packet of that size, with its header, decides whether its lengths can be believed.
+    /// What is after a damaged packet of that size, with its header, decides whether its lengths can be believed.
     fn damaged(&mut self, format: PacketFormat, size: usize, damage: Damage) -> Damage {
         match self.may_begin(format, size) {
             Ok(true) => self.source.consume(size),
@@ -289,7 +289,7 @@ impl PcapReader {
         Ok(false)
     }
 
-    /// Whether the window begins with a packet that has a frame, and behind which another one may begin.
+    /// Whether the window begins with a packet that has a frame, and after which another one may begin.
     fn is_packet(&mut self, format: PacketFormat) -> Result<bool, SourceError> {
         let Some(&header) = self.source.window().first_chunk() else { return Ok(false) };
         let header = format.header(header);

@@ -102,7 +102,7 @@ pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_
     }
 }
 
-/// A block's content. Where only its options can't be read, which begin behind `fixed` bytes, it is given without
+/// A block's content. Where only its options can't be read, which begin after `fixed` bytes, it is given without
 /// them; the flag tells whether all was read.
 pub(crate) fn content<'a, T: PcapNgBlock<'a>>(
     order: Endianness,

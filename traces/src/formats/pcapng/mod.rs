@@ -17,7 +17,7 @@
 //!   every interface counts nanoseconds, so that the times that it gives are the numbers of the file;
 //! - options: one that it does not like makes it refuse the whole block, an interface with all its packets. The options
 //!   of interfaces are read here, and a packet is read again without them;
-//! - damage: behind a block whose lengths can't be right the next one is searched for, by its type and its two equal
+//! - damage: after a block whose lengths can't be right the next one is searched for, by its type and its two equal
 //!   lengths. A block of a type that is not known is reported: it may be a packet whose type is damaged.
 
 mod block;

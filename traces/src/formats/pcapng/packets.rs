@@ -152,7 +152,7 @@ impl Section {
             let more = dropped - std::mem::replace(&mut interface.dropped, dropped);
             return Damage::dropped(more, place).into();
         }
-        if whole { Content::default() } else { unreadable(place, "interface statistics, and nothing behind them", "") }
+        if whole { Content::default() } else { unreadable(place, "interface statistics, and nothing after them", "") }
     }
 
     /// The packet's frame, and the damage that goes before it.

@@ -20,7 +20,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct PcapngReader {
     source: Source,
-    /// The byte order of the current section; `None` before the first one, and behind a damaged header.
+    /// The byte order of the current section; `None` before the first one, and after a damaged header.
     order: Option<Endianness>,
     section: Section,
     /// Where the current section ends, if its header says it.

@@ -1,4 +1,4 @@
-//! What mends a breach without guessing: the rule's own edit of the text. Comments and order stay.
+//! What fixes a breach without guessing: the rule's own edit of the text. Comments and order stay.
 
 mod lines;
 mod lists;
@@ -10,7 +10,7 @@ use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::rules;
 use std::ops::Range;
 
-/// What mends a finding.
+/// What fixes a finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// What it does: `write 01:30PM`.
@@ -39,7 +39,7 @@ impl Fix {
     }
 }
 
-/// What mends that finding, where it can be mended without guessing.
+/// What fixes that finding, where it can be fixed without guessing.
 pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let rule = finding.problem.rule;
     let is = |other: &rules::Rule| rule == other;

@@ -11,7 +11,7 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let rule = finding.problem.rule;
     let text = source.get(&finding.span);
     let is = |other: &rules::Rule| rule == other;
-    let mended = if is(&rules::file::DATE) {
+    let fixed = if is(&rules::file::DATE) {
         moment::eds_date(text)?
     } else if is(&rules::file::TIME) {
         moment::eds_time(text)?
@@ -24,7 +24,7 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     } else {
         return None;
     };
-    Some(Fix::replace(finding.span.clone(), mended))
+    Some(Fix::replace(finding.span.clone(), fixed))
 }
 
 /// Of XML: digits without prefix.

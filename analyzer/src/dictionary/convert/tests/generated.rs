@@ -168,7 +168,7 @@ proptest! {
         }
     }
 
-    /// Texts of any kind: what does not stay the same is told.
+    /// Texts of any kind: what does not stay the same is reported.
     #[test]
     fn what_changes_is_told(description in description(hostile().boxed())) {
         for xml in [false, true] {

@@ -7,6 +7,7 @@ use crate::dictionary::loss::LossKind;
 use crate::dictionary::moment::{eds_date, eds_time};
 use crate::dictionary::object::Setting;
 use crate::identity::Multiplexer;
+use crate::object;
 
 /// The data types whose use as a dummy a file tells.
 const BASIC_TYPES: std::ops::RangeInclusive<u16> = 0x0001..=0x0007;
@@ -104,7 +105,7 @@ fn bit_rates(sheet: &mut Sheet, device: &DeviceInfo) {
 }
 
 fn identity(description: &DeviceDescription, sub: u8) -> Option<u32> {
-    let entry = description.dictionary.entry(Multiplexer::new(0x1018, sub)).ok()?;
+    let entry = description.dictionary.entry(Multiplexer::new(object::IDENTITY, sub)).ok()?;
     u32::try_from(entry.default.as_ref().and_then(Setting::fixed)?.to_raw()?).ok()
 }
 

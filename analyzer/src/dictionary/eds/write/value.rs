@@ -5,6 +5,7 @@ use crate::dictionary::eds::fields::setting as read;
 use crate::dictionary::object::Setting;
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::value::Value;
+use canvass_traces::hex;
 
 /// The text that reads as that setting of an entry of that type; `None` if there is none: an empty string, one with control
 /// characters or blanks at its ends, a value of a type without values.
@@ -35,8 +36,8 @@ fn candidates(setting: &Setting, data_type: DataType) -> Vec<String> {
             std::iter::once(latin_1(bytes)).chain(String::from_utf8(bytes.clone())).collect()
         }
         Value::UnicodeString(units) => vec![String::from_utf16_lossy(units)],
-        Value::OctetString(bytes) => vec![octets(bytes)],
-        Value::Domain(bytes) => vec![octets(bytes)],
+        Value::OctetString(bytes) => vec![hex::spaced(bytes).to_string()],
+        Value::Domain(bytes) => vec![hex::spaced(bytes).to_string()],
         Value::TimeOfDay(_) | Value::TimeDifference(_) => {
             value.to_raw().map(|raw| raw.to_string()).into_iter().collect()
         }
@@ -45,10 +46,6 @@ fn candidates(setting: &Setting, data_type: DataType) -> Vec<String> {
 
 fn latin_1(bytes: &[u8]) -> String {
     bytes.iter().map(|&byte| char::from(byte)).collect()
-}
-
-fn octets(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ")
 }
 
 /// Whether they are the same, also if they are no numbers (NaN).

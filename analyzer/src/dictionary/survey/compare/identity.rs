@@ -1,18 +1,19 @@
 //! `DeviceInfo` against 1018h, where 1018h itself is described without values.
 
-use super::{Comparison, Kind, Side, Weight};
+use super::{Comparison, MismatchKind, Side, Weight};
 use crate::dictionary::difference::{Fact, Subject};
 use crate::identity::Multiplexer;
+use crate::object;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let device = &comparison.description.device;
     let fields = [
-        (Kind::Identity, "VendorNumber", device.vendor_number, 1),
-        (Kind::Identity, "ProductNumber", device.product_number, 2),
-        (Kind::Release, "RevisionNumber", device.revision_number, 3),
+        (MismatchKind::Identity, "VendorNumber", device.vendor_number, 1),
+        (MismatchKind::Identity, "ProductNumber", device.product_number, 2),
+        (MismatchKind::Release, "RevisionNumber", device.revision_number, 3),
     ];
     for (kind, field, described, sub) in fields {
-        let at = Multiplexer::new(0x1018, sub);
+        let at = Multiplexer::new(object::IDENTITY, sub);
         let entry = comparison.description.dictionary.entry(at).ok();
         let is_told = entry.is_some_and(|entry| entry.configured.is_some() || entry.default.is_some());
         let (Some(described), Some(found)) = (described, comparison.survey.number(at)) else { continue };

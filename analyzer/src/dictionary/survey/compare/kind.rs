@@ -2,7 +2,7 @@
 
 /// What differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum MismatchKind {
     /// Vendor-ID, product code, device type or device name.
     Identity,
     /// Revision number, hardware or software version.
@@ -37,7 +37,7 @@ pub enum Kind {
     Mapping,
     /// A PDO carries an object that can't be mapped by the description.
     Unmappable,
-    /// A COB-ID is another.
+    /// A COB-ID differs.
     CobId,
     /// The device refuses to give the value.
     Refused,
@@ -69,7 +69,7 @@ impl Weight {
     }
 }
 
-impl Kind {
+impl MismatchKind {
     /// All kinds.
     pub const ALL: [Self; 21] = [
         Self::Identity,
@@ -122,7 +122,7 @@ impl Kind {
         }
     }
 
-    /// What it means to whoever uses the description.
+    /// What it means for users of the description.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Identity => "another device than the description is of: a master that checks it does not start it",
@@ -138,13 +138,17 @@ impl Kind {
             Self::Count => "a tool looks at too few sub-indexes, or at too many",
             Self::Constant => "it never changes by the description: another release or variant of the device",
             Self::Configured => "the device is not configured as the file says, or not restarted since",
-            Self::Setting => "not as delivered: somebody may have configured the device, or its default is another",
-            Self::State => "the device sets it: it may depend on its state or variant, or its default is another",
+            Self::Setting => {
+                "not as delivered: somebody may have configured the device, or its default is not that of the description"
+            }
+            Self::State => {
+                "the device sets it: it may depend on its state or variant, or its default is not that of the description"
+            }
             Self::Mapping => "who takes values out of the PDO by the description gets others",
             Self::Unmappable => "a tool refuses the mapping that the device has",
             Self::CobId => "who expects the described CAN-ID hears nothing or reaches nobody",
             Self::Refused => "the description says that it can be read",
-            Self::NoAnswer => "a tool that reads it waits in vain",
+            Self::NoAnswer => "a tool that reads it gets no answer",
             Self::Violation => "a tool that reads it gets no value",
         }
     }

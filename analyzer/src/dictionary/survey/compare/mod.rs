@@ -10,7 +10,7 @@ mod values;
 #[cfg(test)]
 mod tests;
 
-pub use kind::{Kind, Weight};
+pub use kind::{MismatchKind, Weight};
 
 use super::{Answer, Survey};
 use crate::dictionary::description::DeviceDescription;
@@ -25,7 +25,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
     /// What differs.
-    pub kind: Kind,
+    pub kind: MismatchKind,
     /// Whether one of the two is wrong.
     pub weight: Weight,
     /// Where it is.
@@ -110,13 +110,13 @@ struct Comparison<'a> {
     description: &'a DeviceDescription,
     survey: &'a Survey,
     node: NodeId,
-    /// Entries whose value is told with their PDO.
+    /// Entries whose value is reported with their PDO.
     told: BTreeSet<Multiplexer>,
     found: Vec<Mismatch>,
 }
 
 impl Comparison<'_> {
-    fn report(&mut self, kind: Kind, weight: Weight, subject: Subject, described: Side, found: Side) {
+    fn report(&mut self, kind: MismatchKind, weight: Weight, subject: Subject, described: Side, found: Side) {
         let name = match subject {
             Subject::Object(index) => self.name_of(Multiplexer { index, sub: SubIndex(0) }, true),
             Subject::Entry(at) => self.name_of(at, false),

@@ -1,9 +1,10 @@
 //! Whether described objects and sub-indexes exist, and answer as their access type says.
 
-use super::{Answer, Comparison, Kind, Side, Weight, values};
+use super::{Answer, Comparison, MismatchKind, Side, Weight, values};
 use crate::dictionary::difference::{Fact, Subject};
 use crate::dictionary::object::{Entry, Object};
 use crate::identity::Multiplexer;
+use crate::object;
 use crate::wire::sdo::AbortCode;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
@@ -11,7 +12,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
         if is_absent(comparison, object) {
             let found = Side::Answer(Answer::Aborted(AbortCode::NO_OBJECT));
             let subject = Subject::Object(object.index);
-            comparison.report(Kind::MissingObject, Weight::Differs, subject, Side::Exists, found);
+            comparison.report(MismatchKind::MissingObject, Weight::Differs, subject, Side::Exists, found);
             continue;
         }
         for entry in object.entries() {
@@ -34,19 +35,21 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
     let at = Multiplexer { index: object.index, sub: entry.sub };
     let kind = match answer {
         Answer::Value(bytes) => return value(comparison, object, entry, bytes),
-        Answer::Long(_) if entry.data_type.bytes().is_some() => Kind::Length,
+        Answer::Long(_) if entry.data_type.bytes().is_some() => MismatchKind::Length,
         Answer::Long(_) => return,
-        Answer::Aborted(AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX) if !is_empty_history(at) => Kind::MissingEntry,
-        Answer::Aborted(AbortCode::WRITE_ONLY) if entry.access.is_readable() => Kind::Access,
+        Answer::Aborted(AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX) if !is_empty_history(at) => {
+            MismatchKind::MissingEntry
+        }
+        Answer::Aborted(AbortCode::WRITE_ONLY) if entry.access.is_readable() => MismatchKind::Access,
         // With which code a write-only entry refuses to be read is for the device's conformance, not for its description.
         Answer::Aborted(_) if !entry.access.is_readable() || answer.is_momentary() || is_empty_history(at) => return,
-        Answer::Aborted(_) => Kind::Refused,
-        Answer::Silent => Kind::NoAnswer,
-        Answer::Violated(_) => Kind::Violation,
+        Answer::Aborted(_) => MismatchKind::Refused,
+        Answer::Silent => MismatchKind::NoAnswer,
+        Answer::Violated(_) => MismatchKind::Violation,
     };
     let described = match kind {
-        Kind::Length => Side::Fact(Fact::DataType(entry.data_type)),
-        Kind::MissingEntry => Side::Exists,
+        MismatchKind::Length => Side::Fact(Fact::DataType(entry.data_type)),
+        MismatchKind::MissingEntry => Side::Exists,
         _ => Side::Fact(Fact::Access(entry.access)),
     };
     comparison.report(kind, Weight::Differs, Subject::Entry(at), described, Side::Answer(answer.clone()));
@@ -54,14 +57,14 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
 
 /// Errors that have not happened have no sub-index in 1003h, or no value.
 fn is_empty_history(at: Multiplexer) -> bool {
-    at.index.0 == 0x1003 && at.sub.0 > 0
+    at.index.0 == object::PREDEFINED_ERROR_FIELD && at.sub.0 > 0
 }
 
 fn value(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, bytes: &[u8]) {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     if !entry.access.is_readable() {
         let (described, found) = (Side::Fact(Fact::Access(entry.access)), Side::Answer(Answer::Value(bytes.to_vec())));
-        comparison.report(Kind::Access, Weight::Differs, Subject::Entry(at), described, found);
+        comparison.report(MismatchKind::Access, Weight::Differs, Subject::Entry(at), described, found);
     }
     values::compare(comparison, object, entry, bytes);
 }

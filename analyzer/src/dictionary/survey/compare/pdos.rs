@@ -1,6 +1,6 @@
 //! What the PDOs of a device carry.
 
-use super::{Comparison, Kind, Side, Weight};
+use super::{Comparison, MismatchKind, Side, Weight};
 use crate::PdoNumber;
 use crate::dictionary::difference::{Fact, Subject, mapping};
 use crate::dictionary::object::Object;
@@ -30,7 +30,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
             let is_configured = object.entries().iter().any(|entry| entry.configured.is_some());
             let weight = if is_configured { Weight::Differs } else { weight };
             let [described, found] = [described, found].map(|entries| Side::Fact(Fact::Mapping(entries)));
-            comparison.report(Kind::Mapping, weight, Subject::Pdo(pdo), described, found);
+            comparison.report(MismatchKind::Mapping, weight, Subject::Pdo(pdo), described, found);
         }
     }
 }
@@ -61,5 +61,5 @@ fn mappable(comparison: &mut Comparison<'_>, pdo: PdoNumber, mapped: MappingEntr
         None => return,
     };
     let found = Side::Fact(Fact::Mapping(vec![mapped]));
-    comparison.report(Kind::Unmappable, Weight::Differs, Subject::Pdo(pdo), described, found);
+    comparison.report(MismatchKind::Unmappable, Weight::Differs, Subject::Pdo(pdo), described, found);
 }

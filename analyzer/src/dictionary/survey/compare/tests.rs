@@ -1,6 +1,6 @@
 //! Each kind of difference, made in what a device answers, and found.
 
-use super::{Kind, Mismatch, Weight, compare};
+use super::{Mismatch, MismatchKind, Weight, compare};
 use crate::dictionary::survey::{Answer, Survey};
 use crate::dictionary::{DeviceDescription, Value};
 use crate::identity::{Multiplexer, NodeId};
@@ -172,9 +172,9 @@ fn pdos_are_told_as_a_whole() {
 /// Ids stand in reports and in what others make of them.
 #[test]
 fn ids_and_meanings_are_each_their_own() {
-    let ids: BTreeSet<&str> = Kind::ALL.iter().map(|kind| kind.id()).collect();
-    let meanings: BTreeSet<&str> = Kind::ALL.iter().map(|kind| kind.meaning()).collect();
-    assert_eq!((ids.len(), meanings.len()), (Kind::ALL.len(), Kind::ALL.len()));
+    let ids: BTreeSet<&str> = MismatchKind::ALL.iter().map(|kind| kind.id()).collect();
+    let meanings: BTreeSet<&str> = MismatchKind::ALL.iter().map(|kind| kind.meaning()).collect();
+    assert_eq!((ids.len(), meanings.len()), (MismatchKind::ALL.len(), MismatchKind::ALL.len()));
 }
 
 /// Whatever a device answers, nothing panics, and what is shown does not act.

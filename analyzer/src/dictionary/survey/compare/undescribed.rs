@@ -1,6 +1,6 @@
 //! What the device has and the description does not name.
 
-use super::{Comparison, Kind, Side, Weight};
+use super::{Comparison, MismatchKind, Side, Weight};
 use crate::dictionary::difference::Subject;
 use crate::identity::Index;
 use std::collections::BTreeMap;
@@ -19,10 +19,10 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
     }
     for (index, found) in objects {
         let subject = Subject::Object(index);
-        comparison.report(Kind::UndescribedObject, Weight::Differs, subject, Side::Nothing, found);
+        comparison.report(MismatchKind::UndescribedObject, Weight::Differs, subject, Side::Nothing, found);
     }
     for (at, found) in entries {
         let subject = Subject::Entry(at);
-        comparison.report(Kind::UndescribedEntry, Weight::Differs, subject, Side::Nothing, found);
+        comparison.report(MismatchKind::UndescribedEntry, Weight::Differs, subject, Side::Nothing, found);
     }
 }

@@ -1,11 +1,12 @@
 //! Values against data types, limits and defaults.
 
-use super::{Answer, Comparison, Kind, Side, Weight};
+use super::{Answer, Comparison, MismatchKind, Side, Weight};
 use crate::dictionary::difference::{Fact, Subject};
 use crate::dictionary::names::is_cob_id;
 use crate::dictionary::object::{Access, Entry, Object, Setting};
 use crate::dictionary::value::{Value, ValueError};
 use crate::identity::{Multiplexer, NodeId};
+use crate::object;
 
 pub(super) fn compare(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, bytes: &[u8]) {
     let at = Multiplexer { index: object.index, sub: entry.sub };
@@ -16,8 +17,10 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, object: &Object, entry: &
         }
         // A type of the manufacturer's own.
         Err(ValueError::NoValue(_)) => return,
-        Err(ValueError::Length { .. } | ValueError::OddLength { .. }) => (Kind::Length, Side::Length(bytes.len())),
-        Err(_) => (Kind::NoValue, Side::Answer(Answer::Value(bytes.to_vec()))),
+        Err(ValueError::Length { .. } | ValueError::OddLength { .. }) => {
+            (MismatchKind::Length, Side::Length(bytes.len()))
+        }
+        Err(_) => (MismatchKind::NoValue, Side::Answer(Answer::Value(bytes.to_vec()))),
     };
     let described = Side::Fact(Fact::DataType(entry.data_type));
     comparison.report(kind, Weight::Differs, Subject::Entry(at), described, found);
@@ -31,7 +34,7 @@ fn limits(comparison: &mut Comparison<'_>, at: Multiplexer, entry: &Entry, value
     let above = high.as_ref().is_some_and(|high| is_less(high, value));
     if below || above {
         let found = Side::Fact(Fact::Setting(Setting::Fixed(value.clone())));
-        comparison.report(Kind::Limits, Weight::Differs, Subject::Entry(at), Side::Limits(low, high), found);
+        comparison.report(MismatchKind::Limits, Weight::Differs, Subject::Entry(at), Side::Limits(low, high), found);
     }
 }
 
@@ -69,29 +72,33 @@ fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
 }
 
 /// What it means if the value is not the default; `None` where it means nothing.
-fn weighed(object: &Object, entry: &Entry) -> Option<(Kind, Weight)> {
+fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     let kind = match (at.index.0, at.sub.0) {
         // Errors, time and serial number are the device's own.
-        (0x1001..=0x1003 | 0x1013, _) | (0x1018, 4) => return None,
-        (0x1018, 1..=3) if is_open(entry) => return None,
-        (0x1000 | 0x1008, _) | (0x1018, 1 | 2) => Kind::Identity,
-        (0x1009 | 0x100A, _) | (0x1018, 3) => Kind::Release,
-        _ if entry.configured.is_some() => Kind::Configured,
+        (0x1001..=0x1003 | object::HIGH_RESOLUTION_TIME_STAMP, _) | (object::IDENTITY, 4) => return None,
+        (object::IDENTITY, 1..=3) if is_open(entry) => return None,
+        (object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME, _) | (object::IDENTITY, 1 | 2) => {
+            MismatchKind::Identity
+        }
+        (object::MANUFACTURER_HARDWARE_VERSION | object::MANUFACTURER_SOFTWARE_VERSION, _) | (object::IDENTITY, 3) => {
+            MismatchKind::Release
+        }
+        _ if entry.configured.is_some() => MismatchKind::Configured,
         _ if !entry.access.is_writable() && entry.pdo_mappable => return None,
-        _ if is_cob_id(at) => Kind::CobId,
-        (_, 0) if !object.code.is_single() && !entry.access.is_writable() => Kind::Count,
-        _ if entry.access == Access::Const => Kind::Constant,
+        _ if is_cob_id(at) => MismatchKind::CobId,
+        (_, 0) if !object.code.is_single() && !entry.access.is_writable() => MismatchKind::Count,
+        _ if entry.access == Access::Const => MismatchKind::Constant,
         // What they give when they are read says what the device can do.
-        (0x1010 | 0x1011, _) => Kind::State,
-        _ if entry.access.is_writable() => Kind::Setting,
-        (0x1004..=0x1FFF, _) => Kind::Constant,
-        _ => Kind::State,
+        (object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS, _) => MismatchKind::State,
+        _ if entry.access.is_writable() => MismatchKind::Setting,
+        (0x1004..=0x1FFF, _) => MismatchKind::Constant,
+        _ => MismatchKind::State,
     };
     let weight = match kind {
-        Kind::State => Weight::MayBeState,
-        Kind::Setting => Weight::MayBeConfiguration,
-        Kind::CobId if entry.access.is_writable() => Weight::MayBeConfiguration,
+        MismatchKind::State => Weight::MayBeState,
+        MismatchKind::Setting => Weight::MayBeConfiguration,
+        MismatchKind::CobId if entry.access.is_writable() => Weight::MayBeConfiguration,
         _ => Weight::Differs,
     };
     Some((kind, weight))

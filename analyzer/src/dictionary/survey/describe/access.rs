@@ -4,6 +4,7 @@ use super::{Facts, Guess};
 use crate::dictionary::object::Access;
 use crate::dictionary::survey::Answer;
 use crate::identity::Multiplexer;
+use crate::object;
 use crate::wire::sdo::AbortCode;
 
 /// The access type, and whether it is guessed. `counts`: the entry tells how many others there are.
@@ -14,7 +15,7 @@ pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (Access, O
     match standard {
         _ if refuses_reading => (Access::Wo, None),
         // The COB-IDs of the first SDO server are those of the predefined connection set.
-        Some(_) if at.index.0 == 0x1200 => (Access::Ro, None),
+        Some(_) if at.index.0 == object::SDO_SERVER_PARAMETER => (Access::Ro, None),
         Some(Access::Wo) => (Access::Rw, None),
         Some(Access::Ro) if in_rpdo => (Access::Rww, None),
         Some(access) => (access, None),

@@ -4,11 +4,12 @@ use super::Facts;
 use crate::dictionary::description::DeviceInfo;
 use crate::dictionary::object::ObjectDictionary;
 use crate::identity::Multiplexer;
+use crate::object;
 use crate::wire::pdo::MappingEntry;
 
 pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rate: Option<u16>) -> DeviceInfo {
     let identity = |sub| {
-        let number = facts.survey.number(Multiplexer::new(0x1018, sub));
+        let number = facts.survey.number(Multiplexer::new(object::IDENTITY, sub));
         number.and_then(|number| u32::try_from(number).ok())
     };
     let count = |first: u16| {
@@ -23,15 +24,15 @@ pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rat
         bit_rates: bit_rate.into_iter().collect(),
         simple_boot_up_slave: true,
         granularity: granularity(facts),
-        rpdos: count(0x1400),
-        tpdos: count(0x1800),
+        rpdos: count(object::RPDO_COMMUNICATION_PARAMETER),
+        tpdos: count(object::TPDO_COMMUNICATION_PARAMETER),
         ..DeviceInfo::default()
     }
 }
 
 /// The manufacturer's device name, as far as it can stand in a file.
 fn name(facts: &Facts<'_>) -> String {
-    let name = facts.survey.value(Multiplexer::new(0x1008, 0)).unwrap_or_default();
+    let name = facts.survey.value(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)).unwrap_or_default();
     let name: String = name.iter().filter(|byte| matches!(byte, b' '..=b'~')).map(|&byte| char::from(byte)).collect();
     name.trim().to_owned()
 }
@@ -39,7 +40,7 @@ fn name(facts: &Facts<'_>) -> String {
 /// Of what is mapped now: bytes, or single bits.
 fn granularity(facts: &Facts<'_>) -> u8 {
     let mapping = facts.survey.answers().map(|(at, _)| at);
-    let mut mapping = mapping.filter(|at| matches!(at.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) && at.sub.0 > 0);
+    let mut mapping = mapping.filter(|at| crate::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0);
     let in_bytes = mapping.all(|at| {
         let entry = facts.survey.number(at).and_then(|raw| u32::try_from(raw).ok());
         entry.is_none_or(|entry| MappingEntry(entry).bits().is_multiple_of(8))

@@ -1,7 +1,7 @@
 //! A description made from what a device answers: a start where none exists.
 //!
 //! Names, types and access of objects that a standard defines are the standard's; of others they are guessed from what was
-//! read, and marked. Nothing can be told of limits.
+//! read, and marked. Nothing can be said about limits.
 
 mod access;
 mod device;

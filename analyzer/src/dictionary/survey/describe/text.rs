@@ -86,8 +86,8 @@ impl std::fmt::Display for Guess {
 pub(super) fn comments(guesses: &BTreeMap<Multiplexer, Vec<Guess>>) -> Vec<String> {
     let guessed = match guesses.len() {
         0 => "Nothing had to be guessed of single entries.".to_owned(),
-        1 => "Of 1 entry something is guessed: a comment in its section says what.".to_owned(),
-        count => format!("Of {count} entries something is guessed: a comment in their sections says what."),
+        1 => "1 entry is guessed in part: a comment in its section says what.".to_owned(),
+        count => format!("{count} entries are guessed in part: comments in their sections say what."),
     };
     let lines = [
         "Read from a device, as a start: nothing was written to it.",

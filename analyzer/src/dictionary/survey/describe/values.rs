@@ -7,6 +7,8 @@ use crate::dictionary::names::ENCODER_PROFILE;
 use crate::dictionary::object::{Access, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::{CobId, Multiplexer};
+use crate::object;
+use crate::object::encoder;
 use crate::wire::sdo::{REQUEST_BASE, RESPONSE_BASE};
 
 /// The default, where what was read can be one.
@@ -27,10 +29,24 @@ fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
     let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.access);
     match (at.index.0, at.sub.0) {
         // Errors, what can be stored, the time and the serial number are the device's own.
-        (0x1001..=0x1003 | 0x1010 | 0x1011 | 0x1013, _) | (0x1018, 4) => false,
+        (
+            0x1001..=0x1003
+            | object::STORE_PARAMETERS
+            | object::RESTORE_DEFAULT_PARAMETERS
+            | object::HIGH_RESOLUTION_TIME_STAMP,
+            _,
+        )
+        | (object::IDENTITY, 4) => false,
         (0x1000..=0x1FFF, _) => standard.is_some(),
         // Resolution, supported alarms and warnings, version of the profile.
-        (0x6501 | 0x6502 | 0x6504 | 0x6506 | 0x6507, _) if facts.profile == Some(ENCODER_PROFILE) => true,
+        (
+            encoder::SINGLE_TURN_RESOLUTION
+            | encoder::NUMBER_OF_REVOLUTIONS
+            | encoder::SUPPORTED_ALARMS
+            | encoder::SUPPORTED_WARNINGS
+            | encoder::PROFILE_AND_SOFTWARE_VERSION,
+            _,
+        ) if facts.profile == Some(ENCODER_PROFILE) => true,
         _ => standard.is_some_and(Access::is_writable),
     }
 }
@@ -48,9 +64,9 @@ fn with_node_id(facts: &Facts<'_>, at: Multiplexer, raw: u64) -> Setting {
 
 fn follows(at: Multiplexer, can_id: u32, node: u32) -> bool {
     let base = match (at.index.0, at.sub.0) {
-        (0x1014, 0) => 0x80,
-        (0x1200, 1) => u32::from(REQUEST_BASE),
-        (0x1200, 2) => u32::from(RESPONSE_BASE),
+        (object::COB_ID_EMCY, 0) => 0x80,
+        (object::SDO_SERVER_PARAMETER, 1) => u32::from(REQUEST_BASE),
+        (object::SDO_SERVER_PARAMETER, 2) => u32::from(RESPONSE_BASE),
         (index, 1) if PdoNumber::of_communication_index(index).is_some() => {
             return can_id & 0x7F == node && (0x180..0x580).contains(&(can_id - node));
         }

@@ -6,6 +6,7 @@ mod profile;
 
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::loss::{Loss, LossKind, Losses};
+use crate::object;
 use markup::Markup;
 
 /// The text of a file that reads as this description, and what of the description is not in it.
@@ -42,7 +43,7 @@ fn lost(losses: &mut Losses, description: &DeviceDescription) {
     losses.no_place(0, "[FileInfo] FileRevision", &file.revision);
     losses.no_place(0, "[FileInfo] Description", &file.description);
     losses.no_place(0, "[FileInfo] LastEDS", file.last_eds.as_deref().unwrap_or_default());
-    let identity = description.dictionary.entry(crate::Multiplexer::new(0x1018, 3)).ok();
+    let identity = description.dictionary.entry(crate::Multiplexer::new(object::IDENTITY, 3)).ok();
     let identity = identity.and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
     if let Some(revision) = description.device.revision_number
         && identity != Some(revision.into())

@@ -64,7 +64,7 @@ fn open(sheet: &mut Sheet, description: &DeviceDescription, class: &str, body: &
     markup.leaf("ProfileTechnology", &[], Some("CANopen"));
     markup.close();
     markup.close();
-    // Both profiles have the same attributes: what gets lost is told once.
+    // Both profiles have the same attributes: what gets lost is reported once.
     let known = sheet.losses.0.len();
     let attributes = body_attributes(sheet, file, body);
     if class == "Device" {

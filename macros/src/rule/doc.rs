@@ -1,7 +1,8 @@
 //! What a doc comment says of a rule.
 
+use crate::doc::{append, lines};
 use proc_macro2::Span;
-use syn::{Attribute, Error, Expr, ExprLit, Lit, Meta, Result};
+use syn::{Attribute, Error, Result};
 
 /// The parts of a rule's doc comment.
 #[derive(PartialEq, Eq, Debug)]
@@ -16,7 +17,7 @@ pub struct Doc {
 pub fn doc(attributes: &[Attribute], whole: Span) -> Result<Doc> {
     let mut parts: [String; 4] = Default::default();
     let mut at = 0;
-    for line in attributes.iter().filter_map(doc_line) {
+    for line in lines(attributes) {
         match line.trim() {
             "# Why" => at = 2,
             "# What to do" => at = 3,
@@ -38,34 +39,5 @@ pub fn doc(attributes: &[Attribute], whole: Span) -> Result<Doc> {
     match lacking.iter().find(|part| part.0.is_empty()) {
         Some((_, lacking)) => Err(Error::new(whole, format!("the doc comment of the rule lacks {lacking}"))),
         None => Ok(Doc { title, what, why, advice }),
-    }
-}
-
-/// The doc comment as one line.
-pub fn line(attributes: &[Attribute]) -> String {
-    let mut text = String::new();
-    attributes.iter().filter_map(doc_line).for_each(|line| append(&mut text, line.trim()));
-    text
-}
-
-/// Lines are joined by spaces, empty ones separate paragraphs.
-fn append(text: &mut String, line: &str) {
-    if line.is_empty() {
-        text.push_str("\n\n");
-        return;
-    }
-    if !text.is_empty() && !text.ends_with('\n') {
-        text.push(' ');
-    }
-    text.push_str(line);
-}
-
-fn doc_line(attribute: &Attribute) -> Option<String> {
-    match &attribute.meta {
-        Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
-            Expr::Lit(ExprLit { lit: Lit::Str(line), .. }) => Some(line.value()),
-            _ => None,
-        },
-        _ => None,
     }
 }

@@ -1,9 +1,9 @@
 //! The keys of the attribute.
 
+use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
-use syn::punctuated::Punctuated;
-use syn::{Error, Ident, LitStr, Path, Result, Token, bracketed};
+use syn::{Error, Ident, LitStr, Path, Result};
 
 /// What stands between the parentheses of `#[case(…)]`.
 pub struct Attributes {
@@ -21,7 +21,7 @@ pub struct Attributes {
 
 /// The same while it is read.
 #[derive(Default)]
-struct Keys {
+struct CaseKeys {
     id: Option<LitStr>,
     clause: Option<LitStr>,
     confidence: Option<Ident>,
@@ -36,46 +36,38 @@ struct Keys {
 impl Parse for Attributes {
     fn parse(input: ParseStream) -> Result<Self> {
         let whole = input.span();
-        let mut keys = Keys::default();
-        while !input.is_empty() {
-            keys.read_one(input)?;
-            if !input.is_empty() {
-                input.parse::<Token![,]>()?;
-            }
-        }
-        keys.complete(whole)
+        keys::read::<CaseKeys>(input)?.complete(whole)
     }
 }
 
-impl Keys {
-    fn read_one(&mut self, input: ParseStream) -> Result<()> {
-        let key: Ident = input.parse()?;
-        input.parse::<Token![=]>()?;
-        let twice = match key.to_string().as_str() {
-            "id" => self.id.replace(input.parse()?).is_some(),
-            "clause" => self.clause.replace(input.parse()?).is_some(),
-            "cct" => self.cct.replace(input.parse()?).is_some(),
-            "confidence" => self.confidence.replace(name(input)?).is_some(),
-            "level" => self.level.replace(name(input)?).is_some(),
-            "needs" => self.needs.replace(names(input)?).is_some(),
-            "touches" => self.touches.replace(names(input)?).is_some(),
-            "answers" => self.answers.replace(names(input)?).is_some(),
-            "catches" => self.catches.replace(names(input)?).is_some(),
-            _ => {
-                let known = "id, clause, confidence, level, needs, touches, catches, answers and cct";
-                return Err(Error::new(key.span(), format!("no key of a case is called `{key}`: there are {known}")));
-            }
-        };
-        if twice { Err(Error::new(key.span(), format!("`{key}` is given twice"))) } else { Ok(()) }
-    }
+impl Keys for CaseKeys {
+    const ITEM: &str = "case";
+    const KNOWN: &str = "id, clause, confidence, level, needs, touches, catches, answers and cct";
 
+    fn read(&mut self, key: &str, value: ParseStream) -> Result<Option<bool>> {
+        Ok(Some(match key {
+            "id" => self.id.replace(value.parse()?).is_some(),
+            "clause" => self.clause.replace(value.parse()?).is_some(),
+            "cct" => self.cct.replace(value.parse()?).is_some(),
+            "confidence" => self.confidence.replace(name(value)?).is_some(),
+            "level" => self.level.replace(name(value)?).is_some(),
+            "needs" => self.needs.replace(list(value, name)?).is_some(),
+            "touches" => self.touches.replace(list(value, name)?).is_some(),
+            "answers" => self.answers.replace(list(value, name)?).is_some(),
+            "catches" => self.catches.replace(list(value, name)?).is_some(),
+            _ => return Ok(None),
+        }))
+    }
+}
+
+impl CaseKeys {
     fn complete(self, whole: Span) -> Result<Attributes> {
-        let id = required(self.id, "id = \"301/…\"", whole)?;
+        let id = Self::required(self.id, "id = \"301/…\"", whole)?;
         check_id(&id)?;
-        let clause = required(self.clause, "clause = \"CiA 301 …\"", whole)?;
-        let confidence = required(self.confidence, "confidence = Cited|Attested|Derived|Known|Unknown", whole)?;
+        let clause = Self::required(self.clause, "clause = \"CiA 301 …\"", whole)?;
+        let confidence = Self::required(self.confidence, "confidence = Cited|Attested|Derived|Known|Unknown", whole)?;
         let (standard, section) = split_clause(&clause, &confidence)?;
-        let catches = required(self.catches, "catches = [a firmware fault]", whole)?;
+        let catches = Self::required(self.catches, "catches = [a firmware fault]", whole)?;
         if catches.is_empty() {
             return Err(Error::new(whole, "a case that catches no fault proves nothing: name one in `catches`"));
         }
@@ -84,7 +76,7 @@ impl Keys {
             standard,
             section,
             confidence,
-            level: required(self.level, "level = Must|Should|Open", whole)?,
+            level: Self::required(self.level, "level = Must|Should|Open", whole)?,
             needs: self.needs.unwrap_or_default(),
             touches: self.touches.unwrap_or_default(),
             catches,
@@ -94,10 +86,6 @@ impl Keys {
     }
 }
 
-fn required<T>(value: Option<T>, key: &str, whole: Span) -> Result<T> {
-    value.ok_or_else(|| Error::new(whole, format!("the case lacks `{key}`")))
-}
-
 /// The variant's name, with or without its enum before it.
 fn name(input: ParseStream) -> Result<Ident> {
     let path: Path = input.parse()?;
@@ -105,19 +93,10 @@ fn name(input: ParseStream) -> Result<Ident> {
     last.ok_or_else(|| Error::new(input.span(), "expected a name"))
 }
 
-fn names(input: ParseStream) -> Result<Vec<Ident>> {
-    let content;
-    bracketed!(content in input);
-    Ok(Punctuated::<Ident, Token![,]>::parse_terminated_with(&content, name)?.into_iter().collect())
-}
-
-/// Ids are typed on command lines: lower case, digits, hyphens, and slashes between parts that are not empty.
+/// Lower case, digits, hyphens, and slashes between parts that are not empty.
 fn check_id(id: &LitStr) -> Result<()> {
     let text = id.value();
-    let good_part = |part: &str| {
-        !part.is_empty() && part.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
-    };
-    if text.contains('/') && text.split('/').all(good_part) {
+    if text.contains('/') && text.split('/').all(is_id_part) {
         return Ok(());
     }
     Err(Error::new(id.span(), "an id is lower-case words in a path, such as \"301/sdo/download/read-only\""))

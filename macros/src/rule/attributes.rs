@@ -1,9 +1,9 @@
 //! The keys of the attribute.
 
+use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
-use syn::punctuated::Punctuated;
-use syn::{Error, Ident, LitStr, Result, Token, bracketed};
+use syn::{Error, Ident, LitStr, Result};
 
 /// What stands between the parentheses of `#[rule(…)]`.
 pub struct Attributes {
@@ -33,7 +33,7 @@ pub enum Of {
 
 /// The same while it is read.
 #[derive(Default)]
-struct Keys {
+struct RuleKeys {
     id: Option<LitStr>,
     severity: Option<Ident>,
     services: Option<Services>,
@@ -44,37 +44,29 @@ struct Keys {
 impl Parse for Attributes {
     fn parse(input: ParseStream) -> Result<Self> {
         let whole = input.span();
-        let mut keys = Keys::default();
-        while !input.is_empty() {
-            keys.read_one(input)?;
-            if !input.is_empty() {
-                input.parse::<Token![,]>()?;
-            }
-        }
-        keys.complete(whole)
+        keys::read::<RuleKeys>(input)?.complete(whole)
     }
 }
 
-impl Keys {
-    fn read_one(&mut self, input: ParseStream) -> Result<()> {
-        let key: Ident = input.parse()?;
-        input.parse::<Token![=]>()?;
-        let twice = match key.to_string().as_str() {
-            "id" => self.id.replace(input.parse()?).is_some(),
-            "severity" => self.severity.replace(input.parse()?).is_some(),
-            "services" => self.services.replace(services(input)?).is_some(),
-            "also" => self.also.replace(one_or_several(input)?).is_some(),
-            "of" => self.of.replace(input.parse()?).is_some(),
-            _ => {
-                let known = "id, severity, services, also and of";
-                return Err(Error::new(key.span(), format!("no key of a rule is called `{key}`: there are {known}")));
-            }
-        };
-        if twice { Err(Error::new(key.span(), format!("`{key}` is given twice"))) } else { Ok(()) }
-    }
+impl Keys for RuleKeys {
+    const ITEM: &str = "rule";
+    const KNOWN: &str = "id, severity, services, also and of";
 
+    fn read(&mut self, key: &str, value: ParseStream) -> Result<Option<bool>> {
+        Ok(Some(match key {
+            "id" => self.id.replace(value.parse()?).is_some(),
+            "severity" => self.severity.replace(value.parse()?).is_some(),
+            "services" => self.services.replace(services(value)?).is_some(),
+            "also" => self.also.replace(one_or_several(value)?).is_some(),
+            "of" => self.of.replace(value.parse()?).is_some(),
+            _ => return Ok(None),
+        }))
+    }
+}
+
+impl RuleKeys {
     fn complete(self, whole: Span) -> Result<Attributes> {
-        let id = required(self.id, "id = \"nodes/…\"", whole)?;
+        let id = Self::required(self.id, "id = \"nodes/…\"", whole)?;
         check_id(&id)?;
         let of = match self.of.as_ref().map(ToString::to_string).as_deref() {
             None => Of::Bus,
@@ -90,13 +82,9 @@ impl Keys {
             let advice = "a rule of a bus is shown frames, by `services` or `also`; no other rule is";
             return Err(Error::new(whole, advice));
         }
-        let severity = required(self.severity, "severity = Error|Warning|Info", whole)?;
+        let severity = Self::required(self.severity, "severity = Error|Warning|Info", whole)?;
         Ok(Attributes { id, severity, services, also: self.also.unwrap_or_default(), of })
     }
-}
-
-fn required<T>(value: Option<T>, key: &str, whole: Span) -> Result<T> {
-    value.ok_or_else(|| Error::new(whole, format!("the rule lacks `{key}`")))
 }
 
 fn services(input: ParseStream) -> Result<Services> {
@@ -107,29 +95,19 @@ fn services(input: ParseStream) -> Result<Services> {
         }
         return Err(Error::new(all.span(), "services are `[Sdo, Nmt]`, or `all`"));
     }
-    Ok(Services::These(several(input)?))
+    Ok(Services::These(list(input, Ident::parse)?))
 }
 
 /// `KnownTpdos`, or `[KnownTpdos, EndedTransfers]`.
 fn one_or_several(input: ParseStream) -> Result<Vec<Ident>> {
-    if input.peek(Ident) { Ok(vec![input.parse()?]) } else { several(input) }
+    if input.peek(Ident) { Ok(vec![input.parse()?]) } else { list(input, Ident::parse) }
 }
 
-fn several(input: ParseStream) -> Result<Vec<Ident>> {
-    let content;
-    bracketed!(content in input);
-    let list = Punctuated::<Ident, Token![,]>::parse_terminated(&content)?;
-    Ok(list.into_iter().collect())
-}
-
-/// Ids are typed on command lines: a family and a name of lower-case words.
+/// A family and a name of lower-case words.
 fn check_id(id: &LitStr) -> Result<()> {
     let text = id.value();
-    let good = |part: &str| {
-        !part.is_empty() && part.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
-    };
     match text.split_once('/') {
-        Some((family, name)) if good(family) && good(name) => Ok(()),
+        Some((family, name)) if is_id_part(family) && is_id_part(name) => Ok(()),
         _ => Err(Error::new(id.span(), "an id is a family and lower-case words, such as \"nodes/heartbeat-missing\"")),
     }
 }

@@ -1,9 +1,13 @@
 //! The objects of the communication profile by their names (CiA 301, 7.5.2), as indexes.
 
+pub mod encoder;
+
 /// 1000h: device type.
 pub const DEVICE_TYPE: u16 = 0x1000;
 /// 1001h: error register.
 pub const ERROR_REGISTER: u16 = 0x1001;
+/// 1002h: manufacturer status register.
+pub const MANUFACTURER_STATUS_REGISTER: u16 = 0x1002;
 /// 1003h: pre-defined error field.
 pub const PREDEFINED_ERROR_FIELD: u16 = 0x1003;
 /// 1004h of DS-301 V3.0: number of PDOs.
@@ -56,6 +60,8 @@ pub const EMERGENCY_CONSUMER: u16 = 0x1028;
 pub const ERROR_BEHAVIOR: u16 = 0x1029;
 /// 1200h: the first of the SDO server parameters, that of the default channel.
 pub const SDO_SERVER_PARAMETER: u16 = 0x1200;
+/// 1201h: the first of the SDO server parameters of further channels.
+pub const FURTHER_SDO_SERVER_PARAMETER: u16 = 0x1201;
 /// 1280h: the first of the SDO client parameters.
 pub const SDO_CLIENT_PARAMETER: u16 = 0x1280;
 /// 1400h: the first of the RPDO communication parameters.
@@ -68,8 +74,27 @@ pub const TPDO_COMMUNICATION_PARAMETER: u16 = 0x1800;
 pub const TPDO_MAPPING_PARAMETER: u16 = 0x1A00;
 /// 1C00h: what follows the TPDO mapping parameters.
 pub const AFTER_PDO_PARAMETERS: u16 = 0x1C00;
+/// 1F50h: download program data (CiA 302-3).
+pub const PROGRAM_DATA: u16 = 0x1F50;
+/// 1F51h: program control (CiA 302-3).
+pub const PROGRAM_CONTROL: u16 = 0x1F51;
 /// 1F80h: NMT startup (CiA 302-2).
 pub const NMT_STARTUP: u16 = 0x1F80;
+
+/// Whether an index is that of a communication parameter of an RPDO.
+pub const fn is_rpdo_communication(index: u16) -> bool {
+    matches!(index, RPDO_COMMUNICATION_PARAMETER..RPDO_MAPPING_PARAMETER)
+}
+
+/// Whether an index is that of a communication parameter of a TPDO.
+pub const fn is_tpdo_communication(index: u16) -> bool {
+    matches!(index, TPDO_COMMUNICATION_PARAMETER..TPDO_MAPPING_PARAMETER)
+}
+
+/// Whether an index is that of a communication parameter of a PDO.
+pub const fn is_pdo_communication(index: u16) -> bool {
+    is_rpdo_communication(index) || is_tpdo_communication(index)
+}
 
 /// Whether an index is that of a mapping parameter of a PDO.
 pub const fn is_pdo_mapping(index: u16) -> bool {

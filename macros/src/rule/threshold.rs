@@ -47,7 +47,7 @@ pub fn begin(field: &mut Field) -> Result<Begin> {
         }
     }
     if let (Begin::Threshold(threshold), Some(name)) = (&mut begin, &field.ident) {
-        threshold.meaning = doc::line(&kept);
+        threshold.meaning = doc::text(&kept);
         if threshold.meaning.is_empty() {
             return Err(Error::new(name.span(), "a threshold says in its doc comment what it means"));
         }

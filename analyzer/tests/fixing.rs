@@ -1,9 +1,9 @@
-//! What `mend` changes in a description, and what it leaves: comments, order, and everything that the reader understands.
+//! What `apply_fixes` changes in a description, and what it leaves: comments, order, and everything that the reader understands.
 
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_analyzer::dictionary::check::{check, mend};
+use canvass_analyzer::dictionary::check::{apply_fixes, check};
 use canvass_analyzer::dictionary::rules;
 use canvass_analyzer::dictionary::{DeviceDescription, Object};
 use proptest::prelude::*;
@@ -15,19 +15,19 @@ use overlay::overlay;
 const REFERENCE: &str = include_str!("../../conformance/device/models/reference-406.eds");
 const PLAIN: &str = include_str!("eds/plain.eds");
 
-fn mended(text: &str) -> String {
-    String::from_utf8(mend(text.as_bytes(), |_| true).unwrap().bytes).unwrap()
+fn fixed(text: &str) -> String {
+    String::from_utf8(apply_fixes(text.as_bytes(), |_| true).unwrap().bytes).unwrap()
 }
 
-/// The text after one replacement, mended.
+/// The text after one replacement, fixed.
 fn after(from: &str, to: &str) -> String {
     assert!(PLAIN.contains(from), "{from}");
-    mended(&PLAIN.replacen(from, to, 1))
+    fixed(&PLAIN.replacen(from, to, 1))
 }
 
 #[test]
 fn what_can_be_mended_becomes_what_it_was() {
-    let base = mended(PLAIN);
+    let base = fixed(PLAIN);
     let damages = [
         ("CreationDate=11-21-2026", "CreationDate=2026-11-21"),
         ("CreationTime=09:00AM", "CreationTime=9:00:12"),
@@ -58,7 +58,7 @@ fn what_can_be_mended_becomes_what_it_was() {
 #[test]
 fn the_line_that_is_mended_is_that_of_the_section() {
     let damaged = PLAIN.replacen("[2000]\n", "[0x2000]\n=5\n", 1);
-    assert_eq!(mended(&damaged), mended(PLAIN).replacen("[2000]\n", "[2000]\n=5\n", 1));
+    assert_eq!(fixed(&damaged), fixed(PLAIN).replacen("[2000]\n", "[2000]\n=5\n", 1));
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn what_would_be_a_guess_stays() {
         ("AccessType=rw\nDefaultValue=5", "AccessType=maybe\nDefaultValue=5"),
     ] {
         let damaged = PLAIN.replacen(from, to, 1);
-        assert_eq!(mended(&damaged), mended(PLAIN).replacen(from, to, 1), "{to}");
+        assert_eq!(fixed(&damaged), fixed(PLAIN).replacen(from, to, 1), "{to}");
     }
 }
 
@@ -82,37 +82,37 @@ fn lists_are_completed_and_comments_stay() {
     let text = PLAIN.replace("1=0x1000\n2=0x1001", "; the first\n1=0x1000\n; moved\n2=0x2000\n; the last");
     let text = text
         .replace("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000", "[ManufacturerObjects]\nSupportedObjects=0");
-    let mended = mended(&text);
-    assert!(mended.contains("SupportedObjects=2\n; the first\n1=0x1000\n2=0x1001\n; moved\n; the last\n"), "{mended}");
-    assert!(mended.contains("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n"), "{mended}");
+    let fixed = fixed(&text);
+    assert!(fixed.contains("SupportedObjects=2\n; the first\n1=0x1000\n2=0x1001\n; moved\n; the last\n"), "{fixed}");
+    assert!(fixed.contains("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n"), "{fixed}");
 }
 
 #[test]
 fn missing_sections_are_added_and_the_character_set_is_changed() {
     let text = PLAIN.replace("[Comments]\nLines=1\nLine1=one\n", "");
-    assert!(mended(&text).ends_with("\n[Comments]\nLines=0\n"));
+    assert!(fixed(&text).ends_with("\n[Comments]\nLines=0\n"));
     // python-canopen reads no file without one of these.
-    let dummies = mended(&PLAIN.replace("[DummyUsage]", "[Comments2]"));
+    let dummies = fixed(&PLAIN.replace("[DummyUsage]", "[Comments2]"));
     assert!((1..=7).all(|index| dummies.contains(&format!("\nDummy000{index}=0"))), "{dummies}");
     let utf_16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(PLAIN.encode_utf16().flat_map(u16::to_le_bytes)).collect();
-    assert_eq!(mend(&utf_16, |_| true).unwrap().bytes, mended(PLAIN).into_bytes());
+    assert_eq!(apply_fixes(&utf_16, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
     let marked = [b"\xEF\xBB\xBF", PLAIN.as_bytes()].concat();
-    assert_eq!(mend(&marked, |_| true).unwrap().bytes, mended(PLAIN).into_bytes());
-    // Latin-1 stays, whatever else is mended.
+    assert_eq!(apply_fixes(&marked, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
+    // Latin-1 stays, whatever else is fixed.
     let latin: Vec<u8> = PLAIN
         .replace("Lines=1", "Lines=3")
         .replace("one", "z?")
         .bytes()
         .map(|byte| if byte == b'?' { 0xE4 } else { byte })
         .collect();
-    assert!(mend(&latin, |_| true).unwrap().bytes.windows(9).any(|part| part == b"Line1=z\xE4\n"));
+    assert!(apply_fixes(&latin, |_| true).unwrap().bytes.windows(9).any(|part| part == b"Line1=z\xE4\n"));
 }
 
 #[test]
 fn line_ends_become_one_kind() {
     let mixed = PLAIN.replacen('\n', "\r\n", 3);
-    assert_eq!(mended(&mixed), mended(PLAIN));
-    assert_eq!(mended(&PLAIN.replace('\n', "\r")), mended(PLAIN).replace('\n', "\r\n"));
+    assert_eq!(fixed(&mixed), fixed(PLAIN));
+    assert_eq!(fixed(&PLAIN.replace('\n', "\r")), fixed(PLAIN).replace('\n', "\r\n"));
 }
 
 #[test]
@@ -120,7 +120,8 @@ fn what_is_not_wanted_is_not_touched() {
     let damaged = PLAIN.replace("Lines=1", "Lines=3").replace("NrOfTXPDO=1", "NrOfTXPDO=0");
     let only = |id: &str| {
         let rule = rules::find(id).unwrap();
-        String::from_utf8(mend(damaged.as_bytes(), |finding| finding.problem.rule == rule).unwrap().bytes).unwrap()
+        String::from_utf8(apply_fixes(damaged.as_bytes(), |finding| finding.problem.rule == rule).unwrap().bytes)
+            .unwrap()
     };
     assert_eq!(only("eds/file/comment-count"), damaged.replace("Lines=3", "Lines=1"));
     assert_eq!(only("eds/device/pdo-count"), damaged.replace("NrOfTXPDO=0", "NrOfTXPDO=1"));
@@ -144,10 +145,10 @@ fn understood(bytes: &[u8]) -> Vec<Object> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Examples of several rules at once, and random damage: mending twice is mending once, what the objects are stays, and
+    /// Examples of several rules at once, and random damage: fixing twice is fixing once, what the objects are stays, and
     /// so does every comment.
     #[test]
-    fn mending_is_idempotent_and_keeps_the_meaning(
+    fn fixing_is_idempotent_and_keeps_the_meaning(
         broken in prop::collection::vec(0..rules::all().filter(|rule| rule.id.starts_with("eds/")).count(), 1..6),
         cut in prop::collection::vec((0..3000_usize, "[ -~]{0,6}"), 0..3),
     ) {
@@ -165,8 +166,8 @@ proptest! {
         if DeviceDescription::read(text.as_bytes()).is_err() {
             return Ok(());
         }
-        let once = mend(text.as_bytes(), |_| true).unwrap().bytes;
-        let twice = mend(&once, |_| true).unwrap();
+        let once = apply_fixes(text.as_bytes(), |_| true).unwrap().bytes;
+        let twice = apply_fixes(&once, |_| true).unwrap();
         prop_assert_eq!(&twice.bytes, &once);
         prop_assert_eq!(understood(&once), understood(text.as_bytes()));
         let comments = |text: &str| text.lines().filter(|line| line.starts_with(';')).map(str::to_owned).collect::<Vec<_>>();

@@ -1,11 +1,15 @@
-//! What the attribute becomes.
+//! What `#[rule]` becomes.
 
-use crate::attributes::{Attributes, Of, Services};
-use crate::doc::{Doc, doc};
-use crate::threshold::{Begin, begin};
+mod attributes;
+mod doc;
+mod threshold;
+
+use attributes::{Attributes, Of, Services};
+use doc::{Doc, doc};
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Fields, ItemStruct, Result};
+use threshold::{Begin, begin};
 
 /// The struct as it was, how it is made, and its registration.
 pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {

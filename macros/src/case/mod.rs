@@ -1,10 +1,13 @@
-//! What the attribute becomes.
+//! What `#[case]` becomes.
 
-use crate::attributes::Attributes;
+mod attributes;
+
+use crate::doc;
+use attributes::Attributes;
 use proc_macro2::{TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use std::collections::BTreeSet;
-use syn::{Attribute, Error, Expr, ExprLit, Ident, ItemFn, Lit, Meta, Result};
+use syn::{Error, Ident, ItemFn, Result};
 
 /// The function as it was, and its registration.
 pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
@@ -87,35 +90,13 @@ fn option(value: Option<impl quote::ToTokens>) -> TokenStream {
 
 /// The doc comment as one text: lines joined by spaces, empty lines kept as paragraphs.
 fn requirement(function: &ItemFn) -> Result<String> {
-    let mut text = String::new();
-    for line in function.attrs.iter().filter_map(doc_line) {
-        let line = line.trim();
-        if line.is_empty() {
-            text.push_str("\n\n");
-        } else {
-            if !text.is_empty() && !text.ends_with('\n') {
-                text.push(' ');
-            }
-            text.push_str(line);
-        }
-    }
-    let text = text.trim();
+    let text = doc::text(&function.attrs);
     if text.is_empty() {
         let advice =
             "a case says its requirement in its doc comment: what the standard demands, in one or two sentences";
         return Err(Error::new(function.sig.ident.span(), advice));
     }
-    Ok(text.to_owned())
-}
-
-fn doc_line(attribute: &Attribute) -> Option<String> {
-    match &attribute.meta {
-        Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
-            Expr::Lit(ExprLit { lit: Lit::Str(line), .. }) => Some(line.value()),
-            _ => None,
-        },
-        _ => None,
-    }
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -1,0 +1,258 @@
+//! Frames that whoever reads a capture does not want to see.
+
+use crate::{ChannelId, Frame, FrameKind, Record, Timestamp};
+
+/// Which frames of a capture need not be given, by channel and CAN-ID: [`crate::Merge::next_kept`] passes over them, where
+/// possible before it parses them.
+///
+/// Only classical data frames without a comment are skipped, never damages. What is to be skipped may change with each
+/// frame.
+///
+/// ```
+/// use canvass_traces::{Capture, ChannelId, Merge, Naming, ReadOptions, SkipSet, Source};
+///
+/// let log = "(1.000000) can0 185#01\n(2.000000) can0 185#02\n(3.000000) can0 705#05\n";
+/// let capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
+/// let (mut merge, mut skip) = (Merge::new(vec![capture], Naming::BySource), SkipSet::default());
+/// assert_eq!(merge.next_kept(&mut skip).unwrap().1.unwrap().frame.to_string(), "185#01");
+/// skip.all(ChannelId(0), 0x185);
+/// assert_eq!(merge.next_kept(&mut skip).unwrap().1.unwrap().frame.to_string(), "705#05");
+/// # Ok::<(), canvass_traces::OpenError>(())
+/// ```
+#[derive(Default)]
+pub struct SkipSet {
+    channels: Vec<Option<Box<Skipped>>>,
+    /// How many CAN-IDs are skipped.
+    len: usize,
+    /// How many frames were skipped since somebody asked, and when the last of them was seen.
+    skipped: (usize, Option<Timestamp>),
+}
+
+/// What is skipped on a channel.
+struct Skipped {
+    standard: [Which; 2048],
+    extended: Which,
+}
+
+/// Which frames with a CAN-ID are skipped.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Which {
+    None,
+    /// Those with this byte and no other.
+    Byte(u8),
+    All,
+}
+
+impl Which {
+    #[inline]
+    fn has(self, payload: &[u8]) -> bool {
+        match self {
+            Self::None => false,
+            Self::Byte(byte) => payload == [byte],
+            Self::All => true,
+        }
+    }
+}
+
+impl SkipSet {
+    /// Of further channels all frames are given.
+    const CHANNELS: usize = 64;
+    /// After so many skipped frames one is given all the same: whoever waits for frames can do something else.
+    pub(crate) const IN_A_ROW: usize = 1 << 16;
+
+    /// Skips all frames with an 11-bit CAN-ID.
+    pub fn all(&mut self, channel: ChannelId, can_id: u16) {
+        self.set(channel, can_id, Which::All);
+    }
+
+    /// Skips the frames with an 11-bit CAN-ID that have this byte and no other.
+    pub fn byte(&mut self, channel: ChannelId, can_id: u16, byte: u8) {
+        self.set(channel, can_id, Which::Byte(byte));
+    }
+
+    /// Skips no frame with an 11-bit CAN-ID.
+    pub fn none(&mut self, channel: ChannelId, can_id: u16) {
+        if !self.is_empty() {
+            self.set(channel, can_id, Which::None);
+        }
+    }
+
+    /// Skips all frames with 29-bit CAN-IDs.
+    pub fn extended(&mut self, channel: ChannelId) {
+        if let Some(skipped) = self.channel_mut(channel)
+            && std::mem::replace(&mut skipped.extended, Which::All) == Which::None
+        {
+            self.len += 1;
+        }
+    }
+
+    /// Skips nothing on a channel any more.
+    pub fn forget(&mut self, channel: ChannelId) {
+        if let Some(skipped) = self.channels.get_mut(usize::from(channel.0)).and_then(Option::take) {
+            let all = skipped.standard.iter().chain([&skipped.extended]);
+            self.len -= all.filter(|which| **which != Which::None).count();
+        }
+    }
+
+    /// Whether nothing is skipped.
+    #[inline]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// How many frames were skipped since somebody asked, and when the last of them was seen.
+    #[inline]
+    pub fn take(&mut self) -> (usize, Option<Timestamp>) {
+        std::mem::take(&mut self.skipped)
+    }
+
+    /// Whether the record is skipped; notes it then.
+    #[inline]
+    pub fn skips(&mut self, record: &Record) -> bool {
+        let skips = !self.is_empty() && record.comment().is_none() && self.has(record.channel, &record.frame);
+        if skips {
+            self.skipped_at(record.timestamp, 1);
+        }
+        skips
+    }
+
+    /// Whether a classical data frame may be skipped, as far as its CAN-ID tells.
+    #[inline]
+    pub(crate) fn may_skip(&self, channel: ChannelId, id: crate::CanId) -> bool {
+        self.which(channel, id) != Which::None
+    }
+
+    /// Whether a classical data frame is skipped.
+    #[inline]
+    pub(crate) fn skips_data(&self, channel: ChannelId, id: crate::CanId, payload: &[u8]) -> bool {
+        self.which(channel, id).has(payload)
+    }
+
+    /// Notes that so many frames were skipped, the last one of that time.
+    #[inline]
+    pub(crate) const fn skipped_at(&mut self, time: Timestamp, frames: usize) {
+        self.skipped = (self.skipped.0 + frames, Some(time));
+    }
+
+    #[inline]
+    fn has(&self, channel: ChannelId, frame: &Frame) -> bool {
+        let is_classical_data = frame.kind() == FrameKind::Data && !frame.is_fd() && !frame.is_xl();
+        is_classical_data && self.skips_data(channel, frame.id(), frame.data())
+    }
+
+    #[inline]
+    fn which(&self, channel: ChannelId, id: crate::CanId) -> Which {
+        let Some(Some(skipped)) = self.channels.get(usize::from(channel.0)) else { return Which::None };
+        match id.as_standard() {
+            Some(id) => skipped.standard.get(usize::from(id)).copied().unwrap_or(Which::None),
+            None => skipped.extended,
+        }
+    }
+
+    fn set(&mut self, channel: ChannelId, can_id: u16, which: Which) {
+        let Some(place) = self.channel_mut(channel).and_then(|skipped| skipped.standard.get_mut(usize::from(can_id)))
+        else {
+            return;
+        };
+        let before = std::mem::replace(place, which);
+        self.len += usize::from(which != Which::None);
+        self.len -= usize::from(before != Which::None);
+    }
+
+    fn channel_mut(&mut self, channel: ChannelId) -> Option<&mut Skipped> {
+        let at = usize::from(channel.0);
+        if at >= Self::CHANNELS {
+            return None;
+        }
+        if self.channels.len() <= at {
+            self.channels.resize_with(at + 1, || None);
+        }
+        let none = || Box::new(Skipped { standard: [Which::None; 2048], extended: Which::None });
+        Some(self.channels.get_mut(at)?.get_or_insert_with(none))
+    }
+}
+
+impl std::fmt::Debug for SkipSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "SkipSet({} CAN-IDs)", self.len)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CanId, Capture, Flags, Merge, Naming, ReadOptions, Source};
+
+    fn record(frame: Frame) -> Record {
+        Record::new(Timestamp(7), ChannelId(0), frame)
+    }
+
+    #[test]
+    fn only_classical_data_frames_without_a_comment() {
+        let (id, wide) = (CanId::standard_masked(0x185), CanId::extended_masked(0x185));
+        let mut skip = SkipSet::default();
+        skip.all(ChannelId(0), 0x185);
+        assert!(skip.skips(&record(Frame::new(id, &[1, 2]).unwrap())));
+        assert_eq!((skip.take(), skip.take()), ((1, Some(Timestamp(7))), (0, None)));
+        for other in [Frame::remote(id, 1).unwrap(), Frame::fd(id, Flags::NONE, &[1]).unwrap()] {
+            assert!(!skip.skips(&record(other)));
+        }
+        assert!(!skip.skips(&record(Frame::new(id, &[]).unwrap()).with_comment("case")));
+        assert!(!skip.skips(&record(Frame::new(wide, &[]).unwrap())));
+        assert!(!skip.skips(&Record::new(Timestamp(7), ChannelId(1), Frame::new(id, &[]).unwrap())));
+        skip.extended(ChannelId(0));
+        assert!(skip.skips(&record(Frame::new(wide, &[]).unwrap())));
+        skip.none(ChannelId(0), 0x185);
+        assert!(!skip.skips(&record(Frame::new(id, &[1, 2]).unwrap())) && !skip.is_empty());
+        skip.forget(ChannelId(0));
+        assert!(skip.is_empty());
+    }
+
+    #[test]
+    fn one_byte() {
+        let id = CanId::standard_masked(0x705);
+        let mut skip = SkipSet::default();
+        skip.byte(ChannelId(0), 0x705, 5);
+        let skipped = [&[5][..], &[], &[4], &[5, 5]].map(|data| skip.skips(&record(Frame::new(id, data).unwrap())));
+        assert_eq!(skipped, [true, false, false, false]);
+        skip.all(ChannelId(9999), 0x705);
+        assert_eq!(skip.len, 1, "of so many channels none is kept");
+    }
+
+    /// What is kept, and at which lines, whatever stands in a log.
+    #[test]
+    fn a_log_without_some_frames_is_the_log_without_their_lines() {
+        let mut log = String::new();
+        for n in 0..2_000_u32 {
+            let name = ["can0", "can1", " can0"][n as usize % 3];
+            let id = [0x185, 0x705, 0x585, 0x80][(n / 3) as usize % 4];
+            log += &match n % 97 {
+                5 => "# canvass: a comment\n".to_owned(),
+                11 => "no frame\n".to_owned(),
+                17 => format!("({n}.000000) {name} {id:03X}#1\n"),
+                23 => format!("({n}.000000) {name} {id:03X}#R\n"),
+                31 => format!("(17000{n:05}.000000) {name} 00000{id:03X}#11 R\r\n"),
+                _ => format!("(17000{n:05}.000000) {name} {id:03X}#{:02X}\n", n % 2 + 4),
+            };
+        }
+        let open = || {
+            let source = Source::from_bytes(log.clone());
+            let capture = Capture::from_source("a.log", source, &ReadOptions::default()).unwrap();
+            Merge::new(vec![capture], Naming::BySource)
+        };
+        let shown = |item: &Result<Record, crate::Damage>| format!("{item:?}");
+        let mut without = SkipSet::default();
+        without.all(ChannelId(0), 0x185);
+        without.byte(ChannelId(0), 0x705, 5);
+        without.extended(ChannelId(1));
+        let all = open().map(|item| item.1).collect::<Vec<_>>();
+        let expected: Vec<String> =
+            all.iter().filter(|item| !matches!(item, Ok(record) if without.skips(record))).map(shown).collect();
+        let (mut merge, mut kept) = (open(), Vec::new());
+        while let Some((_, item)) = merge.next_kept(&mut without) {
+            kept.push(shown(&item));
+        }
+        assert!(kept.len() < all.len() * 3 / 4);
+        assert_eq!(kept, expected);
+    }
+}
