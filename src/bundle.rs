@@ -51,7 +51,7 @@ impl Frames {
         Ok(Self { file, recording, channels, written: Ok(()) })
     }
 
-    /// Takes a frame. What can't be written is told of at the end.
+    /// Takes a frame. What can't be written is reported at the end.
     pub fn take(&mut self, record: &Record) {
         if self.written.is_ok() {
             self.written = self.recording.write(record, &self.channels).map_err(Into::into);

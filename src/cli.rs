@@ -10,7 +10,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
 const STATUSES: &str = "\
-Exit status: 0 good; 1 findings, failures or a property broken; 2 wrong usage or unreadable input;
+Exit status: 0 good; 1 findings, failures or violations; 2 wrong usage or unreadable input;
 3 bus or device could not be reached, or no case ran.";
 
 /// CANopen trace analyzer and protocol conformance tester.
@@ -73,7 +73,7 @@ impl Cli {
     pub fn of_arguments(arguments: Vec<OsString>) -> Result<(Self, Typed), Failure> {
         let plain = Self::described();
         let Completed { mut command, arguments, set, file } = settings::complete(plain.clone(), arguments)?;
-        let matches = command.try_get_matches_from_mut(arguments).unwrap_or_else(|mistake| mistake.exit());
+        let matches = command.try_get_matches_from_mut(arguments).unwrap_or_else(|mistake| told(mistake).exit());
         let typed = Typed::of(&plain, &matches, &set, file);
         let cli = Self::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
         Ok((cli, typed))
@@ -113,6 +113,18 @@ impl Cli {
             Command::Explain(args) => args.run(),
         }
     }
+}
+
+/// A mistake, and where the formats are that a table for other programs can have.
+fn told(mut mistake: clap::Error) -> clap::Error {
+    use clap::error::{ContextKind, ContextValue};
+    let is = |kind, known: &[&str]| matches!(mistake.get(kind), Some(ContextValue::String(told)) if known.contains(&&**told));
+    if is(ContextKind::InvalidArg, &["--format <FORMAT>"]) && is(ContextKind::InvalidValue, &["parquet", "arrow"]) {
+        const TIP: &str = "canvass-fleet writes Parquet and Arrow: canvass fleet decode FILE --format parquet --output \
+                           FILE.parquet, and signals and diagnose alike";
+        mistake.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![TIP.into()]));
+    }
+    mistake
 }
 
 /// A bus that is the only argument of its command may come from the environment.

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 /// Where a capture goes, in which format.
 pub struct Destination {
     path: PathBuf,
-    /// The format.
     pub format: Format,
     /// The compression of the whole.
     pub compression: Compression,
@@ -25,7 +24,7 @@ impl Destination {
         let Some(format) = said.or(by_name) else {
             let written: Vec<_> = Format::all().filter(|format| format.is_written()).map(Format::id).collect();
             let written = written.join(", ");
-            bail!("{} does not tell the format to write: say --to with one of {written}", path.display());
+            bail!("{} does not show which format to write: use --to with one of {written}", path.display());
         };
         if !format.is_written() {
             return Err(WriteError::NotWritten(format).into());

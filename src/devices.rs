@@ -11,7 +11,6 @@ use std::path::Path;
 /// Nodes and the model or file that describes them, as typed.
 #[derive(Clone, Debug)]
 pub struct DeviceArg {
-    /// The nodes.
     pub nodes: Vec<NodeId>,
     /// The model's id or the file's path.
     pub device: String,

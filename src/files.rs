@@ -50,7 +50,7 @@ impl Files {
         Self(standard.into_iter().filter_map(known).collect())
     }
 
-    /// Files that are read. Those that are not there are told of when they are opened.
+    /// Files that are read. Those that are not there are reported when they are opened.
     pub fn reads<'a, P: AsRef<Path> + ?Sized + 'a>(mut self, paths: impl IntoIterator<Item = &'a P>) -> Self {
         let known = |path: &P| {
             let path = path.as_ref();

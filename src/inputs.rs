@@ -75,7 +75,6 @@ pub struct Inputs<'a> {
 /// What has come out of the captures: [`Inputs::record`] is it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// A record.
     Record,
     /// What makes sense of a frame that contradicts itself; its damage was reported.
     Salvaged,

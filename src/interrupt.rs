@@ -14,12 +14,22 @@ const KILLED_BY_CTRL_C: i32 = 130;
 impl Interrupt {
     /// Waits for Ctrl-C and the like from now on. The second one ends the program at once.
     pub fn watch() -> Result<Self> {
+        Self::watch_and(|| ())
+    }
+
+    /// The same, and the first one is answered by that message.
+    pub fn watch_saying(message: &'static str) -> Result<Self> {
+        Self::watch_and(move || crate::output::diagnostic(message))
+    }
+
+    fn watch_and(first: impl Fn() + Send + 'static) -> Result<Self> {
         let interrupt = Self::default();
         let seen = interrupt.clone();
         ctrlc::set_handler(move || {
             if seen.0.swap(true, Ordering::Relaxed) {
                 std::process::exit(KILLED_BY_CTRL_C);
             }
+            first();
         })
         .context("can't watch for Ctrl-C")?;
         Ok(interrupt)

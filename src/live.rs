@@ -22,7 +22,7 @@ pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
 /// The same; a simulated device that is alone and whose node-ID the address does not tell gets `node`.
 fn open_bus_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened, Failure> {
     if let Some(place) = open_to_others(address) {
-        diagnostic(&format!("canvass: whoever reaches {place} is on this bus: the protocol has no passwords"));
+        diagnostic(&format!("canvass: anyone who can reach {place} can use this bus: the protocol has no passwords"));
     }
     open_seeded_at(address, seed, node).map_err(|error| match error {
         BusError::Address { .. } => Failure::from(error),

@@ -26,7 +26,7 @@ pub struct LiveReader {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ReaderState {
     Reading,
-    /// Nothing is read any more; what was lost until then is still to be told.
+    /// Nothing is read any more; what was lost until then is still to be reported.
     Ending,
     Ended,
 }
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// How many records came, and how many losses were told in how many lines.
+    /// How many records came, and how many losses were reported in how many lines.
     fn read(interrupt_after: Option<usize>, span: Option<Duration>) -> (usize, u64, usize) {
         let interrupt = Interrupt::default();
         let bus = Box::new(Flood { milliseconds: 0, waiting: 10_000 });

@@ -12,7 +12,6 @@ mod damages;
 mod destination;
 mod devices;
 mod files;
-mod identity;
 mod inputs;
 mod interrupt;
 mod kept_device;

@@ -56,7 +56,6 @@ pub enum Subject<'a> {
     LiveBus(&'a str),
     /// One on a simulated bus, whose runs are the same whenever and wherever they are made.
     SimulatedBus(&'a str),
-    /// Files.
     Files,
 }
 
@@ -118,16 +117,7 @@ impl Collected {
 
     /// What the nodes of captures said of themselves, where somebody asked them.
     pub fn nodes_of(&mut self, results: &Results, channels: &Channels) {
-        for (channel, bus) in &results.buses {
-            for (node, figures) in &bus.nodes {
-                let of = &figures.identity;
-                let identity =
-                    DeviceIdentity { device_type: of.device_type, identity: of.numbers, names: of.names.clone() };
-                if identity != DeviceIdentity::default() {
-                    self.0.devices.push((format!("node {node} on {}", channels.name(*channel)), identity));
-                }
-            }
-        }
+        self.0.add_nodes_of(results, channels);
     }
 
     /// A device by another name than its node-ID.
@@ -135,7 +125,6 @@ impl Collected {
         self.0.devices.push((name.to_owned(), identity));
     }
 
-    /// The seed.
     pub fn seed(&mut self, seed: u64) {
         self.0.seed = Some(seed);
     }

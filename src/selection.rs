@@ -5,7 +5,7 @@ use crate::inputs::Inputs;
 use crate::output::diagnostic;
 use crate::status::Failure;
 use canvass_analyzer::filter::{Filter, Subject};
-use canvass_analyzer::network::{Decoded, Network};
+use canvass_analyzer::network::{Decoded, Network, Steady};
 use canvass_analyzer::{NodeId, NodeRange};
 use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
@@ -109,6 +109,13 @@ impl Selection {
         passes
     }
 
+    /// Whether neither a frame is chosen nor any that is like it, whatever its channel.
+    pub fn refuses_alike(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>, steady: Steady) -> bool {
+        let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
+        let by_filter = || self.filter.as_ref().is_some_and(|filter| filter.refuses_alike(&subject, steady));
+        !self.has_node(decoded.node) || by_filter()
+    }
+
     /// Says what was asked for and never seen: most likely it is called otherwise.
     pub fn warn_of_nothing(&self, inputs: &Inputs<'_>) {
         self.warn_of_unknown_channels(inputs);
@@ -121,7 +128,6 @@ impl Selection {
         }
     }
 
-    /// The channels.
     fn warn_of_unknown_channels(&self, inputs: &Inputs<'_>) {
         let seen: Vec<&str> = inputs.channels().names().collect();
         let is_own = |id: usize, wanted: &str| inputs.own_name(canvass_traces::ChannelId(id as u16)) == wanted;

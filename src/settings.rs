@@ -154,7 +154,7 @@ pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Comple
     Ok(Completed { command, arguments, set, file })
 }
 
-/// The subcommand, and what was typed for it, as far as it can be told.
+/// The subcommand, and what was typed for it, as far as it can be determined.
 fn typed(command: &Command, arguments: &[OsString]) -> (Option<String>, Typed) {
     let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(arguments) else {
         return Default::default();

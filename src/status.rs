@@ -8,7 +8,7 @@ use std::process::ExitCode;
 pub enum Status {
     /// Everything as it should be.
     Good = 0,
-    /// Findings, failures or a property broken.
+    /// Findings, failures, or violations found by the fuzzer.
     Findings = 1,
     /// Wrong usage or unreadable input.
     Usage = 2,
@@ -71,7 +71,7 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 /// The option that helps, which the libraries know nothing of.
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
-        return Some("if you know which, say --format-in");
+        return Some("if you know which, use --format-in");
     }
     let Some(WriteError::NotWritten(_)) = cause.downcast_ref() else { return None };
     Some("choose another format with --to (`canvass list formats` shows them)")

@@ -10,7 +10,7 @@ use std::fmt::Write;
 const HEAD: &str = "\
 # Conformance cases
 
-Written by `canvass list cases --format markdown`; a test keeps this page current. `canvass explain ID` prints one in full.
+This page is made from the code by `cargo xtask docs`; `canvass explain ID` prints one case in full.
 
 A clause is printed with how sure its number is: without a word where the clause was read or an independent source cites
 it, *(derived)* where it was counted between two such, *(unconfirmed)* where it comes from the structure of the standard. *catches* are the
@@ -39,7 +39,7 @@ is accepted with its code only.
 A waiver that lacks one of these, or is for a case that does not exist, is an error with its line. One that has expired, or
 that excused nothing in a run, is reported with what was found instead: waivers must not outlive what they are for.
 
-A case that sometimes fails, and nobody knows yet why, is no matter for a waiver. It stands in the same file, in quarantine:
+A case that sometimes fails for an unknown reason is not for a waiver. List it in the same file, in quarantine:
 
 ```toml
 [[quarantine]]

@@ -144,7 +144,7 @@ impl Direction {
 
 /// One difference. Texts come from the device or a file: they may hold anything.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Change {
+pub struct ResultChange {
     /// Verdict, timing, identity or dictionary.
     pub kind: &'static str,
     /// The case, measurement or object.
@@ -157,7 +157,7 @@ pub struct Change {
     pub direction: Direction,
     /// Why a case no longer passes.
     pub reason: Option<String>,
-    /// Of a case that got worse: the earlier release in which it was bad last. It had been mended since.
+    /// Of a case that got worse: the earlier release in which it was bad last. It had been fixed since.
     pub returned: Option<String>,
 }
 
@@ -165,12 +165,12 @@ pub struct Change {
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comparison {
     /// Regressions first, then improvements, then the rest.
-    pub changes: Vec<Change>,
+    pub changes: Vec<ResultChange>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
 
-impl Change {
+impl ResultChange {
     /// What it was and what it is, for people.
     fn values(&self) -> (&str, &str) {
         (self.old.as_deref().unwrap_or("-"), self.new.as_deref().unwrap_or("-"))
@@ -181,7 +181,7 @@ impl Change {
         self.kind == "verdict" && self.direction == Direction::Worse && self.new.is_some()
     }
 
-    /// Why, for people; first of all that it had been mended.
+    /// Why, for people; first of all that it had been fixed.
     fn why(&self) -> Option<String> {
         let returned = self.returned.as_ref().map(|release| format!("again: it was bad in {release}"));
         let parts: Vec<String> = returned.into_iter().chain(self.reason.clone()).collect();
@@ -269,8 +269,8 @@ pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparis
 }
 
 /// A run that did not come to its end says nothing of what it left out.
-fn cancelled() -> Change {
-    Change {
+fn cancelled() -> ResultChange {
+    ResultChange {
         kind: "run",
         subject: "the new run".to_owned(),
         old: None,
@@ -281,7 +281,7 @@ fn cancelled() -> Change {
     }
 }
 
-fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change> {
+fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<ResultChange> {
     let by_id = |result: &TestResult| -> BTreeMap<String, Case> {
         result.cases.iter().map(|case| (case.id.clone(), case.clone())).collect()
     };
@@ -302,7 +302,7 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
         };
         let reason = new.and_then(why);
         let verdict = |case: Option<&Case>| case.map(|case| case.verdict.name().to_owned());
-        Some(Change {
+        Some(ResultChange {
             kind: "verdict",
             subject: id.to_owned(),
             old: verdict(old),
@@ -322,7 +322,7 @@ fn why(case: &Case) -> Option<String> {
     Some(format!("{}{duty}: expected {expected}, found {actual}", quarantine.unwrap_or_default()))
 }
 
-fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
+fn timings(old: &TestResult, new: &TestResult) -> Vec<ResultChange> {
     let by_name = |result: &TestResult| -> BTreeMap<String, Measurement> {
         let of_case = |case: &Case| {
             let id = case.id.clone();
@@ -336,7 +336,7 @@ fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
         let is_noticeable = difference.saturating_mul(100) > old.value.saturating_mul(NOTICEABLE_PERCENT)
             && (!is_time || difference > NOTICEABLE_NS);
         let shown = |m: &Measurement| if is_time { milliseconds(m.value) } else { m.value.to_string() };
-        is_noticeable.then(|| Change {
+        is_noticeable.then(|| ResultChange {
             kind: "timing",
             subject: name.to_owned(),
             old: Some(shown(old)),
@@ -353,11 +353,11 @@ fn milliseconds(nanos: u64) -> String {
     format!("{}.{:03} ms", nanos / 1_000_000, nanos / 1_000 % 1_000)
 }
 
-fn identity(old: &TestResult, new: &TestResult) -> Vec<Change> {
+fn identity(old: &TestResult, new: &TestResult) -> Vec<ResultChange> {
     pairs(&old.device, &new.device, |name, old, new| difference("identity", name, old, new, Value::to_string))
 }
 
-fn dictionary(old: &TestResult, new: &TestResult) -> Vec<Change> {
+fn dictionary(old: &TestResult, new: &TestResult) -> Vec<ResultChange> {
     let by_address = |result: &TestResult| -> BTreeMap<String, String> {
         let row = |object: &Object| (format!("{:04X}h:{:02X}", object.index, object.sub), object.data.clone());
         result.dictionary.iter().map(row).collect()
@@ -371,8 +371,8 @@ fn difference<T: PartialEq>(
     old: Option<&T>,
     new: Option<&T>,
     shown: impl Fn(&T) -> String,
-) -> Option<Change> {
-    (old != new).then(|| Change {
+) -> Option<ResultChange> {
+    (old != new).then(|| ResultChange {
         kind,
         subject: subject.to_owned(),
         old: old.map(&shown),
@@ -387,8 +387,8 @@ fn difference<T: PartialEq>(
 fn pairs<T>(
     old: &BTreeMap<String, T>,
     new: &BTreeMap<String, T>,
-    compare: impl Fn(&str, Option<&T>, Option<&T>) -> Option<Change>,
-) -> Vec<Change> {
+    compare: impl Fn(&str, Option<&T>, Option<&T>) -> Option<ResultChange>,
+) -> Vec<ResultChange> {
     let gone = old.keys().filter(|key| !new.contains_key(*key));
     let keys = new.keys().chain(gone);
     keys.filter_map(|key| compare(key, old.get(key), new.get(key))).collect()
@@ -400,7 +400,7 @@ impl Comparison {
         self.changes.iter().any(|change| change.direction == Direction::Worse)
     }
 
-    fn of(&self, direction: Direction) -> impl Iterator<Item = &Change> {
+    fn of(&self, direction: Direction) -> impl Iterator<Item = &ResultChange> {
         self.changes.iter().filter(move |change| change.direction == direction)
     }
 
@@ -428,7 +428,7 @@ impl Comparison {
 
     /// The differences as JSON, `"schema": "canvass/compare/1"`.
     pub fn json(&self) -> String {
-        let row = |change: &Change| {
+        let row = |change: &ResultChange| {
             json!({
                 "kind": change.kind,
                 "subject": change.subject,

@@ -42,7 +42,7 @@ fn visible(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Text in which nothing acts, whoever wrote what it holds: the only thing that the program prints.
+/// Text without control characters, wherever it comes from: the only thing that the program prints.
 ///
 /// There is no other way to make one than those below, so that what was not looked at can't be printed:
 ///
@@ -90,7 +90,7 @@ impl fmt::Display for Printable {
     }
 }
 
-/// A document on its way out, whoever writes it: characters that act are made visible. Lines stay, and where colours are
+/// A document on its way out: control characters are made visible. Lines stay, and where colours are
 /// wanted, so do the sequences that set them.
 #[derive(Debug)]
 pub struct Visible<W> {

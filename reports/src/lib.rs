@@ -18,10 +18,12 @@
 //! - [`signals`]: the values of PDOs as columns over time.
 
 #![warn(clippy::disallowed_methods)]
+#![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]
 
 pub mod answers;
 pub mod ascii;
 pub mod catalogue_page;
+mod color;
 pub mod comparison;
 pub mod conformance;
 pub mod decode;

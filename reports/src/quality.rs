@@ -13,7 +13,6 @@ const SCHEMA: &str = "canvass/quality/1";
 pub struct CaptureQuality<'a> {
     /// The file's name.
     pub name: &'a str,
-    /// Its format.
     pub format: Format,
     /// What its times count from.
     pub time_base: TimeBase,

@@ -62,7 +62,7 @@ fn every_report_of_a_faulty_device() {
     let faults: Faults =
         [Fault::SdoStaleMultiplexer, Fault::HeartbeatPeriodDoubled, Fault::DeviceNameWithGarbage].into_iter().collect();
     let [mut page, mut xml, mut text, mut lines] = [const { Vec::new() }; 4];
-    let style = terminal::Style { color: false, progress: false, width: None };
+    let style = terminal::Style { color: false, progress: false, width: None, allow: "" };
     let summary = run_with(
         faults,
         &mut [

@@ -92,7 +92,7 @@ impl Setup {
         if setup.schema != SCHEMA {
             bail!("run.json: expected a document of schema {SCHEMA}, found \"{}\"", setup.schema);
         }
-        // As the command line has it: who has made up a bundle shall not keep us busy for ever.
+        // The same limits as on the command line: a forged bundle must not keep the program busy without end.
         if setup.repeat > MOST_RUNS || setup.retries > MOST_RUNS {
             bail!("run.json: expected at most {MOST_RUNS} runs of a case");
         }

@@ -59,7 +59,7 @@ fn words(command: &str) -> Vec<String> {
     words.into_iter().take_while(is_own).collect()
 }
 
-/// What is wrong with a command; `with_bus`: the bus is told elsewhere.
+/// What is wrong with a command; `with_bus`: the bus is given elsewhere.
 fn mistake(command: &str, bus_is_named: bool) -> Option<clap::Error> {
     let mut words = words(command);
     let parsed = |words: &[String]| Cli::described().try_get_matches_from(words).err();

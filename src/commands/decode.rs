@@ -9,7 +9,7 @@ use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::anyhow;
 use canvass_analyzer::Meaning;
-use canvass_analyzer::network::Network;
+use canvass_analyzer::network::{Network, Skipping};
 use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
 use canvass_traces::TimeBase;
 use std::path::PathBuf;
@@ -78,10 +78,17 @@ enum Time {
     Local,
 }
 
+/// What has been understood so far, and what need not be.
+struct Decoding {
+    network: Network,
+    /// Where frames are chosen: those that are not, and that change nothing.
+    skipping: Option<Skipping>,
+}
+
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::text(color.on_stdout());
-        // A mistake in the options is told before anything is read.
+        // A mistake in the options is reported before anything is read.
         let network = self.view.network()?;
         let files = Files::new().reads(&self.files).describes(self.view.selection.descriptions());
         files.writes(self.input.quality_file())?;
@@ -100,7 +107,7 @@ impl View {
     pub fn show(
         self,
         mut inputs: Inputs<'_>,
-        mut network: Network,
+        network: Network,
         color: Color,
         output: &Output,
     ) -> Result<Status, Failure> {
@@ -110,6 +117,7 @@ impl View {
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
         let (mut range, mut comment) = (self.range, String::new());
+        let mut decoding = Decoding { network, skipping: self.selection.needs_decoding().then(Skipping::default) };
         if self.in_order {
             inputs.put_in_order();
         }
@@ -118,7 +126,7 @@ impl View {
                 comment.clear();
                 comment.push_str(latest);
             }
-            self.show_frame(&inputs, &mut network, &mut range, (lines.as_mut(), &mut comment), output)?;
+            self.show_frame(&inputs, &mut decoding, &mut range, (lines.as_mut(), &mut comment), output)?;
         }
         self.end(inputs)
     }
@@ -165,20 +173,26 @@ impl View {
     fn show_frame(
         &self,
         inputs: &Inputs<'_>,
-        network: &mut Network,
+        Decoding { network, skipping }: &mut Decoding,
         range: &mut TimeRange,
         (lines, comment): (&mut dyn Lines, &mut String),
         output: &Output,
     ) -> std::io::Result<()> {
         let record = inputs.record();
-        let decoded = network.handle(record);
-        if !range.contains(record.timestamp)
-            || !self.selection.has_channel(record, inputs)
-            || !self.selection.has(record, &decoded, inputs)
-        {
+        if skipping.as_mut().is_some_and(|skipping| skipping.set().skips(record)) {
             return Ok(());
         }
+        let decoded = network.handle(record);
         let Some(bus) = network.bus(record.channel) else { return Ok(()) };
+        let is_asked = range.contains(record.timestamp) && self.selection.has_channel(record, inputs);
+        let is_chosen = is_asked && self.selection.has(record, &decoded, inputs);
+        if let Some(skipping) = skipping {
+            let refuses = |steady| is_asked && self.selection.refuses_alike(record, &decoded, inputs, steady);
+            skipping.taken(bus, record, &decoded, refuses);
+        }
+        if !is_chosen {
+            return Ok(());
+        }
         let meaning = Meaning::new(record, &decoded, bus);
         let line = Line { record, channels: inputs.channels(), decoded: &decoded, meaning };
         if !comment.is_empty() {

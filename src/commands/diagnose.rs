@@ -12,7 +12,7 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
-use canvass_reports::diagnosis::{self, Diagnosed, Reading, Style, html};
+use canvass_reports::diagnosis::{self, Advice, Diagnosed, Reading, Style, html};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -104,6 +104,13 @@ fn parse_bit_rate(text: &str) -> Result<u32, String> {
     rate.filter(|rate| (1_000..=1_000_000).contains(rate)).ok_or_else(|| "expected 1k to 1M, such as 250k".to_owned())
 }
 
+/// The options that show what the table leaves out.
+const ADVICE: Advice = Advice {
+    findings: ": --verbose shows all, and the page (--format html)",
+    rows: ": --verbose shows all",
+    bit_rate: " (see --bit-rate)",
+};
+
 impl Args {
     pub fn run(self, color: Color, typed: &Typed) -> Result<Status, Failure> {
         let mut provenance = self.provenance(typed)?;
@@ -174,7 +181,7 @@ impl Args {
         files.writes(&self.output)?.writes(self.input.quality_file())?;
         let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
             if self.format == DiagnoseFormat::Html && is_terminal() {
-                return Err(anyhow!("the page is for a browser: give --output FILE, or redirect the output").into());
+                return Err(anyhow!("the page is for a browser: use --output FILE, or redirect the output").into());
             }
             return Ok(None);
         };
@@ -200,7 +207,8 @@ impl Args {
         let written = match self.format {
             DiagnoseFormat::Table => {
                 let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
-                let style = Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose };
+                let style =
+                    Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose, advice: ADVICE };
                 diagnosis::table(diagnosed, style, &mut out)
             }
             DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),

@@ -101,7 +101,7 @@ fn socketcan() -> Vec<Finding> {
     if good && let Some(bytes) = read("/proc/sys/net/core/rmem_max").and_then(|text| text.parse::<u64>().ok()) {
         // A frame takes about 1 KiB of the kernel's queue; root may go beyond the limit.
         let enough = bytes >= 4 << 20;
-        let remedy = if enough { "" } else { ": sysctl net.core.rmem_max=8388608 (root needs it not)" };
+        let remedy = if enough { "" } else { ": sysctl net.core.rmem_max=8388608 (not needed as root)" };
         let text = format!("holds about {} frames while this program is not woken{remedy}", bytes / 1024);
         findings.push(Finding { what: "kernel queue", good: enough, text });
     }
@@ -148,7 +148,7 @@ fn serial_ports() -> Finding {
     Finding { what: "serial ports", good: true, text }
 }
 
-const NO_PORTS: &str = "none (slcan:tcp://HOST:PORT works all the same)";
+const NO_PORTS: &str = "none (slcan:tcp://HOST:PORT works without them)";
 
 /// Serial ports that CAN adapters show as.
 #[cfg(not(windows))]

@@ -33,7 +33,7 @@ impl Args {
             .or_else(|| id.parse().ok().map(fault))
             .or_else(|| Situation::by_id(id).map(situation))
             .or_else(|| id.parse().ok().map(liberty))
-            .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
+            .or_else(|| findings::find(id).map(|rule| rule_of_captures(rule.metadata)))
             .or_else(|| rules::find(id).map(descriptions::rules::explain))
             .or_else(|| id.parse().ok().map(properties::explain))
             .or_else(|| Model::by_id(id).map(model))
@@ -56,6 +56,16 @@ fn rows(head: &str, text: &str, rows: &[(&str, String)]) -> String {
         let _ = writeln!(shown, "{name:10} {value}");
     }
     shown.trim_end().to_owned() + "\n"
+}
+
+/// A rule of the diagnosis, and how its thresholds are set.
+fn rule_of_captures(rule: &findings::Metadata) -> String {
+    let text = diagnosis::explain(rule);
+    if rule.thresholds.is_empty() {
+        text
+    } else {
+        text + "canvass diagnose --threshold RULE.NAME=VALUE sets a threshold.\n"
+    }
 }
 
 fn list<T>(items: &[T], name: impl Fn(&T) -> String) -> String {

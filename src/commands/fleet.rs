@@ -12,7 +12,7 @@ use std::process::Command;
 #[derive(clap::Args)]
 #[command(disable_help_flag = true, disable_version_flag = true)]
 pub struct Args {
-    /// What canvass-fleet is told, such as sql "SELECT ..." or --help
+    /// The arguments of canvass-fleet, such as sql "SELECT ..." or --help
     #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

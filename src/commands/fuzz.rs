@@ -9,7 +9,6 @@ use super::test::reports::{ReportArg, ReportFormat, Shown};
 use crate::allow::{Allow, touches};
 use crate::devices::parse_node;
 use crate::files::Files;
-use crate::identity;
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
 use crate::output::{diagnostic, document, unless_closed};
@@ -19,11 +18,12 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::campaign::{self, Outcome, Plan};
-use canvass_fuzzer::coverage::LssReach;
+use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
 use canvass_reports::provenance::Provenance;
+use canvass_suite::identity;
 use canvass_suite::touch::Touch;
 use canvass_traces::Duration;
 use device::Device;
@@ -221,7 +221,7 @@ impl Args {
             seed: plan.seed,
             repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),
             cancelled,
-            block_transfer: knowledge.services.block_transfer != Some(false),
+            sdo_reach: SdoReach::of(knowledge),
             reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
             words,

@@ -31,7 +31,7 @@ impl Args {
             let what = self.what.join(" ");
             command = command
                 .find_subcommand_mut(name)
-                .ok_or_else(|| anyhow!("there is no command \"{what}\"; beside commands there is help of: {topics}"))?;
+                .ok_or_else(|| anyhow!("there is no command \"{what}\"; there is also help on: {topics}"))?;
         }
         print(&Printable::document(&command.render_long_help().to_string()))?;
         Ok(Status::Good)

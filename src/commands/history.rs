@@ -31,7 +31,7 @@ impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         if self.shown.formats().any(|format| format == ReportFormat::Junit) {
             return Err(anyhow!(
-                "a history is no test: say table, json, html or markdown (`canvass compare` has junit)"
+                "a history is no test: choose table, json, html or markdown (`canvass compare` has junit)"
             )
             .into());
         }

@@ -12,6 +12,7 @@ use canvass_fuzzer::Property;
 use canvass_reports::answers;
 use canvass_reports::catalogue_page;
 use canvass_reports::descriptions;
+use canvass_reports::diagnosis;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::faults_page;
 use canvass_suite::case::Case;
@@ -61,7 +62,7 @@ enum ListFormat {
     Text,
     /// An array of objects with `id` and `summary`
     Json,
-    /// The catalogue of cases, the rules of descriptions, or the faults and whether the fuzzer finds them, as a page
+    /// A page with all cases, rules, eds-rules, or faults
     Markdown,
 }
 
@@ -71,10 +72,11 @@ impl Args {
             let page = match self.what {
                 What::Cases => catalogue_page::markdown(&catalogue::cases()),
                 What::Faults => faults_page::page(),
+                What::Rules => diagnosis::handbook(),
                 What::EdsRules => descriptions::rules::handbook(),
                 _ => {
-                    let told = "--format markdown is for cases, faults and eds-rules: say text or json";
-                    return Err(anyhow!(told).into());
+                    let advice = "--format markdown is for cases, faults, rules and eds-rules: choose text or json";
+                    return Err(anyhow!(advice).into());
                 }
             };
             print(&Printable::document(&page))?;

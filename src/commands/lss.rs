@@ -144,7 +144,7 @@ impl Args {
             Action::Inquire { bus, which } => bus.run(PATIENCE, |master| master.inquire(&which)),
             Action::Configure { bus, which, node_id, bit_rate, store, activate } => {
                 if node_id.is_none() && bit_rate.is_none() && !store && activate.is_none() {
-                    return Err(anyhow!("nothing to do: say --node-id, --bit-rate, --store or --activate").into());
+                    return Err(anyhow!("nothing to do: use --node-id, --bit-rate, --store or --activate").into());
                 }
                 let wish = Wish { node_id, bit_rate, store, activate };
                 bus.run(PATIENCE, |master| master.configure(&which, wish))

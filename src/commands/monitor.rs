@@ -38,7 +38,7 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let bus = open_bus(&self.bus, 0)?.bus;
         if !bus.is_live() && self.span.is_none() {
-            return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
+            return Err(anyhow!("on a simulated bus time is virtual: set the duration with --for").into());
         }
         let (output, interrupt) = (Output::text(color.on_stdout()), Interrupt::watch()?);
         #[cfg(feature = "screen")]

@@ -69,7 +69,9 @@ impl Args {
         Files::new().bus(&self.bus).writes(&self.out)?;
         let mut bus = open_bus(&self.bus, 0)?.bus;
         if !bus.is_live() && self.span.is_none() && self.frames.is_none() {
-            return Err(anyhow!("on a simulated bus time is virtual: say --for how long, or how many --frames").into());
+            return Err(
+                anyhow!("on a simulated bus time is virtual: limit the recording with --for or --frames").into()
+            );
         }
         let mut channels = Channels::new();
         channels.intern(channel_name(&self.bus));

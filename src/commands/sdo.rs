@@ -15,7 +15,7 @@ use canvass_analyzer::{Multiplexer, NodeId, TransferText};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
 use canvass_reports::escape::Printable;
-use canvass_traces::{Duration, Record, Timestamp};
+use canvass_traces::{Duration, Record, Timestamp, hex};
 use serde_json::json;
 
 /// Read or write an object of a device
@@ -169,7 +169,7 @@ impl Target {
                 Some(_) => format!("{object} = {}\n", shown.value),
             }));
         }
-        let bytes = read.map(|(bytes, _)| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>());
+        let bytes = read.map(|(bytes, _)| hex::compact(bytes).to_string());
         let document = json!({
             "schema": "canvass/sdo/1",
             "node": self.node.raw(),

@@ -100,7 +100,7 @@ impl Rows<'_> {
 
 fn warn(sampler: &Sampler) {
     if sampler.columns().is_empty() {
-        diagnostic("canvass: no PDO whose mapping is known: say which device a node is with --device NODE=MODEL|FILE");
+        diagnostic("canvass: no PDO with a known mapping: describe the device of a node with --device NODE=MODEL|FILE");
     }
     if sampler.columns().left_out > 0 {
         let (left_out, most) = (sampler.columns().left_out, Columns::MOST);

@@ -84,7 +84,7 @@ impl Args {
         };
         let mut bus = open_bus(&self.bus, self.seed)?.bus;
         if !bus.is_live() && self.span.is_none() {
-            return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
+            return Err(anyhow!("on a simulated bus time is virtual: set the duration with --for").into());
         }
         if firmware.liberties.has(Liberty::DirtyPadding) {
             bus.dirty_padding();

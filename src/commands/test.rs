@@ -11,6 +11,7 @@ pub mod reports;
 use crate::allow::{Allow, touches};
 use crate::devices::{describe, parse_node};
 use crate::files::Files;
+use crate::interrupt::Interrupt;
 use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
 use crate::output::Color;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
@@ -32,8 +33,6 @@ use course::Course;
 use recorder::Recorder;
 use reports::{Reports, Shown};
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///
@@ -137,7 +136,8 @@ impl Args {
             self.record.as_deref().map(|path| Recorder::create(path, self.force, self.cct_markers)).transpose()?;
         let mut reports = Reports::open(&self.shown, color)?;
         let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
-        let cancel = cancelled_by_ctrl_c()?;
+        let cancel =
+            Interrupt::watch_saying("canvass: interrupted, the device is being restored (again: at once)")?.flag();
         let mut course = Course {
             args: &self,
             cases: &cases,
@@ -270,23 +270,9 @@ pub fn named(device: &str) -> &str {
 pub fn which_node(bus: &str, model: Option<&Model>) -> anyhow::Error {
     match model {
         Some(model) => anyhow!(
-            "which node? {} has no node-ID as delivered: --node N gives it one, as whoever commissions it does",
+            "which node? {} has no node-ID as delivered: --node N gives it one, as commissioning does",
             model.id()
         ),
-        None => anyhow!("which node? Say --node N (canvass scan {bus} finds it)"),
+        None => anyhow!("which node? Use --node N (canvass scan {bus} finds it)"),
     }
-}
-
-/// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.
-fn cancelled_by_ctrl_c() -> Result<Arc<AtomicBool>, Failure> {
-    const INTERRUPTED: i32 = 130;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&cancel);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED);
-        }
-        crate::output::diagnostic("canvass: interrupted, the device is being restored (again: at once)");
-    })?;
-    Ok(cancel)
 }

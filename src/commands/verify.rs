@@ -118,9 +118,9 @@ fn text<'a>(entries: &'a [Entry], name: &str) -> Result<&'a str> {
 
 /// Runs the cases against the recording.
 fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
-    let told = TestResult::read(text(entries, RESULT)?).context("result.json is not what a bundle has")?;
+    let told = TestResult::read(text(entries, RESULT)?).context("result.json is not that of a bundle")?;
     let transcript: Transcript =
-        text(entries, TRANSCRIPT)?.parse().context("transcript.txt is not what a bundle has")?;
+        text(entries, TRANSCRIPT)?.parse().context("transcript.txt is not that of a bundle")?;
     let folder = tempfile::tempdir().context("can't make a temporary folder")?;
     let target = target(entries, setup, folder.path())?;
     let mut replay = Replay::new(records(entries, folder.path())?, transcript);
@@ -206,7 +206,7 @@ impl Verified {
         for Difference { case, told, found } in &self.differences {
             let name = |kind: &Option<Kind>| kind.map_or("-", Kind::name);
             let case = printable(case);
-            lines.push(format!("{case}: the result says {}, the recording {}", name(told), name(found)));
+            lines.push(format!("{case}: the result has {}, the recording gives {}", name(told), name(found)));
         }
         if let Some(divergence) = &self.divergence {
             lines.push(format!("the cases and the recording go different ways {}", printable(divergence)));

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 /// The file as it is now. What can't be read twice, a pipe or standard input, has no hash; nor has what can't be read, which
-/// whoever opens it tells.
+/// is reported where it is opened.
 pub fn used(role: &'static str, path: &Path) -> FileUsed {
     let is_file = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
     let content = is_file.then(|| File::open(path).and_then(hash).ok()).flatten();

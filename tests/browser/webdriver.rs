@@ -1,4 +1,8 @@
 //! As much of the WebDriver protocol as the tests need.
+//!
+//! Why none of the published clients: fantoccini 0.22, without TLS, brings 58 crates that nothing else in this workspace
+//! needs (an asynchronous runtime, hyper, `time`, URLs with their tables); thirtyfour 0.36 brings 46 and then has no HTTP
+//! client at all. The tests are blocking and need Chromium's own commands (DevTools) anyway.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};

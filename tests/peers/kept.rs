@@ -37,7 +37,7 @@ fn with_direction(seen: Seen, direction: Direction) -> Seen {
     Seen { record: seen.record.with_direction(direction), ..seen }
 }
 
-/// No direction is told.
+/// No direction is reported.
 pub fn no_direction(seen: Seen) -> Seen {
     with_direction(seen, Direction::Unknown)
 }

@@ -89,7 +89,7 @@ fn script() -> &'static str {
     PAGE.split("```sh\n").nth(1).unwrap().split("```").next().unwrap()
 }
 
-/// A repository with the script, in which `canvass` is the program; what `test` gets is told before its own arguments.
+/// A repository with the script, in which `canvass` is the program; `test` is run with these arguments before its own.
 struct Repository(tempfile::TempDir);
 
 impl Repository {

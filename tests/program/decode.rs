@@ -187,7 +187,7 @@ fn unreadable_input_is_status_2() {
     for (args, says) in [
         (&["decode", "no-such-file.log"][..], "no-such-file.log"),
         (&["decode", "Cargo.toml"], "no known format"),
-        (&["decode", "Cargo.toml"], "candump-console; if you know which, say --format-in"),
+        (&["decode", "Cargo.toml"], "candump-console; if you know which, use --format-in"),
         (&["decode", if cfg!(windows) { "NUL" } else { "/dev/null" }], "empty"),
         (&["decode", "-", "--device", "200=x.eds"], "node-ID of 1 to 127"),
         (&["decode", "-", "--device", "5=no-such-model"], "neither a built-in model"),
@@ -196,4 +196,62 @@ fn unreadable_input_is_status_2() {
         assert_eq!(ended.status, 2, "{args:?}: {}", ended.stderr);
         assert!(ended.stderr.contains(says), "{args:?}: {}", ended.stderr);
     }
+}
+
+/// What is not chosen need not be decoded: nobody sees it. A filter that looks at lengths has every frame decoded.
+#[test]
+fn filters_choose_what_they_chose_when_all_was_decoded() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = folder.path().join("long.log").display().to_string();
+    std::fs::write(&long, repeated()).unwrap();
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/traces/samples/kuebler-5.7.7.txt");
+    for file in [&*long, sample] {
+        for filter in [
+            "node=2",
+            "node=2 and service=sdo",
+            "service=heartbeat and not node=3",
+            "id=0x1A0",
+            "service=unknown and not extended",
+            "extended and id=0x18FF0001",
+            "index in 0x1800..0x1A00 or service in nmt, boot-up",
+            "not (service=pdo or service=sync) and not rx",
+        ] {
+            let all = format!("({filter}) or len=4000");
+            for format in ["text", "json"] {
+                let [one, other] =
+                    [filter, &all].map(|filter| run(&["decode", file, "--format", format, "--filter", filter]));
+                assert_eq!(
+                    (one.status, one.stdout, one.stderr),
+                    (other.status, other.stdout, other.stderr),
+                    "{filter}"
+                );
+            }
+        }
+        let [node, filter] = [["--node", "2"], ["--filter", "node=2 or len=4000"]]
+            .map(|chosen| run(&[&["decode", file, "--time", "delta"], &chosen[..]].concat()).stdout);
+        assert_eq!(node, filter);
+    }
+}
+
+/// Three nodes that say the same again and again, until a COB-ID moves or a node starts.
+fn repeated() -> String {
+    let mut log = String::new();
+    let mut say = |n: u32, frame: &str| log += &format!("(17000{n:05}.000000) can{} {frame}\n", n % 2);
+    for n in 0..3_000_u32 {
+        let node = n % 3 + 1;
+        match n / 6 % 25 {
+            0 => say(n, &format!("60{node}#2300180180010000")),
+            1 => say(n, &format!("60{node}#23001801A0010000")),
+            2 | 3 => say(n, &format!("58{node}#6000180100000000")),
+            4 => say(n, &format!("000#{:02X}00", [1, 2, 0x80][n as usize % 3])),
+            5 => say(n, &format!("70{node}#00")),
+            6 => say(n, "1A0#0102030405060708"),
+            7 => say(n, &format!("18FF000{node}#01")),
+            8 => say(n, "080#"),
+            9 => say(n, &format!("33{node}#0102")),
+            10..18 => say(n, &format!("18{node}#{n:08X}")),
+            _ => say(n, &format!("70{node}#{}", ["05", "7F"][(n / 900) as usize % 2])),
+        }
+    }
+    log
 }

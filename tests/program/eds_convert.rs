@@ -38,7 +38,7 @@ fn what_is_lost_is_said() {
     let text = format!("[FileInfo]\n{many}[2000]\nParameterName=a\nDataType=5\nAccessType=ro\n");
     let few = run_with_input(&["eds", "convert", "-", "-", "--to", "eds"], &text);
     assert_eq!(few.stderr.lines().count(), 21, "{}", few.stderr);
-    assert!(few.stderr.ends_with("-: 10 more things are lost: --all-losses says all\n"), "{}", few.stderr);
+    assert!(few.stderr.ends_with("-: 10 more things are lost: --all-losses lists all\n"), "{}", few.stderr);
     let all = run_with_input(&["eds", "convert", "-", "-", "--to", "eds", "--all-losses"], &text);
     assert_eq!((all.stderr.lines().count(), all.stdout), (30, few.stdout));
 }
@@ -68,7 +68,7 @@ fn what_can_not_be_written_is_refused_with_the_remedy() {
     assert!(dcf.status == 2 && dcf.stderr.ends_with(expected), "{}", dcf.stderr);
     let unknown = run(&["eds", "convert", MODEL, &path(folder.path(), "a.txt")]);
     assert!(
-        unknown.status == 2 && unknown.stderr.contains("say --to with one of eds, dcf, xdd, xdc, dbc"),
+        unknown.status == 2 && unknown.stderr.contains("use --to with one of eds, dcf, xdd, xdc, dbc"),
         "{}",
         unknown.stderr
     );
@@ -92,7 +92,7 @@ fn the_pdos_become_a_can_database() {
     let folder = tempfile::tempdir().unwrap();
     let dbc = path(folder.path(), "encoder.dbc");
     let nobody = run(&["eds", "convert", MODEL, &dbc]);
-    assert!(nobody.status == 2 && nobody.stderr.contains("is for every node-ID: say --node N"), "{}", nobody.stderr);
+    assert!(nobody.status == 2 && nobody.stderr.contains("is for every node-ID: use --node N"), "{}", nobody.stderr);
     assert_eq!(run(&["eds", "convert", MODEL, &dbc, "--node", "0x3F"]).status, 0);
     // The unit is not ASCII, and tools expect the character set of Windows.
     let bytes = fs::read(&dbc).unwrap();
@@ -100,7 +100,7 @@ fn the_pdos_become_a_can_database() {
     let text = String::from_utf8_lossy(&bytes);
     assert!(text.contains("BO_ 447 Sendix_F5868_63_TPDO1: 4 Sendix_F5868_63\n"), "{text}");
     let without = run(&["eds", "convert", "analyzer/tests/eds/dcf.eds", "-", "--to", "dbc"]);
-    assert!(without.status == 2 && without.stderr.contains("has no PDO that a DBC could have"), "{}", without.stderr);
+    assert!(without.status == 2 && without.stderr.contains("has no PDO that a DBC could hold"), "{}", without.stderr);
     let other = run(&["eds", "convert", MODEL, &path(folder.path(), "a.xdd"), "--node", "5"]);
     assert!(other.status == 2 && other.stderr.contains("--node is for a DBC"), "{}", other.stderr);
 }

@@ -116,7 +116,7 @@ fn a_device_that_does_not_answer_is_no_difference() {
 #[test]
 fn every_kind_of_difference_is_documented() {
     let docs = std::fs::read_to_string("docs/eds.md").unwrap();
-    for kind in canvass_analyzer::dictionary::survey::compare::Kind::ALL {
+    for kind in canvass_analyzer::dictionary::survey::compare::MismatchKind::ALL {
         assert!(docs.contains(&format!("`{}`", kind.id())), "{kind:?}");
     }
 }

@@ -85,3 +85,16 @@ fn one_that_can_not_be_run_is_told_of() {
     assert_eq!(ended.status, 2);
     assert!(ended.stderr.contains(&format!("can't run {}", beside.display())), "{}", ended.stderr);
 }
+
+#[test]
+fn whoever_wants_parquet_is_told_where_to_get_it() {
+    for command in ["decode", "signals", "diagnose"] {
+        for format in ["parquet", "arrow"] {
+            let ended = crate::running::run(&[command, "a.log", "--format", format]);
+            assert_eq!((ended.status, &*ended.stdout), (2, ""));
+            assert!(ended.stderr.contains("tip: canvass-fleet writes Parquet and Arrow"), "{}", ended.stderr);
+        }
+    }
+    let ended = crate::running::run(&["decode", "a.log", "--format", "xml"]);
+    assert!(ended.status == 2 && !ended.stderr.contains("fleet"), "{}", ended.stderr);
+}

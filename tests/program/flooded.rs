@@ -50,7 +50,7 @@ fn flood(stream: &mut TcpStream, sent: &mpsc::Sender<()>) -> std::io::Result<()>
     }
 }
 
-/// The frames that were told as lost, one by one and in all.
+/// The frames that were reported as lost, one by one and in all.
 fn lost(stderr: &str) -> (Vec<u64>, u64) {
     let number = |line: &str, words: &str| {
         let before = line.split(words).next().filter(|before| before.len() < line.len())?;

@@ -133,7 +133,7 @@ fn properties_are_listed_and_explained() {
 fn the_page_of_faults_is_current() {
     let printed = run(&["list", "faults", "--format", "markdown"]).stdout;
     let page = std::fs::read_to_string(format!("{}/docs/fuzz-faults.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    assert!(page == printed, "run: canvass list faults --format markdown > docs/fuzz-faults.md");
+    assert!(page == printed, "docs/fuzz-faults.md is out of date: run cargo xtask docs");
 }
 
 /// A file for each violation, which shows it again.
@@ -175,5 +175,6 @@ fn all_can_be_allowed_at_once() {
         serde_json::from_str::<serde_json::Value>(&planned.stdout).unwrap()["would_run"].as_u64().unwrap()
     };
     let named = would_run("nvm,node-id,bit-rate,other-nodes,factory-defaults");
-    assert!(would_run("all") == named && named > 0, "{named}");
+    assert_eq!(would_run("all"), named);
+    assert!(named > would_run("node-id"), "some of them need leave");
 }

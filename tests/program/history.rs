@@ -61,7 +61,7 @@ fn the_first_bad_release_of_each_case_is_found() {
     assert!(text.contains("bad since 1.1, good again in 1.3, bad again since 1.5"), "{text}");
 }
 
-/// What was mended once and is bad again is told from what is bad for the first time.
+/// What was fixed once and is bad again is told from what is bad for the first time.
 #[test]
 fn a_regression_that_returns_is_told_from_a_new_one() {
     let folder = tempfile::tempdir().unwrap();

@@ -182,12 +182,12 @@ fn what_can_be_mended_is_offered_and_mends() {
             (edit["range"][end]["line"].as_u64().unwrap(), edit["range"][end]["character"].as_u64().unwrap());
         TEXT.split_inclusive('\n').take(line as usize).map(str::len).sum::<usize>() + character as usize
     };
-    let mended = format!("{}{}{}", &TEXT[..at("start")], edit["newText"].as_str().unwrap(), &TEXT[at("end")..]);
+    let fixed = format!("{}{}{}", &TEXT[..at("start")], edit["newText"].as_str().unwrap(), &TEXT[at("end")..]);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("encoder.eds");
     std::fs::write(&file, TEXT).unwrap();
     crate::running::run(&["eds", "check", "--fix", file.to_str().unwrap()]);
-    assert_eq!(mended, std::fs::read_to_string(&file).unwrap());
+    assert_eq!(fixed, std::fs::read_to_string(&file).unwrap());
     editor.end();
 }
 

@@ -36,7 +36,7 @@ fn every_format_with_comments_names_the_cases() {
     assert!(said.contains("the capture can't hold comments"), "{said}");
 }
 
-/// What happened is told with the case in which it did.
+/// What happened is reported with the case in which it did.
 #[test]
 fn events_have_the_marks_too() {
     let folder = tempfile::tempdir().unwrap();

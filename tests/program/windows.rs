@@ -78,7 +78,7 @@ fn lines_end_either_way() {
     assert!(!run(&["decode", text(&path)]).stdout.contains('\r'));
 }
 
-/// Windows keeps a file in its place that a program has open without sharing it; what was there stays, and is told.
+/// Windows keeps a file in its place that a program has open without sharing it; what was there stays, and is reported.
 #[test]
 fn a_file_that_another_program_has_open_is_not_replaced() {
     let folder = captures();

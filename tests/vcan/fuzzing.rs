@@ -1,4 +1,4 @@
-//! `canvass fuzz` on a live bus: against simulated devices with a fault, and against a device that others wrote.
+//! `canvass fuzz` on a live bus: against simulated devices with a fault, and against a third-party device.
 
 use crate::interface::Interface;
 use crate::python::python;
@@ -37,7 +37,7 @@ fn brief(result: &Value) -> String {
 }
 
 /// The fault is found on a device in another process, comes again when it is repeated, and is made short.
-fn is_found(interface: &'static str, fault: &str, target: &str, property: &str) {
+fn is_found(interface: &'static str, fault: &str, target: &str, properties: &[&str]) {
     let bus = Interface::new(interface);
     let device = simulate("reference-301", bus.name(), &["--fault", fault]);
     let more = ["--device", "reference-301", "--target", target, "--stop-at-first", "--for", "5min"];
@@ -46,12 +46,8 @@ fn is_found(interface: &'static str, fault: &str, target: &str, property: &str) 
     writeln!(std::io::stderr(), "figure: {fault}: {}; {}", brief(&result), ended.stderr.trim()).unwrap();
     assert_eq!(ended.status, 1, "{}", ended.stderr);
     let violation = &result["violations"][0];
-    assert_eq!(
-        (&violation["property"], &violation["confirmed"]),
-        (&property.into(), &true.into()),
-        "{}",
-        brief(&result)
-    );
+    let is_it = violation["property"].as_str().is_some_and(|property| properties.contains(&property));
+    assert!(is_it && violation["confirmed"] == true, "{}", brief(&result));
     assert!(violation["frames"].as_array().unwrap().len() <= 8, "{}", brief(&result));
 
     // What is handed over shows it once more.
@@ -66,17 +62,18 @@ fn is_found(interface: &'static str, fault: &str, target: &str, property: &str) 
 
 #[test]
 fn a_toggle_bit_that_is_not_checked() {
-    is_found("vftoggle", "sdo-toggle-unchecked", "sdo", "PROP-02");
+    is_found("vftoggle", "sdo-toggle-unchecked", "sdo", &["PROP-02"]);
 }
 
+/// It shows in error control, or in that the device answers where a stopped one does not: whichever comes first.
 #[test]
 fn a_command_that_is_ignored() {
-    is_found("vfnmt", "nmt-stop-when-operational-ignored", "nmt", "PROP-08");
+    is_found("vfnmt", "nmt-stop-when-operational-ignored", "nmt", &["PROP-08", "PROP-04"]);
 }
 
 #[test]
 fn a_boot_up_message_that_is_missing() {
-    is_found("vfboot", "boot-up-missing", "all", "PROP-08");
+    is_found("vfboot", "boot-up-missing", "all", &["PROP-08"]);
 }
 
 /// Asks for a segment twice with the same toggle bit.
@@ -86,7 +83,7 @@ const TOGGLE: &str = "\
 (0000000000.200000) can0 60A#6000000000000000
 ";
 
-/// A device that is exchanged for a good one as soon as it has shown its fault: what does not come again is told of with
+/// A device that is exchanged for a good one as soon as it has shown its fault: what does not come again is reported with
 /// all its frames, and not called confirmed.
 #[test]
 fn what_shows_only_once_is_not_called_confirmed() {

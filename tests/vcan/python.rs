@@ -70,7 +70,7 @@ fn as_device_under_our_suite() {
     let cases = report["cases"].as_array().unwrap().iter().filter(|case| case["verdict"] == "fail");
     let failed: Vec<&str> = cases.map(|case| case["id"].as_str().unwrap()).collect();
     writeln!(std::io::stderr(), "figure: python canopen: {}", report["summary"]).unwrap();
-    // Neither one more nor one less: what is mended there is to be struck out here and in docs/peers.md.
+    // Neither one more nor one less: what is fixed there is to be struck out here and in docs/peers.md.
     assert_eq!(failed, DEFECTS.lines().collect::<Vec<_>>(), "{}", brief(&report));
     assert!(report["summary"]["pass"].as_u64().unwrap() > 0, "{}", brief(&report));
 }

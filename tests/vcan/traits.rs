@@ -20,7 +20,7 @@ const OBJECTS: [&str; 12] = [
 /// A trait, and where it shows.
 struct Trait {
     interface: &'static str,
-    /// As `canvass simulate` is told.
+    /// As for `canvass simulate`.
     firmware: &'static [&'static str],
     select: &'static str,
 }

@@ -14,7 +14,7 @@ mod rogues;
 mod seeds;
 mod tally;
 
-use crate::run::run;
+use crate::run::{run, this_program};
 use anyhow::{Context, Result, bail, ensure};
 use chance::Chance;
 use limited::Program;
@@ -53,11 +53,9 @@ pub fn attack(args: &[String]) -> Result<()> {
     }
     run("cargo", &["build", "--locked"])?;
     // The system tells the most memory of all children together: those that have built the program must not be among them.
-    let this = std::env::current_exe()?;
-    // The kernel says so of the path of a program that was built anew since it began; the new one will do.
-    let this = this.to_string_lossy().trim_end_matches(" (deleted)").to_owned();
+    let this = this_program()?;
     let args = ["attack", "--built", "--for", &format!("{}s", span.as_secs()), "--seed", &seed.to_string()];
-    run(&this, &args)
+    run(&this.to_string_lossy(), &args)
 }
 
 fn attack_built(span: Duration, seed: u64) -> Result<()> {
@@ -105,7 +103,7 @@ fn one(program: &Program, seeds: &Seeds, seed: u64, number: u64, thread: u64, ta
         let args: Vec<String> = command.split(' ').map(|word| word.replace("FILE", &path)).collect();
         failed.extend(tally.take(&program.run(&args), &args));
     }
-    if original.kind == seeds::Kind::Capture {
+    if original.kind == seeds::SeedKind::Capture {
         match account::account(program, original, mutation, &bytes, &path, thread) {
             Ok(accounted) => failed.extend(tally.account(accounted)),
             Err(error) => failed.push(format!("{error:#}")),

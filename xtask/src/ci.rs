@@ -3,6 +3,7 @@
 use crate::attack::attack;
 use crate::browser;
 use crate::consent;
+use crate::fleet;
 use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
@@ -11,15 +12,17 @@ use anyhow::{Result, bail};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// The tests that exchange captures with other people's programs, and those in a browser.
-const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser"];
+/// What CI compiles at once: also the tests that need other people's programs, a browser, or a kernel with CAN, and that have
+/// steps of their own.
+const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan,canvass/page"];
 
-/// Those on real SocketCAN are built and run by themselves, as they bring a kernel with CAN: with the others they are
-/// only linted.
-const LINTED: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan"];
+/// Which of these the step of the tests leaves to their own steps, as nextest says it.
+const WITHOUT_NEEDS: [&str; 2] =
+    ["-E", "not (package(canvass) & (binary(peers) | binary(browser) | binary(vcan) | binary(page)))"];
 
 /// How the lints are run by themselves.
-const LINTS: &str = "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan";
+const LINTS: &str =
+    "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
 /// Something that must pass.
 struct CiStep {
@@ -30,13 +33,12 @@ struct CiStep {
 }
 
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
-const BUILD: CiStep = CiStep { name: "build", alone: "cargo build --workspace --locked", run: build };
-const TESTS: CiStep = CiStep { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
+const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-const STEPS: [CiStep; 13] = [
+const STEPS: [CiStep; 14] = [
     FORMAT,
-    BUILD,
-    TESTS,
+    CiStep { name: "build", alone: "cargo build --workspace --locked", run: build },
+    CiStep { name: "tests", alone: ALL_TESTS, run: tests },
     CiStep { name: "lints", alone: LINTS, run: lints },
     CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
     CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
@@ -44,6 +46,7 @@ const STEPS: [CiStep; 13] = [
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: web::step },
     CiStep { name: "Windows", alone: "cargo xtask windows --build", run: windows::step },
+    CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
     CiStep { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
@@ -56,7 +59,7 @@ pub fn ci() -> Result<()> {
 
 /// What is worth running after each change.
 pub fn everyday() -> Result<()> {
-    all(&[FORMAT, BUILD, TESTS])
+    all(&[FORMAT, CiStep { name: "tests", alone: ALL_TESTS, run: everyday_tests }])
 }
 
 /// Runs all steps, and says at the end how each went.
@@ -95,34 +98,49 @@ fn format() -> Result<()> {
 
 fn lints() -> Result<()> {
     component("clippy", "clippy")?;
-    let clippy = [&["clippy", "--workspace", "--all-targets", "--locked"], &LINTED[..], &["--", "-D", "warnings"]];
+    let clippy = [&["clippy", "--workspace", "--all-targets", "--locked"], &FEATURES[..], &["--", "-D", "warnings"]];
     run("cargo", &clippy.concat())
 }
 
 fn build() -> Result<()> {
-    run("cargo", &["build", "--workspace", "--locked"])?;
+    run("cargo", &[&["build", "--workspace", "--locked"], &FEATURES[..]].concat())?;
     // What can be switched off really can.
-    run("cargo", &["check", "--package", "canvass", "--no-default-features", "--locked"])
+    run("cargo", &["check", "--workspace", "--no-default-features", "--locked"])
 }
 
-fn tests() -> Result<()> {
+fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
+}
+
+/// With nextest they come from the same compilation as the tests that have steps of their own; cargo can't leave those out.
+fn tests() -> Result<()> {
+    if has_nextest() { test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS].concat()) } else { everyday_tests() }
 }
 
 fn peers_and_browser() -> Result<()> {
     peers::install_all()?;
     browser::install_all()?;
-    test(&[&FEATURES[..], &["--package", "canvass", "--test", "peers", "--test", "browser"]].concat())
+    // As the tests before, but only these: all is compiled.
+    let chosen: &[&str] = if has_nextest() {
+        &["--workspace", "-E", "package(canvass) & (binary(peers) | binary(browser))"]
+    } else {
+        &["--package", "canvass", "--test", "peers", "--test", "browser"]
+    };
+    test(&[chosen, &FEATURES[..]].concat())
 }
 
 /// By nextest, which runs the tests of all crates side by side, where it is there.
 fn test(which: &[&str]) -> Result<()> {
     let more = [which, &["--locked", "--no-fail-fast"]].concat();
-    if is_there("cargo", &["nextest", "--version"]) {
+    if has_nextest() {
         return run("cargo", &[&["nextest", "run"], &more[..]].concat());
     }
     let targets: &[&str] = if which.contains(&"--test") { &["test"] } else { &["test", "--all-targets"] };
     run("cargo", &[targets, &more[..]].concat())
+}
+
+fn has_nextest() -> bool {
+    is_there("cargo", &["nextest", "--version"])
 }
 
 fn doc_tests() -> Result<()> {
@@ -139,9 +157,11 @@ fn attacked() -> Result<()> {
 
 /// All cases and properties against all faults and liberties, and the fuzzer against all faults. The tests try a part of it.
 fn self_test() -> Result<()> {
-    let selftest = ["run", "--release", "--locked", "--quiet", "--", "selftest"];
-    run("cargo", &selftest)?;
-    run("cargo", &[&selftest[..], &["--fuzz"]].concat())
+    // The same optimised program as on SocketCAN, with all checks of arithmetic: nothing more is compiled.
+    let program = vcan::program()?;
+    let program = program.to_string_lossy();
+    run(&program, &["selftest"])?;
+    run(&program, &["selftest", "--fuzz"])
 }
 
 /// A component of the toolchain, where a minimal one came without it.

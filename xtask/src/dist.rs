@@ -14,36 +14,93 @@ const FOLDER: &str = "target/dist";
 const TARGET: &str = "x86_64-unknown-linux-musl";
 const PROGRAM: &str = "target/x86_64-unknown-linux-musl/release/canvass";
 const ON_WINDOWS: &str = "target/x86_64-pc-windows-gnu/release/canvass.exe";
-/// The C parts (zstd, lz4) need a compiler for each target; the archive for Windows is one that Windows itself opens.
-const TOOLS: [Package; 3] = [
-    Package { program: "musl-gcc", probe: &["--version"], package: "musl-tools" },
-    windows::COMPILER,
-    Package { program: "zip", probe: &["--version"], package: "zip" },
-];
+/// The C parts (zstd, lz4) need a compiler for each target.
+const COMPILER: Package = Package { program: "musl-gcc", probe: &["--version"], package: "musl-tools" };
+/// The archives for Windows and of the page are ones that Windows itself opens.
+const ZIP: Package = Package { program: "zip", probe: &["--version"], package: "zip" };
 /// Each shell, and what its file is called.
 const COMPLETIONS: [(&str, &str); 3] = [("bash", "canvass.bash"), ("zsh", "_canvass"), ("fish", "canvass.fish")];
 const POWERSHELL: (&str, &str) = ("powershell", "canvass.ps1");
 /// What lies beside the program in the archives.
 const BESIDE: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
-/// Builds all of it.
+/// A part of what is given away.
+struct Part {
+    name: &'static str,
+    /// Fetches what it is made with; fails where that can't be had here.
+    prepare: fn() -> Result<()>,
+    /// Makes it; the names of its files.
+    make: fn() -> Result<Vec<String>>,
+}
+
+const PARTS: [Part; 4] = [
+    Part { name: "the program for Linux", prepare: prepare_linux, make: linux },
+    Part { name: "the Debian package", prepare: prepare_package, make: package },
+    Part { name: "the program for Windows", prepare: prepare_windows, make: windows },
+    Part { name: "the page", prepare: prepare_page, make: page },
+];
+
+/// Makes all of it. A part for which something can't be had is left out, and said so; the others are made.
+///
+/// # Errors
+/// If a part can't be made, or, at the end, if one was left out.
 pub fn dist() -> Result<()> {
-    packages::install(&TOOLS)?;
-    install_cargo_deb()?;
-    for target in [TARGET, windows::TARGET] {
-        target::add(target)?;
-        run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", target])?;
+    if Path::new(FOLDER).exists() {
+        std::fs::remove_dir_all(FOLDER)?;
     }
-    ensure_static()?;
-    web::build()?;
-    lay_out()?;
-    let page = page()?;
-    let products = [archive()?, package()?, archive_for_windows()?, page.0, page.1];
-    let sums = Command::new("sha256sum").args(&products).current_dir(FOLDER).output().context("sha256sum")?;
-    ensure!(sums.status.success(), "sha256sum ended with {}", sums.status);
-    std::fs::write(Path::new(FOLDER).join("SHA256SUMS"), &sums.stdout)?;
-    print!("{}", String::from_utf8_lossy(&sums.stdout));
+    std::fs::create_dir_all(FOLDER)?;
+    let (mut products, mut left_out) = (Vec::new(), Vec::new());
+    for Part { name, prepare, make } in PARTS {
+        match prepare() {
+            Ok(()) => products.extend(make().with_context(|| name.to_owned())?),
+            Err(missing) => left_out.push(format!("{name} was left out: {missing:#}")),
+        }
+    }
+    if !products.is_empty() {
+        let sums = Command::new("sha256sum").args(&products).current_dir(FOLDER).output().context("sha256sum")?;
+        ensure!(sums.status.success(), "sha256sum ended with {}", sums.status);
+        std::fs::write(Path::new(FOLDER).join("SHA256SUMS"), &sums.stdout)?;
+        print!("{}", String::from_utf8_lossy(&sums.stdout));
+    }
+    ensure!(left_out.is_empty(), "not all of it was made: {}", left_out.join("; "));
     Ok(())
+}
+
+fn build(target: &str) -> Result<()> {
+    run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", target])
+}
+
+fn prepare_linux() -> Result<()> {
+    packages::install(&[COMPILER])?;
+    target::add(TARGET)
+}
+
+/// The program with its manual pages and completions, as an archive.
+fn linux() -> Result<Vec<String>> {
+    build(TARGET)?;
+    ensure_static()?;
+    lay_out()?;
+    Ok(vec![archive()?])
+}
+
+fn prepare_package() -> Result<()> {
+    ensure!(Path::new(FOLDER).join("man").exists(), "it holds the program for Linux, which was not made");
+    install_cargo_deb()
+}
+
+fn prepare_windows() -> Result<()> {
+    packages::install(&[windows::COMPILER, ZIP])?;
+    target::add(windows::TARGET)
+}
+
+fn windows() -> Result<Vec<String>> {
+    build(windows::TARGET)?;
+    Ok(vec![archive_for_windows()?])
+}
+
+fn prepare_page() -> Result<()> {
+    packages::install(&[ZIP])?;
+    web::prepare()
 }
 
 fn install_cargo_deb() -> Result<()> {
@@ -66,9 +123,6 @@ fn ensure_static() -> Result<()> {
 
 /// Manual pages and completions, which the program itself writes.
 fn lay_out() -> Result<()> {
-    if Path::new(FOLDER).exists() {
-        std::fs::remove_dir_all(FOLDER)?;
-    }
     std::fs::create_dir_all(format!("{FOLDER}/man"))?;
     std::fs::create_dir_all(format!("{FOLDER}/completions"))?;
     run(PROGRAM, &["man", "--out", &format!("{FOLDER}/man")])?;
@@ -112,32 +166,36 @@ fn archive() -> Result<String> {
     Ok(file)
 }
 
-/// The name of the Debian package.
-fn package() -> Result<String> {
+/// The Debian package.
+fn package() -> Result<Vec<String>> {
     run("cargo", &["deb", "--no-build", "--no-strip", "--target", TARGET, "--output", FOLDER])?;
-    std::fs::read_dir(FOLDER)?
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .find(|name| name.ends_with(".deb"))
-        .context("cargo deb left no package")
+    let names = std::fs::read_dir(FOLDER)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let packages: Vec<String> = names.filter(|name| name.ends_with(".deb")).collect();
+    ensure!(!packages.is_empty(), "cargo deb left no package");
+    Ok(packages)
 }
 
 /// The name of the archive for Windows.
 fn archive_for_windows() -> Result<String> {
     let root = folder(windows::TARGET, ON_WINDOWS)?;
-    completions(POWERSHELL.0, &format!("{root}/{}", POWERSHELL.1))?;
+    // The program for Linux writes it, as this one does not run here.
+    if Path::new(PROGRAM).exists() {
+        completions(POWERSHELL.0, &format!("{root}/{}", POWERSHELL.1))?;
+    }
     let file = zip(&name(windows::TARGET))?;
     std::fs::remove_dir_all(root)?;
     Ok(file)
 }
 
-/// The names of the page: a folder for a server, and one file for a stick or a mail.
-fn page() -> Result<(String, String)> {
+/// The page: a folder for a server, and one file for a stick or a mail.
+fn page() -> Result<Vec<String>> {
+    web::build()?;
     let (folder, file) = (name("page"), format!("{}.html", name("page")));
     run("cp", &["-r", &format!("{}/folder", web::FOLDER), &format!("{FOLDER}/{folder}")])?;
     let zipped = zip(&folder)?;
     std::fs::remove_dir_all(format!("{FOLDER}/{folder}"))?;
     std::fs::copy(format!("{}/canvass.html", web::FOLDER), format!("{FOLDER}/{file}"))?;
-    Ok((zipped, file))
+    Ok(vec![zipped, file])
 }
 
 /// Packs a folder; gives the name of the archive. The same files make the same bytes: all are of the first day that such

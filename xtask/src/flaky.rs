@@ -5,15 +5,17 @@
 //! Only "inconclusive, because this machine was late" may take the place of a verdict, and seldom.
 
 mod load;
+mod machine;
 mod options;
 mod pair;
 mod tally;
 
-use crate::measure::{machine, release};
+use crate::measure::{self, release};
 use crate::run::run;
+use crate::vcan::has_vcan;
 use anyhow::{Result, ensure};
 use load::Load;
-pub use options::Options;
+use options::{Options, Transport};
 use pair::Pair;
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -29,9 +31,14 @@ const MOST_LATE: f64 = 1.0;
 /// If a verdict changes to anything but "inconclusive" for a late machine, or 1 % of them do.
 pub fn flaky(arguments: &[String]) -> Result<()> {
     let options = Options::read(arguments)?;
-    run("cargo", &["build", "--release", "--locked", "--bin", "canvass"])?;
-    println!("machine: {}, busy with a thread of other work for each processor", machine());
-    println!("{}", Tally::HEADING);
+    if !options.in_machine {
+        run("cargo", &["build", "--release", "--locked", "--bin", "canvass"])?;
+        println!("machine: {}, busy with a thread of other work for each processor", measure::machine());
+        println!("{}", Tally::HEADING);
+        if options.transport == Transport::Virtual && !has_vcan() {
+            return machine::run(&options);
+        }
+    }
     let mut bad = Vec::new();
     for model in &options.models {
         let tally = of_model(model, &options)?;

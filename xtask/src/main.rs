@@ -1,4 +1,4 @@
-//! `cargo xtask test`: what is worth running after each change. `cargo xtask ci`: everything that must pass; with
+//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the pages that are made from the code. `cargo xtask ci`: everything that must pass; with
 //! `--install` it installs what is missing for that, as do all others. `cargo xtask peers`: of these, the tests that
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
@@ -21,6 +21,7 @@ mod consent;
 mod describing;
 mod diagnosing;
 mod dist;
+mod docs;
 mod flaky;
 mod fleet;
 mod fuzz;
@@ -45,11 +46,11 @@ mod worst;
 use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
-    test | ci
+    test | ci | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
     mutants [--seed D] [--count N] [--tests analyzer|suite]
-    flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
+    flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
     bench [--instructions | --descriptions | --fleet] | memory | worst | incidents
     rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
 
@@ -66,6 +67,7 @@ fn main() -> Result<()> {
         Some("ci") => ci::ci(),
         Some("test") => ci::everyday(),
         Some("dist") => dist::dist(),
+        Some("docs") => docs::docs(),
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),
         Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),

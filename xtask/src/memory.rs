@@ -11,18 +11,18 @@ use std::process::{Command, Stdio};
 const MOST: u64 = 64 * 1024;
 
 /// A kind of capture.
-struct Kind {
+struct CaptureKind {
     format: &'static str,
     size: &'static str,
     frames: &'static str,
     commands: &'static [&'static [&'static str]],
 }
 
-const KINDS: [Kind; 3] = [
-    Kind { format: "candump", size: "10 M frames", frames: "10000000", commands: &DECODERS },
+const KINDS: [CaptureKind; 3] = [
+    CaptureKind { format: "candump", size: "10 M frames", frames: "10000000", commands: &DECODERS },
     // A line has 43.3 bytes on average, a message 83.0.
-    Kind { format: "candump", size: "2 GB", frames: "46200000", commands: &COMMANDS },
-    Kind { format: "mcap", size: "1 GB", frames: "12100000", commands: &COMMANDS },
+    CaptureKind { format: "candump", size: "2 GB", frames: "46200000", commands: &COMMANDS },
+    CaptureKind { format: "mcap", size: "1 GB", frames: "12100000", commands: &COMMANDS },
 ];
 
 /// All that keeps the state of the bus.
@@ -53,7 +53,7 @@ pub fn memory() -> Result<()> {
     build()?;
     fs::create_dir_all("target/bench")?;
     println!("machine: {}", machine());
-    for Kind { format, size, frames, commands } in KINDS {
+    for CaptureKind { format, size, frames, commands } in KINDS {
         for args in commands {
             let mut traffic =
                 Command::new(release("examples/traffic")).args([format, frames]).stdout(Stdio::piped()).spawn()?;

@@ -13,13 +13,12 @@ use modules::Crate;
 use std::path::Path;
 
 /// All crates of the workspace.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 10] = [
     "traces",
-    "analyzer/macros",
+    "macros",
     "analyzer",
     "conformance/bus",
     "conformance/device",
-    "conformance/macros",
     "conformance/suite",
     "conformance/fuzz",
     "reports",

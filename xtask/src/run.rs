@@ -1,6 +1,7 @@
 //! Running programs.
 
 use anyhow::{Context, Result, bail};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Runs a program with its output on the console; an exit status other than 0 is an error.
@@ -13,7 +14,33 @@ pub fn run(program: &str, args: &[&str]) -> Result<()> {
     Ok(())
 }
 
+/// A call of cargo for another workspace: as if it had been typed, and not within this one's. Build scripts that look at such
+/// variables would have everything built anew whenever the one follows the other.
+pub fn cargo() -> Command {
+    let mut cargo = Command::new("cargo");
+    let of_cargo = |name: &str| {
+        name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_") || name == "CARGO_TARGET_DIR"
+    };
+    for (name, _) in std::env::vars_os() {
+        if name.to_str().is_some_and(of_cargo) {
+            cargo.env_remove(name);
+        }
+    }
+    cargo
+}
+
 /// Whether a program is there and answers `--version`.
 pub fn is_there(program: &str, args: &[&str]) -> bool {
     Command::new(program).args(args).output().is_ok_and(|output| output.status.success())
+}
+
+/// This program. The kernel marks the path of one that was built anew since it began; the new one will do.
+pub fn this_program() -> Result<PathBuf> {
+    let path = std::env::current_exe()?;
+    Ok(path.to_string_lossy().trim_end_matches(" (deleted)").into())
+}
+
+/// A word for the shell, whatever is in it.
+pub fn quoted(word: &str) -> String {
+    format!("'{}'", word.replace('\'', r"'\''"))
 }

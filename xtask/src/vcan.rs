@@ -67,6 +67,11 @@ fn run(built: &Built, names: &[String], settings: &[(&str, &str)]) -> Result<()>
     machine::run(built, names, settings).context("the tests on vcan, in QEMU as this kernel has no vcan")
 }
 
+/// The program, optimised and with all checks of arithmetic.
+pub fn program() -> Result<PathBuf> {
+    Ok(build()?.program)
+}
+
 /// Builds the program and its tests.
 fn build() -> Result<Built> {
     let args = [
@@ -112,7 +117,7 @@ fn names(tests: &Path) -> Result<Vec<String>> {
 }
 
 /// Whether a virtual CAN interface can be made here.
-fn has_vcan() -> bool {
+pub fn has_vcan() -> bool {
     let made = is_there("ip", &["link", "add", "dev", PROBE, "type", "vcan"]);
     made && is_there("ip", &["link", "del", PROBE])
 }

@@ -13,7 +13,6 @@ pub struct Health {
     pub interruptions: u64,
     /// What the last interruption was, and the state of the controller as far as it is known.
     pub trouble: Option<String>,
-    /// Error frames.
     pub error_frames: u64,
     /// How often a full transmit queue was waited for.
     pub waits: u64,

@@ -1,4 +1,4 @@
-//! Between the thread that receives and whoever wants the frames: receiving waits for nobody.
+//! Between the thread that receives and the reader of the frames: receiving does not wait for the reader.
 
 use super::Health;
 use super::clock::SteadyClock;
@@ -48,7 +48,7 @@ impl Inbox {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts in what has arrived. When there are too many, the oldest are lost and counted: whoever is behind shall not
+    /// Puts in what has arrived. When there are too many, the oldest are lost and counted: a slow reader must not
     /// stay behind.
     pub fn deliver(&self, records: &mut Vec<Record>) {
         let mut state = self.state();

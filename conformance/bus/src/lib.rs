@@ -7,6 +7,7 @@
 //! - [`transcript`]: a run that can be done again on its recording.
 
 #![warn(clippy::disallowed_methods)]
+#![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]
 
 pub mod client;
 mod clock;
@@ -78,7 +79,7 @@ pub trait Bus {
         Health::default()
     }
 
-    /// Says that whoever is that many frames behind shall lose the oldest rather than fall behind further.
+    /// Limits how many frames wait for a slow reader: beyond that number the oldest are lost.
     fn limit_backlog(&mut self, frames: usize) {
         let _ = frames;
     }
@@ -117,7 +118,6 @@ pub enum BusError {
     /// The bus cannot carry that frame.
     #[error("{frame} cannot be sent: {reason}")]
     Unsendable {
-        /// The frame.
         frame: Frame,
         /// What the bus can carry.
         reason: &'static str,

@@ -37,12 +37,12 @@ macro_rules! faults {
                 named.unwrap_or(USUAL_MODEL)
             }
 
-            /// Whether the fuzzer claims to find it, without `--allow`.
+            /// Whether the fuzzer claims to find it, without being allowed more.
             pub const fn is_fuzzed(self) -> bool {
                 match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
 
-            /// What the fuzzer has to be allowed so that it finds it (`--allow`); `None`: nothing, or it does not find it.
+            /// What the fuzzer has to be allowed so that it finds it; `None`: nothing, or it does not find it.
             pub const fn fuzz_needs(self) -> Option<&'static str> {
                 match self { $(Self::$variant => faults!(@needs $($key $($argument)?)*),)* }
             }
@@ -499,7 +499,7 @@ faults! {
     EdsSubIndexMissing = "eds-sub-index-missing" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS does not describe sub-index 0 of 1018h.",
     EdsFieldTwice = "eds-field-twice" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS has a field twice in a section.",
     EdsDataTypeMissing = "eds-data-type-missing" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS gives 1017h no data type.",
-    EdsNumberUnreadable = "eds-number-unreadable" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS writes a hexadecimal number with h behind it.",
+    EdsNumberUnreadable = "eds-number-unreadable" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS writes a hexadecimal number with h after it.",
     EdsFloatDefault = "eds-float-default" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS gives an integer a default with a decimal point.",
     EdsSubNumberWrong = "eds-sub-number-wrong" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS counts more sub-indexes of 1018h than it describes.",
     EdsPdoCountWrong = "eds-pdo-count-wrong" on "reference-301" because "is in the device description, not in the device: the cases of CiA 306 read it": "The EDS counts more TPDOs than it describes.",

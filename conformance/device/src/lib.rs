@@ -8,6 +8,7 @@
 //! - [`address`]: the addresses of buses as they are typed, simulated devices among them.
 
 #![warn(clippy::disallowed_methods)]
+#![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]
 
 pub mod address;
 mod damage;

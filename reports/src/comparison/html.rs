@@ -1,6 +1,6 @@
 //! The differences as one self-contained HTML page.
 
-use super::{Change, Comparison, Direction};
+use super::{Comparison, Direction, ResultChange};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
@@ -51,7 +51,7 @@ fn section(comparison: &Comparison, direction: Direction) -> Markup {
     }
 }
 
-fn row(change: &Change) -> Markup {
+fn row(change: &ResultChange) -> Markup {
     let (old, new) = change.values();
     html! {
         tr {

@@ -1,6 +1,6 @@
 //! The differences as JUnit XML: what got worse fails. The names are those of the cases, so that a server shows since when.
 
-use super::{Change, Comparison, Direction};
+use super::{Comparison, Direction, ResultChange};
 use crate::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
 use std::io::{self, Write};
@@ -19,7 +19,7 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     write("compare", &[suite], out)
 }
 
-fn case(change: &Change) -> Case {
+fn case(change: &ResultChange) -> Case {
     let (old, new) = change.values();
     let told = format!("{old} -> {new}");
     let case = Case::passed(format!("compare.{}", change.kind), &*change.subject);

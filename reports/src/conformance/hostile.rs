@@ -110,7 +110,7 @@ fn acts(text: &str) -> bool {
 #[test]
 fn the_terminal_is_not_taken_over() {
     let mut out = Vec::new();
-    let style = terminal::Style { color: false, progress: false, width: None };
+    let style = terminal::Style { color: false, progress: false, width: None, allow: "" };
     play(&mut terminal::Terminal::new(&mut out, |line| panic!("{line}"), style));
     let out = String::from_utf8(out).unwrap();
     assert!(!acts(&out) && out.contains("\\x1B[2J") && out.contains("\\u{202E}"), "{out}");

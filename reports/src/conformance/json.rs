@@ -14,7 +14,7 @@ use canvass_suite::comparison::{Change, Comparison};
 use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
-use canvass_traces::Direction;
+use canvass_traces::{Direction, hex};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -236,11 +236,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn object((multiplexer, value): &(Multiplexer, Vec<u8>)) -> Object {
-    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data: digits(value) }
-}
-
-fn digits(value: &[u8]) -> String {
-    value.iter().map(|byte| format!("{byte:02X}")).collect()
+    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data: hex::compact(value).to_string() }
 }
 
 fn compared(comparison: &Comparison) -> Compared<'_> {
@@ -260,8 +256,8 @@ fn changed(change: &Change) -> Changed<'_> {
         name: change.name.as_deref(),
         r#type: change.data_type.and_then(DataType::name),
         nature: change.nature.name(),
-        before: change.before.as_deref().map(digits),
-        after: change.after.as_deref().map(digits),
+        before: change.before.as_deref().map(|value| hex::compact(value).to_string()),
+        after: change.after.as_deref().map(|value| hex::compact(value).to_string()),
     }
 }
 
@@ -354,7 +350,7 @@ fn frame<'a>(exhibit: &'a Exhibit, channel: &'a str) -> Frame<'a> {
         remote: record.frame.is_remote().then_some(true),
         error: record.frame.is_error().then_some(true),
         direction: if record.direction == Direction::Tx { "tx" } else { "rx" },
-        data: record.data().iter().map(|byte| format!("{byte:02X}")).collect(),
+        data: hex::compact(record.data()).to_string(),
         text,
     }
 }

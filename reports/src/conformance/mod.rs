@@ -22,7 +22,7 @@ use canvass_suite::bench::Exhibit;
 use canvass_suite::comparison::Comparison;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
-use canvass_traces::{Record, Timestamp};
+use canvass_traces::{Record, Timestamp, hex};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -34,7 +34,7 @@ pub trait Reporter {
     /// What writing the report gave.
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
 
-    /// Where the result comes from, as far as it is known by now; what is said last is told.
+    /// Where the result comes from, as far as it is known by now; the latest is reported.
     fn comes_from(&mut self, provenance: &Provenance);
 }
 
@@ -226,6 +226,5 @@ fn milliseconds_since(start: Timestamp, record: &Record) -> String {
 
 /// The payload in hexadecimal, bytes apart.
 fn hex(record: &Record) -> String {
-    let bytes: Vec<String> = record.data().iter().map(|byte| format!("{byte:02X}")).collect();
-    if record.frame.is_remote() { "remote request".to_owned() } else { bytes.join(" ") }
+    if record.frame.is_remote() { "remote request".to_owned() } else { hex::spaced(record.data()).to_string() }
 }

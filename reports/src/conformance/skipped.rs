@@ -2,7 +2,7 @@
 
 use super::Run;
 use crate::escape::printable;
-use canvass_suite::verdict::{Kind, Reason};
+use canvass_suite::verdict::{Kind, Lack, Reason};
 use std::io::{self, Write};
 
 /// Cases that did not apply.
@@ -31,7 +31,7 @@ impl Skipped {
 
     /// What was needed and what was there instead, each with the cases that did not apply for it; those of most cases first.
     pub fn groups(&self) -> Vec<(String, &[&'static str])> {
-        let mut groups: Vec<_> = self.reasons.iter().map(|(reason, cases)| (sentence(reason), &**cases)).collect();
+        let mut groups: Vec<_> = self.reasons.iter().map(|(reason, cases)| (sentence(reason, ""), &**cases)).collect();
         groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));
         groups
     }
@@ -41,13 +41,14 @@ impl Skipped {
         self.reasons.is_empty()
     }
 
-    /// Writes each reason with its cases, in lines of at most so many columns where an id fits in.
+    /// Writes each reason with its cases, in lines of at most so many columns where an id fits in. `allow` is what the user
+    /// has to type before the name of a permission.
     ///
     /// # Errors
     /// As far as nothing can be written.
-    pub fn write(&self, width: u16, out: &mut impl Write) -> io::Result<()> {
+    pub fn write(&self, width: u16, allow: &str, out: &mut impl Write) -> io::Result<()> {
         for (reason, cases) in &self.reasons {
-            writeln!(out, "  {}", printable(&sentence(reason)))?;
+            writeln!(out, "  {}", printable(&sentence(reason, allow)))?;
             for line in lines(cases, usize::from(width)) {
                 writeln!(out, "    {line}")?;
             }
@@ -57,8 +58,11 @@ impl Skipped {
 }
 
 /// What was needed, and what was there instead; not twice where the one names the other.
-fn sentence(reason: &Reason) -> String {
-    let Reason { expected, actual, .. } = reason;
+fn sentence(reason: &Reason, allow: &str) -> String {
+    let Reason { expected, actual, lack, .. } = reason;
+    if *lack == Lack::Permission {
+        return format!("{actual} ({allow}{expected})");
+    }
     if actual.contains(expected.as_str()) { actual.clone() } else { format!("{expected}: {actual}") }
 }
 
@@ -86,14 +90,14 @@ mod tests {
     #[test]
     fn cases_of_one_reason_share_its_line() {
         let blocks = Reason::new("the case has what it needs", "SDO block uploads", "answered by an abort");
-        let nvm = Reason::new("the user allows it", "--allow nvm", "not allowed: it writes (--allow nvm)");
+        let nvm = Reason::new("the user allows it", "nvm", "not allowed: it writes").for_lack_of(Lack::Permission);
         let mut skipped = Skipped::default();
         assert!(skipped.is_empty());
         for (case, reason) in [("301/a", &blocks), ("301/store", &nvm), ("301/b", &blocks), ("301/longer", &blocks)] {
             skipped.add(case, reason);
         }
         let mut text = Vec::new();
-        skipped.write(18, &mut text).unwrap();
+        skipped.write(18, "--allow ", &mut text).unwrap();
         let expected = "  SDO block uploads: answered by an abort\n    301/a, 301/b,\n    301/longer\n\
                         \x20 not allowed: it writes (--allow nvm)\n    301/store\n";
         assert_eq!(String::from_utf8(text).unwrap(), expected);

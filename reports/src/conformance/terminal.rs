@@ -3,11 +3,10 @@
 use super::dictionary;
 use super::skipped::Skipped;
 use super::{Reporter, outcome, screen, symbol};
+use crate::color::{self, Color};
 use crate::escape::{Printable, Visible, printable};
 use crate::provenance::{self, Provenance};
-#[cfg(target_family = "wasm")]
-use crate::table::Paint as _;
-use crate::table::{self, Attribute, Color};
+use crate::table;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
 use comfy_table::{Cell, CellAlignment, Table};
@@ -25,6 +24,8 @@ pub struct Style {
     pub progress: bool,
     /// The width of the terminal in columns, where it is one.
     pub width: Option<u16>,
+    /// What the user has to type before the name of a permission.
+    pub allow: &'static str,
 }
 
 /// Prints results to one stream and progress to another.
@@ -57,14 +58,7 @@ impl<O: Write> Terminal<O> {
     }
 
     fn painted(&self, kind: Kind, text: &str) -> String {
-        let code = match kind {
-            Kind::Pass => "32",
-            Kind::Tolerated | Kind::Deviation => "33",
-            Kind::Fail | Kind::Error => "31",
-            Kind::Inconclusive => "35",
-            Kind::NotApplicable => "2",
-        };
-        if self.style.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+        Color::of_verdict(kind).paint(text, self.style.color)
     }
 
     fn start(&mut self, info: &RunInfo) -> io::Result<()> {
@@ -91,7 +85,7 @@ impl<O: Write> Terminal<O> {
         if !self.skipped.is_empty() {
             writeln!(self.out, "\n{}", self.painted(Kind::NotApplicable, "not applicable"))?;
         }
-        std::mem::take(&mut self.skipped).write(self.style.width.unwrap_or(PAGE), &mut self.out)?;
+        std::mem::take(&mut self.skipped).write(self.style.width.unwrap_or(PAGE), self.style.allow, &mut self.out)?;
         writeln!(self.out)?;
         provenance::text(&self.provenance, &mut self.out)?;
         writeln!(self.out, "\n{}", self.table(summary))?;
@@ -133,24 +127,14 @@ impl<O: Write> Terminal<O> {
         let mut table = table::table(self.style.width.unwrap_or(80), self.style.color);
         table.set_header(["verdict", "cases"]);
         for kind in Kind::ALL {
-            let (count, color) = (summary.count(kind), color(kind));
+            let count = summary.count(kind);
             let mut name = Cell::new(format!("{} {kind}", symbol(kind)));
             if count > 0 {
-                name = name.fg(color).add_attribute(Attribute::Bold);
+                name = color::bold(Color::of_verdict(kind).cell(name));
             }
             table.add_row([name, Cell::new(count).set_alignment(CellAlignment::Right)]);
         }
         table
-    }
-}
-
-const fn color(kind: Kind) -> Color {
-    match kind {
-        Kind::Pass => Color::Green,
-        Kind::Tolerated | Kind::Deviation => Color::Yellow,
-        Kind::Fail | Kind::Error => Color::Red,
-        Kind::Inconclusive => Color::Magenta,
-        Kind::NotApplicable => Color::DarkGrey,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is told of a case: each breach, and why it did not come to its own end, in the words and data of all reports.
+//! What is reported about a case: each breach, and why it did not come to its own end, in the words and data of all reports.
 
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::{Authority, Excuse, Kind, Reason, Ruled};

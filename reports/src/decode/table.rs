@@ -2,8 +2,9 @@
 //!
 //! Rows go out as they come: a column that turns out too narrow is wider from there on.
 
-use super::text::{DATA_WIDTH, SERVICE_WIDTH, push_data, push_node, style};
+use super::text::{DATA_WIDTH, SERVICE_WIDTH, push_data, push_node, service_color};
 use super::{Line, Lines, push_comment};
+use crate::color::{push_begin, push_end};
 use crate::push::{pad, push_hex_number, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_traces::Record;
@@ -25,7 +26,7 @@ pub struct TableLines {
 
 const RULE: &str = " │ ";
 /// The columns that a narrow terminal does without: the meaning says the service, most captures have one channel, and the
-/// data stand in the lines without `--format table`.
+/// data are in the other renderings.
 const SERVICE: usize = 5;
 const CHANNEL: usize = 1;
 const DATA: usize = 3;
@@ -153,12 +154,10 @@ impl Lines for TableLines {
         self.text.clear();
         // Writing to a string can't fail.
         let _ = write!(self.text, "{meaning}");
-        let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
-        out.extend_from_slice(style.as_bytes());
+        let color = service_color(decoded.service, &decoded.message, decoded.violation).filter(|_| self.color);
+        push_begin(color, out);
         self.push_meaning(out);
-        if !style.is_empty() {
-            out.extend_from_slice(b"\x1b[0m");
-        }
+        push_end(color, out);
         out.push(b'\n');
     }
 }

@@ -1,6 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines, push_comment};
+use crate::color::{Color, push_begin, push_end};
 use crate::push::{hex_pair, pad, push_decimal, push_front, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
@@ -116,12 +117,10 @@ impl Lines for TextLines {
         }
         let (name, width) = &SERVICES[decoded.service as usize];
         push_front(out, name, *width);
-        let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
-        out.extend_from_slice(style.as_bytes());
+        let color = service_color(decoded.service, &decoded.message, decoded.violation).filter(|_| self.color);
+        push_begin(color, out);
         push_meaning(out, meaning);
-        if !style.is_empty() {
-            out.extend_from_slice(b"\x1b[0m");
-        }
+        push_end(color, out);
         out.push(b'\n');
     }
 }
@@ -158,17 +157,17 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
     pad(out, start, DATA_WIDTH);
 }
 
-/// The escape sequence that sets off what a reader looks for: errors red, states yellow, commands cyan.
-pub(super) fn style(service: Service, message: &Message, violation: Option<Violation>) -> &'static str {
+/// The colour that sets off what a reader looks for: errors red, states yellow, commands cyan.
+pub(super) fn service_color(service: Service, message: &Message, violation: Option<Violation>) -> Option<Color> {
     use canvass_analyzer::wire::sdo::{Request, Response};
     match (service, message) {
-        _ if violation.is_some() => "\x1b[31m",
-        (_, Message::SdoRequest(Request::Abort(_)) | Message::SdoResponse(Response::Abort(_))) => "\x1b[31m",
-        (_, Message::Malformed(..)) | (Service::ErrorFrame | Service::Emcy, _) => "\x1b[31m",
-        (Service::BootUp, _) => "\x1b[33m",
-        (Service::Nmt | Service::Lss | Service::Lmt, _) => "\x1b[36m",
-        (Service::Pdo, _) => "\x1b[32m",
-        (Service::Heartbeat | Service::Guarding | Service::Sync | Service::Unknown, _) => "\x1b[90m",
-        _ => "",
+        _ if violation.is_some() => Some(Color::Red),
+        (_, Message::SdoRequest(Request::Abort(_)) | Message::SdoResponse(Response::Abort(_))) => Some(Color::Red),
+        (_, Message::Malformed(..)) | (Service::ErrorFrame | Service::Emcy, _) => Some(Color::Red),
+        (Service::BootUp, _) => Some(Color::Yellow),
+        (Service::Nmt | Service::Lss | Service::Lmt, _) => Some(Color::Cyan),
+        (Service::Pdo, _) => Some(Color::Green),
+        (Service::Heartbeat | Service::Guarding | Service::Sync | Service::Unknown, _) => Some(Color::Grey),
+        _ => None,
     }
 }

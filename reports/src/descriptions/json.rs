@@ -19,7 +19,7 @@ pub fn document(files: &[CheckedFile]) -> Value {
             "warnings": counts.warnings,
             "hints": counts.hints,
             "waived": counts.waived,
-            "mendable": counts.mendable,
+            "mendable": counts.fixable,
         },
         "findings": findings,
     })

@@ -34,7 +34,7 @@ pub struct Located {
     pub end_line: u32,
     /// Where it ends: the column after the last character.
     pub end_column: u32,
-    /// The changes that mend it.
+    /// The changes that fix it.
     pub edits: Vec<LocatedEdit>,
 }
 
@@ -96,16 +96,13 @@ impl Located {
 /// How many findings of each severity there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Errors.
     pub errors: usize,
-    /// Warnings.
     pub warnings: usize,
-    /// Hints.
     pub hints: usize,
     /// Those that the files say to leave so.
     pub waived: usize,
-    /// Those, not waived, that can be mended without guessing.
-    pub mendable: usize,
+    /// Those, not waived, that can be fixed without guessing.
+    pub fixable: usize,
 }
 
 impl Counts {
@@ -117,7 +114,7 @@ impl Counts {
                 counts.waived += 1;
                 continue;
             }
-            counts.mendable += usize::from(located.finding.fix.is_some());
+            counts.fixable += usize::from(located.finding.fix.is_some());
             *match located.finding.severity() {
                 Severity::Error => &mut counts.errors,
                 Severity::Warning => &mut counts.warnings,

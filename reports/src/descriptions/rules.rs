@@ -22,10 +22,10 @@ pub fn explain(rule: &Rule) -> String {
 pub fn handbook() -> String {
     let mut text = String::from(
         "# Rules of device descriptions\n\n\
-         What `canvass eds check` looks for. This file is generated from the rules themselves, and a test keeps it \
-         current; `canvass explain ID` prints one of them.\n\n\
-         An *error* is where a configuration tool or the device goes wrong, a *warning* is against the letter of the \
-         standard, a *hint* is a habit or worth knowing. In the examples a line `...` stands for the other fields of \
+         What `canvass eds check` looks for. This page is made from the code by `cargo xtask docs`; \
+         `canvass explain ID` prints one of them.\n\n\
+         An *error* makes a configuration tool or the device fail, a *warning* is against the letter of the standard, \
+         a *hint* is a habit or worth knowing. In the examples a line `...` stands for the other fields of \
          the section.\n\n\
          | rule | severity | finds that |\n|---|---|---|\n",
     );

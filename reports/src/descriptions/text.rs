@@ -1,4 +1,4 @@
-//! For people: each finding with its line, the place marked, and how to mend it.
+//! For people: each finding with its line, the place marked, and how to fix it.
 
 use super::{CheckedFile, Counts, Located};
 use crate::escape::printable;
@@ -32,15 +32,10 @@ pub fn render(file: &CheckedFile, source: &Source<'_>, style: Style) -> String {
     drawn
 }
 
-/// How many there are, and what to do next.
+/// How many there are.
 pub fn summary(files: usize, counts: &Counts) -> String {
     let files = if files == 1 { "1 file".to_owned() } else { format!("{files} files") };
-    let mut text = format!("{files}: {counts}\n");
-    if counts.mendable > 0 {
-        let number = counts.mendable;
-        text.push_str(&format!("{number} can be mended with --fix; --diff shows what would change\n"));
-    }
-    text
+    format!("{files}: {counts}\n")
 }
 
 fn group<'a>(file: &'a CheckedFile, located: &'a Located, source: &Source<'_>) -> Group<'a> {
@@ -63,7 +58,7 @@ fn group<'a>(file: &'a CheckedFile, located: &'a Located, source: &Source<'_>) -
         title.element(Snippet::source(shown).path(name).line_start(finding.line as usize).annotation(annotation))
     };
     let help = match &finding.fix {
-        Some(fix) => format!("--fix does it: {}", fix.title),
+        Some(fix) => format!("can be fixed automatically: {}", fix.title),
         None => problem.rule.advice(),
     };
     group.element(Level::HELP.message(printable(&help).into_owned()))

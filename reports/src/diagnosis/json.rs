@@ -11,6 +11,7 @@ use canvass_analyzer::statistics::{
     BusStatistics, CaseName, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase,
 };
 use canvass_analyzer::{NodeId, Service};
+use canvass_traces::hex;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Map, Value, json};
 use std::cell::Cell;
@@ -114,7 +115,7 @@ fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> Value {
     object.insert("number".into(), json!(exhibit.place.number));
     object.insert("offset".into(), json!(exhibit.place.offset));
     if let Some(record) = &exhibit.record {
-        let data: String = record.data().iter().map(|byte| format!("{byte:02X}")).collect();
+        let data = hex::compact(record.data()).to_string();
         object.insert("channel".into(), json!(diagnosed.channel(record.channel)));
         object.insert("id".into(), json!(record.frame.id().raw()));
         object.insert("data".into(), json!(data));

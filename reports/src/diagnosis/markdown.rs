@@ -17,7 +17,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
         writeln!(out, "- {} ({})", markdown(capture.name), capture.format)?;
     }
     writeln!(out)?;
-    for line in terminal::summary(diagnosed) {
+    for line in terminal::summary(diagnosed, terminal::Advice::default()) {
         writeln!(out, "- {}", markdown(&line))?;
     }
     if diagnosed.results.findings.is_empty() {

@@ -15,7 +15,7 @@ pub use junit::render as junit;
 pub use markdown::render as markdown;
 pub use reading::Reading;
 pub use rules::{explain, handbook};
-pub use terminal::{Style, render as table};
+pub use terminal::{Advice, Style, render as table};
 
 use crate::provenance::Provenance;
 use crate::quality::CaptureQuality;

@@ -12,7 +12,7 @@ pub fn explain(rule: &Metadata) -> String {
         let _ = write!(text, "{head}:\n{}\n", wrapped(body, "  "));
     }
     if !rule.thresholds.is_empty() {
-        text.push_str("Thresholds, set with --threshold RULE.NAME=VALUE:\n");
+        text.push_str("Thresholds:\n");
     }
     for threshold in rule.thresholds {
         let default = format!("{} {}", threshold.default, threshold.unit);
@@ -26,8 +26,7 @@ pub fn explain(rule: &Metadata) -> String {
 pub fn handbook() -> String {
     let mut text = String::from(
         "# Rules\n\n\
-         What `canvass diagnose` looks for. This file is generated from the rules themselves, and a test keeps it \
-         current; `canvass explain ID` prints one of them.\n\n\
+         What `canvass diagnose` looks for. This page is made from the code by `cargo xtask docs`; `canvass explain ID` prints one of them.\n\n\
          A threshold is set with `--threshold RULE.NAME=VALUE`, such as `--threshold bus/load.percent=70`.\n\n\
          | rule | severity | finds that |\n|---|---|---|\n",
     );

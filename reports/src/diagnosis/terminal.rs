@@ -3,6 +3,7 @@
 use super::node_table::{self, rounded};
 use super::story::{self, Told};
 use super::{Diagnosed, frame, times};
+use crate::color::Color;
 use crate::escape::{Visible, printable};
 use crate::provenance;
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
@@ -20,6 +21,19 @@ pub struct Style {
     pub width: Option<u16>,
     /// Every finding with all its frames, and every node.
     pub verbose: bool,
+    /// How to see what the table leaves out.
+    pub advice: Advice,
+}
+
+/// How a user of the program sees more: it knows what its options are called. Nothing is said where a text is empty.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Advice {
+    /// Follows the number of findings that are not shown.
+    pub findings: &'static str,
+    /// Follows the number of nodes or cases that are not shown.
+    pub rows: &'static str,
+    /// Follows the words that say that no bit rate is known.
+    pub bit_rate: &'static str,
 }
 
 /// How much is said of a story.
@@ -31,7 +45,6 @@ enum Detail {
     Full,
     /// What follows first of all.
     Short,
-    /// One line.
     Line,
 }
 
@@ -46,7 +59,7 @@ const NODES: usize = 16;
 /// What `out` gives.
 pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> io::Result<()> {
     let out: &mut dyn Write = &mut Visible::new(out, style.color);
-    let head: Vec<String> = summary(diagnosed).iter().map(|line| printable(line).into_owned()).collect();
+    let head: Vec<String> = summary(diagnosed, style.advice).iter().map(|line| printable(line).into_owned()).collect();
     let mut tail: Vec<String> = Vec::new();
     for (rule, count) in &diagnosed.results.omitted {
         tail.extend([String::new(), format!("{rule}: {count} more, which are not shown")]);
@@ -106,7 +119,7 @@ fn stories(diagnosed: &Diagnosed<'_>, style: Style, room: usize) -> Vec<String> 
             continue;
         }
         if lines.len() + 2 >= room && left > 0 {
-            lines.push(format!("{} more: --verbose shows all, and the page (--format html)", left + 1));
+            lines.push(format!("{} more{}", left + 1, style.advice.findings));
             return lines;
         }
         lines.extend(of_story(diagnosed, told, Detail::Line, style, &mut advised));
@@ -124,7 +137,7 @@ fn of_story(
 ) -> Vec<String> {
     let head = told.head();
     let Some(first) = head.first() else { return Vec::new() };
-    let severity = painted(told.severity(), told.severity().name(), style);
+    let severity = Color::of_severity(told.severity()).paint(told.severity().name(), style.color);
     let whom = story::whom(diagnosed, &head);
     let whom = if whom.is_empty() { whom } else { format!("{}: ", printable(&whom)) };
     let at = diagnosed.since_start(first.first);
@@ -187,12 +200,12 @@ fn proof(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> String {
 }
 
 /// What was on the buses and how many findings there are, in a few lines.
-pub fn summary(diagnosed: &Diagnosed<'_>) -> Vec<String> {
+pub fn summary(diagnosed: &Diagnosed<'_>, advice: Advice) -> Vec<String> {
     let mut lines: Vec<String> = diagnosed
         .results
         .buses
         .iter()
-        .map(|(id, bus)| format!("{}: {}", diagnosed.channel(*id), of_bus(bus)))
+        .map(|(id, bus)| format!("{}: {}", diagnosed.channel(*id), of_bus(bus, advice)))
         .collect();
     if diagnosed.results.unwatched > 0 {
         lines.push(format!("{} frames of further channels were not looked at", diagnosed.results.unwatched));
@@ -208,7 +221,7 @@ pub fn summary(diagnosed: &Diagnosed<'_>) -> Vec<String> {
 }
 
 /// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.
-fn of_bus(bus: &BusStatistics) -> String {
+fn of_bus(bus: &BusStatistics, advice: Advice) -> String {
     let present: Vec<String> =
         bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.to_string()).collect();
     let nodes = match present.len() {
@@ -216,21 +229,12 @@ fn of_bus(bus: &BusStatistics) -> String {
         1 => format!("1 node ({})", present.join(", ")),
         n => format!("{n} nodes ({})", present.join(", ")),
     };
-    let rate = bus.bit_rate_text().unwrap_or_else(|| "bit rate not known (see --bit-rate)".to_owned());
+    let rate = bus.bit_rate_text().unwrap_or_else(|| format!("bit rate not known{}", advice.bit_rate));
     let load = match (bus.mean_load(), bus.peak_load()) {
         (Some(mean), Some((_, peak))) => format!(", load {mean:.1} % (peak {peak:.1} %)"),
         _ => String::new(),
     };
     format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
-}
-
-fn painted(severity: Severity, text: &str, style: Style) -> String {
-    let code = match severity {
-        Severity::Error => "1;31",
-        Severity::Warning => "33",
-        Severity::Info => "36",
-    };
-    if style.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
 }
 
 /// The table of nodes. Of a scan for nodes there are many that never sent anything: they are named in one line.
@@ -248,7 +252,7 @@ fn nodes(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
         lines.extend(table(&rows, style).to_string().lines().map(str::to_owned));
     }
     if left_out > 0 && !style.verbose {
-        lines.push(format!("{left_out} more nodes: --verbose shows all"));
+        lines.push(format!("{left_out} more nodes{}", style.advice.rows));
     }
     for (channel, nodes) in silent.iter().filter(|(_, nodes)| !are_rows && !nodes.is_empty()) {
         let whole = format!("{channel}never sent anything, but somebody addressed them: {}", node_table::ranges(nodes));
@@ -284,7 +288,7 @@ fn cases(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
             lines.push(format!("  {name}: {verdict}, {frames} frames from {at} s, {places}"));
         }
         if left > 0 {
-            lines.push(format!("  {left} more have not passed: --verbose shows all"));
+            lines.push(format!("  {left} more have not passed{}", style.advice.rows));
         }
     }
 }

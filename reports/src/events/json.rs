@@ -4,10 +4,10 @@ use super::{Events, Scene, StateName, UseName, outcome_name};
 use crate::decode::{push_schema, push_violation, source_name};
 use crate::push::{push_decimal, push_hex, push_json_string, push_text};
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
-use canvass_analyzer::network::{Change, Emergency, Event, Exchange, Move};
+use canvass_analyzer::network::{Emergency, Event, Exchange, Move, StateChange};
 use canvass_analyzer::{EmcyText, NodeId, PdoNumber, TransferText};
 
-/// The JSON rendering of `decode --events`.
+/// Events as JSON.
 #[derive(Default)]
 pub struct JsonEvents {
     begun: bool,
@@ -126,7 +126,7 @@ fn push_optional(out: &mut Vec<u8>, key: &str, number: Option<u64>) {
     }
 }
 
-fn push_change(change: Change, out: &mut Vec<u8>) {
+fn push_change(change: StateChange, out: &mut Vec<u8>) {
     out.extend_from_slice(b",\"from\":");
     match change.from {
         Some(from) => push_json_string(out, StateName(from)),

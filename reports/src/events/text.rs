@@ -1,15 +1,16 @@
 //! One aligned line per event: time, channel, node, kind, what happened.
 
 use super::{Events, Scene, StateName, UseName, outcome_name};
+use crate::color::{Color, push_begin, push_end};
 use crate::decode::{TimeStyle, push_comment, push_node};
 use crate::push::{pad, push_text, push_visible};
 use crate::time::Clock;
 use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
-use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move, Source};
+use canvass_analyzer::network::{Cause, Emergency, Event, Exchange, Move, Source, StateChange};
 use canvass_analyzer::{EmcyText, Multiplexer, NodeId, PdoNumber, TransferText};
 use canvass_traces::Duration;
 
-/// The text rendering of `decode --events`.
+/// Events as text.
 pub struct TextEvents {
     clock: Clock,
     color: bool,
@@ -17,7 +18,6 @@ pub struct TextEvents {
 }
 
 const KIND_WIDTH: usize = 8;
-const RED: &str = "\x1b[31m";
 
 impl TextEvents {
     /// With that style of time, and with colours or without.
@@ -25,7 +25,7 @@ impl TextEvents {
         Self { clock: Clock::new(time), color, channel_width: 4 }
     }
 
-    fn begin(&mut self, scene: &Scene<'_>, node: Option<NodeId>, kind: &str, style: &str, out: &mut Vec<u8>) {
+    fn begin(&mut self, scene: &Scene<'_>, node: Option<NodeId>, kind: &str, color: Option<Color>, out: &mut Vec<u8>) {
         self.clock.push(scene.time, out);
         out.extend_from_slice(b"  ");
         let start = out.len();
@@ -39,24 +39,20 @@ impl TextEvents {
         out.extend_from_slice(kind.as_bytes());
         pad(out, start, KIND_WIDTH);
         out.push(b' ');
-        if self.color {
-            out.extend_from_slice(style.as_bytes());
-        }
+        push_begin(color.filter(|_| self.color), out);
     }
 
-    fn end(&self, style: &str, out: &mut Vec<u8>) {
-        if self.color && !style.is_empty() {
-            out.extend_from_slice(b"\x1b[0m");
-        }
+    fn end(&self, color: Option<Color>, out: &mut Vec<u8>) {
+        push_end(color.filter(|_| self.color), out);
         out.push(b'\n');
     }
 
     fn transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, left: bool, out: &mut Vec<u8>) {
         let bad = transfer.violation.is_some() || transfer.outcome != Outcome::Complete;
-        let style = if bad { RED } else { "" };
-        self.begin(scene, Some(server), "sdo", style, out);
+        let color = bad.then_some(Color::Red);
+        self.begin(scene, Some(server), "sdo", color, out);
         push_transfer(&TransferText::new(scene.bus, server, transfer), transfer, left, out);
-        self.end(style, out);
+        self.end(color, out);
     }
 }
 
@@ -69,8 +65,8 @@ impl Events for TextEvents {
         if let Some((server, transfer)) = scene.transfer(event) {
             return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);
         }
-        let style = style(event);
-        self.begin(scene, scene.node(event), kind(scene, event), style, out);
+        let color = color(event);
+        self.begin(scene, scene.node(event), kind(scene, event), color, out);
         match *event {
             Event::TransferEnded | Event::TransferLeft(_) => push_text(out, "a transfer that is not known any more"),
             Event::StateChanged(_, change) => push_change(change, out),
@@ -82,7 +78,7 @@ impl Events for TextEvents {
             Event::CobIdMoved(moved) => push_move(moved, out),
             Event::MappingChanged(node, pdo) => push_mapping(scene, node, pdo, out),
         }
-        self.end(style, out);
+        self.end(color, out);
     }
 
     fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>) {
@@ -93,7 +89,7 @@ impl Events for TextEvents {
 fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
     match event {
         Event::TransferEnded | Event::TransferLeft(_) => "sdo",
-        Event::StateChanged(_, Change { cause: Cause::BootUp, .. }) => "boot-up",
+        Event::StateChanged(_, StateChange { cause: Cause::BootUp, .. }) => "boot-up",
         Event::StateChanged(..) => "state",
         Event::Emergency(..) => "emcy",
         Event::LayerSetting(_) => scene.layer_setting(),
@@ -106,12 +102,12 @@ fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
 }
 
 /// As with frames: errors red, starts yellow, commands cyan.
-fn style(event: &Event) -> &'static str {
+fn color(event: &Event) -> Option<Color> {
     match event {
-        Event::Emergency(_, emergency) if emergency.emcy.code().is_none_or(|code| !code.is_reset()) => RED,
-        Event::StateChanged(..) => "\x1b[33m",
-        Event::LayerSetting(_) | Event::NodeIdChanged { .. } | Event::BitRateChanged { .. } => "\x1b[36m",
-        _ => "",
+        Event::Emergency(_, emergency) if emergency.emcy.code().is_none_or(|code| !code.is_reset()) => Some(Color::Red),
+        Event::StateChanged(..) => Some(Color::Yellow),
+        Event::LayerSetting(_) | Event::NodeIdChanged { .. } | Event::BitRateChanged { .. } => Some(Color::Cyan),
+        _ => None,
     }
 }
 
@@ -148,7 +144,7 @@ const fn plural(n: u64) -> &'static str {
     if n == 1 { "" } else { "s" }
 }
 
-fn push_change(change: Change, out: &mut Vec<u8>) {
+fn push_change(change: StateChange, out: &mut Vec<u8>) {
     let (to, from) = (StateName(change.to), change.from.map(StateName));
     match (change.cause, from) {
         (Cause::BootUp, Some(from)) => return push_text(out, format_args!("boot-up, was {from}")),

@@ -18,7 +18,7 @@ pub fn text(table: &Table) -> String {
         let times = format!("{:>7} {:>7}", milliseconds(row.median_time()), milliseconds(row.longest_time()));
         let shown = row.found().next().map(|detected| {
             let violation = &detected.found.violation;
-            let allowed = row.fault.fuzz_needs().map(|touch| format!(" (--allow {touch})")).unwrap_or_default();
+            let allowed = row.fault.fuzz_needs().map(|touch| format!(" (allowed: {touch})")).unwrap_or_default();
             let alarm = match row.found().all(|detected| detected.caused) {
                 true => "",
                 false => ", which shows without the fault too",

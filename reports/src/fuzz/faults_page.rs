@@ -5,12 +5,11 @@ use canvass_device::Fault;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The page.
 pub fn page() -> String {
     let (found, others): (Vec<Fault>, Vec<Fault>) = Fault::ALL.iter().partition(|fault| fault.unfuzzed().is_none());
     let (more, found): (Vec<Fault>, Vec<Fault>) = found.into_iter().partition(|fault| fault.fuzz_needs().is_some());
     let mut page = String::from(
-        "# Faults and the fuzzer\n\nMade by `canvass list faults --format markdown`. `canvass selftest --fuzz` proves the \
+        "# Faults and the fuzzer\n\nThis page is made from the code by `cargo xtask docs`. `canvass selftest --fuzz` proves the \
          first two parts.\n",
     );
     // Writing to a string can't fail.
@@ -28,8 +27,8 @@ pub fn page() -> String {
     for fault in others.iter().copied() {
         reasons.entry(fault.unfuzzed().unwrap_or_default()).or_default().push(fault);
     }
-    let _ = writeln!(page, "\n## No matter of the fuzzer: {}", others.len());
-    let _ = writeln!(page, "\nIt may stumble on one or the other of them all the same; it does not claim to.");
+    let _ = writeln!(page, "\n## Not claimed by the fuzzer: {}", others.len());
+    let _ = writeln!(page, "\nIt may find some of them, but it does not claim to.");
     for (reason, faults) in reasons {
         let _ = writeln!(page, "\nThe fault {}:\n\n| fault | what the firmware does |\n|---|---|", markdown(reason));
         for fault in faults {

@@ -4,7 +4,7 @@ use super::{Run, Words, rust_test, sdo_rows};
 use crate::{escape, provenance};
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::{Kept, Start, Stimulus, Then, reproducer};
-use canvass_traces::{Direction, Frame, Record};
+use canvass_traces::{Direction, Frame, Record, hex};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
@@ -109,7 +109,7 @@ fn exhibit(record: &Record, words: &str) -> Value {
 }
 
 fn frame(frame: &Frame, words: &str) -> Map<String, Value> {
-    let data: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
+    let data = hex::compact(frame.data()).to_string();
     let mut value = Map::new();
     value.insert("id".to_owned(), frame.id().raw().into());
     if frame.id().is_extended() {

@@ -15,7 +15,7 @@ use crate::provenance::Provenance;
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
-use canvass_fuzzer::coverage::{Answer, Coverage, LssReach};
+use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
 use canvass_fuzzer::{Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
@@ -41,17 +41,15 @@ pub struct Run {
     pub targets: Targets,
     /// What the sequences were allowed to do.
     pub allow: BTreeSet<Touch>,
-    /// The seed.
     pub seed: u64,
     /// The command that repeats the run.
     pub repeat: String,
     /// Whether the run was interrupted.
     pub cancelled: bool,
-    /// Whether the device knows block transfers.
-    pub block_transfer: bool,
+    /// What of the SDO server can be reached.
+    pub sdo_reach: SdoReach,
     /// What of LSS can be reached.
     pub reach: LssReach,
-    /// The outcome.
     pub outcome: Outcome,
     /// The words for the frames of each violation.
     pub words: Vec<Words>,
@@ -116,7 +114,7 @@ impl Run {
 
     /// What was exercised of the SDO server.
     pub fn sdo_share(&self) -> Share {
-        let (reached, reachable) = self.coverage().sdo_share(self.block_transfer);
+        let (reached, reachable) = self.coverage().sdo_share(self.sdo_reach);
         Share { reached, reachable }
     }
 

@@ -1,7 +1,7 @@
 //! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
 
 use super::*;
-use canvass_fuzzer::{Property, Sequence, Start, Stimulus, Violation};
+use canvass_fuzzer::{Property, Sequence, Spent, Start, Stimulus, Violation};
 use canvass_traces::CanId;
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";
@@ -30,6 +30,8 @@ fn run() -> Run {
         unjudged: 1,
         dead: false,
         coverage: Coverage::default(),
+        spent: Spent::default(),
+        spent_on_violations: Spent::default(),
         violations: vec![found],
     };
     Run {
@@ -43,7 +45,7 @@ fn run() -> Run {
         seed: 7,
         repeat: HOSTILE.to_owned(),
         cancelled: false,
-        block_transfer: true,
+        sdo_reach: SdoReach { blocks: true, long_values: true },
         reach: LssReach::default(),
         outcome,
         words: vec![Words { sequence: vec![HOSTILE.to_owned()], evidence: vec![HOSTILE.to_owned()] }],

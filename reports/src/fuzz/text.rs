@@ -52,7 +52,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
     match run.forbidden() {
         none if none.is_empty() => {}
-        names => writeln!(out, "never done, as --allow does not name it: {names}")?,
+        names => writeln!(out, "never done, as it is not allowed: {names}")?,
     }
     writeln!(out, "repeat with: {}", printable(&run.repeat))
 }

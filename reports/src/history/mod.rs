@@ -79,7 +79,7 @@ pub struct Course {
     pub first_bad: Option<usize>,
     /// The releases in which it became bad: bad, and good or not there in the one before.
     pub became_bad: Vec<usize>,
-    /// Of these, those in which it had been bad before and mended: it returned.
+    /// Of these, those in which it had been bad before and fixed: it returned.
     pub returned: Vec<usize>,
     /// Those in which it became good again.
     pub became_good: Vec<usize>,
@@ -187,7 +187,7 @@ impl ReleaseRow {
         };
         let last = verdicts.iter().rposition(ran);
         let became_bad = turned(true);
-        // What was left out for a release was not mended by it.
+        // What was left out for a release was not fixed by it.
         let was_good = |from: usize, to: usize| (from..to).any(|at| verdicts[at].is_some() && !bad[at]);
         let is_return = |pair: &[usize]| matches!(pair, [before, at] if was_good(*before, *at));
         let returned = became_bad.windows(2).filter(|pair| is_return(pair)).map(|pair| pair[1]).collect();

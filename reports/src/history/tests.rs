@@ -41,7 +41,7 @@ fn the_first_bad_release_of_each_case_is_found() {
     let a = course("a");
     assert_eq!((a.first_bad, a.became_bad, a.became_good), (Some(1), vec![1], vec![3]));
     assert!(a.returned.is_empty(), "bad once");
-    assert_eq!(course("b").returned, [3], "bad, mended, bad again");
+    assert_eq!(course("b").returned, [3], "bad, fixed, bad again");
     let b = course("b");
     assert_eq!((b.first_bad, b.became_bad, b.became_good), (Some(0), vec![0, 3], vec![1]));
     let new = course("new");

@@ -8,7 +8,9 @@ mod render;
 pub use json::json;
 pub(crate) use render::{html, junit_properties, markdown, short_text, text};
 
+use canvass_analyzer::findings::Results;
 use canvass_suite::runner::DeviceIdentity;
+use canvass_traces::Channels;
 use std::fmt::Write as _;
 
 /// The version of canvass.
@@ -47,13 +49,11 @@ pub struct Date {
 /// A computer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Host {
-    /// Its name.
     pub name: String,
     /// Its operating system, with the version where it is known.
     pub system: String,
 }
 
-/// A bus.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BusUsed {
     /// As the user addressed it.
@@ -114,13 +114,27 @@ impl ChosenBy {
 }
 
 impl Provenance {
+    /// Adds what the nodes of captures said of themselves, where they were asked.
+    pub fn add_nodes_of(&mut self, results: &Results, channels: &Channels) {
+        for (channel, bus) in &results.buses {
+            for (node, figures) in &bus.nodes {
+                let of = &figures.identity;
+                let identity =
+                    DeviceIdentity { device_type: of.device_type, identity: of.numbers, names: of.names.clone() };
+                if identity != DeviceIdentity::default() {
+                    self.devices.push((format!("node {node} on {}", channels.name(*channel)), identity));
+                }
+            }
+        }
+    }
+
     /// All of it but the options, as names and values for people.
     fn facts(&self) -> Vec<(String, String)> {
         let mut facts = vec![("canvass".to_owned(), VERSION.to_owned())];
         let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
         match &self.date {
             Some(Date { rfc3339, zone }) => add("date", format!("{rfc3339} ({zone})")),
-            None => add("date", "not given, as the bus is simulated (--date gives one)".to_owned()),
+            None => add("date", "not given, as the bus is simulated".to_owned()),
         }
         if let Some(Host { name, system }) = &self.host {
             add("host", format!("{name}, {system}"));

@@ -1,4 +1,4 @@
-//! CSV: a header with all columns, then the rows. Empty is what is not known yet.
+//! CSV: a header with all columns, then the rows. Values that are not known yet are empty.
 
 use super::{Columns, SampleRow, Sheet, Spool};
 use crate::decode::push_number;

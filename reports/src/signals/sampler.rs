@@ -8,7 +8,6 @@ use std::io;
 
 /// A row: what is new in it.
 pub struct SampleRow<'a> {
-    /// Its time.
     pub time: Timestamp,
     /// The PDO that it is of; nothing where rows come at fixed times.
     pub source: Option<Origin<'a>>,

@@ -128,12 +128,12 @@ impl Args {
         let input = self.input.display();
         let configured = description.commissioning.as_ref().and_then(|it| it.node_id);
         let node = self.node.or(configured);
-        let node = node.with_context(|| format!("{input} is for every node-ID: say --node N for the DBC"))?;
+        let node = node.with_context(|| format!("{input} is for every node-ID: use --node N for the DBC"))?;
         let database = dbc::database(KnownDevice::described(description), node);
         if database.messages == 0 {
             let reasons = database.left_out.join("; ");
             let reasons = if reasons.is_empty() { "none is described" } else { &reasons };
-            bail!("{input} has no PDO that a DBC could have: {reasons}");
+            bail!("{input} has no PDO that a DBC could hold: {reasons}");
         }
         Ok((database.bytes, database.left_out))
     }
@@ -145,7 +145,7 @@ impl Args {
             Some(to) => Ok(to.target()),
             None => {
                 let path = self.output.display();
-                bail!("{path} does not tell the format to write: say --to with one of eds, dcf, xdd, xdc, dbc")
+                bail!("{path} does not show which format to write: use --to with one of eds, dcf, xdd, xdc, dbc")
             }
         }
     }
@@ -158,7 +158,7 @@ impl Args {
         }
         if losses.len() > shown {
             let rest = losses.len() - shown;
-            diagnostic(&format!("{name}: {rest} more things are lost: --all-losses says all"));
+            diagnostic(&format!("{name}: {rest} more things are lost: --all-losses lists all"));
         }
     }
 }

@@ -128,7 +128,7 @@ fn tell(scanned: &Scanned) {
     let dictionary = &scanned.description.dictionary;
     let (objects, entries) = (dictionary.objects().len(), dictionary.entries().count());
     let guessed = scanned.guesses.len();
-    diagnostic(&format!("canvass: {objects} objects with {entries} entries; something is guessed of {guessed}"));
+    diagnostic(&format!("canvass: {objects} objects with {entries} entries, {guessed} of them guessed in part"));
 }
 
 #[cfg(test)]

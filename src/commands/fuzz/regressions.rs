@@ -25,8 +25,8 @@ impl Regressions {
     pub fn replay(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
         let bytes = small_file::read(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
         let sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
-        if let Some((frame, why)) = sequences.iter().find_map(|sequence| forbidden(sequence, knowledge, allow)) {
-            return Err(anyhow!("{}: {frame} {why}", path.display()).into());
+        if let Some(why) = sequences.iter().find_map(|sequence| forbidden(sequence, knowledge, allow)) {
+            return Err(anyhow!("{}: {why}", path.display()).into());
         }
         if sequences.is_empty() {
             return Err(unreadable(path, "it holds no frame").into());
@@ -46,8 +46,8 @@ impl Regressions {
         }
         let mut sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
         sequences.retain(|sequence| match forbidden(sequence, knowledge, allow) {
-            Some((frame, why)) => {
-                notice(&format!("{}: a sequence is left out: {frame} {why}", path.display()));
+            Some(why) => {
+                notice(&format!("{}: a sequence is left out: {why}", path.display()));
                 false
             }
             None => true,
@@ -78,10 +78,13 @@ impl Regressions {
     }
 }
 
-/// The first frame that nobody has allowed.
-fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<(String, Forbidden)> {
+/// The first frame that is not allowed, with the reason and how it is allowed.
+fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<String> {
     sequence.stimuli.iter().find_map(|stimulus| {
-        let why = limits::of(&stimulus.frame, knowledge, allow)?;
-        Some((stimulus.frame.to_string(), why))
+        let frame = &stimulus.frame;
+        Some(match limits::of(frame, knowledge, allow)? {
+            why @ Forbidden::Touch(touch) => format!("{frame} {why}: --allow {touch} permits it"),
+            why @ Forbidden::Program => format!("{frame} {why}"),
+        })
     })
 }

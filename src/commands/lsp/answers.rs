@@ -3,7 +3,7 @@
 use super::document::{Document, Units};
 use crate::commands::eds::found::Beside;
 use canvass_analyzer::dictionary::Severity;
-use canvass_analyzer::dictionary::check::{Finding, Folder, check_in, mend};
+use canvass_analyzer::dictionary::check::{Finding, Folder, apply_fixes, check_in};
 use canvass_analyzer::dictionary::editor::{self, Symbol};
 use lsp_types::request::{
     CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition,
@@ -56,7 +56,7 @@ impl Answers<'_> {
             ),
             CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
             CodeActionResolveRequest::METHOD => answer(params, |offered: CodeAction| self.resolved(offered)),
-            Formatting::METHOD => to_string(&self.mended()),
+            Formatting::METHOD => to_string(&self.fixed()),
             _ => return None,
         })
     }
@@ -165,7 +165,7 @@ impl Answers<'_> {
         }
     }
 
-    /// What mends the findings of a place, and all that can be mended.
+    /// What fixes the findings of a place, and all that can be fixed.
     fn actions(&self, asked: &CodeActionParams) -> Answer {
         let wanted = |kind: &CodeActionKind| {
             let asked = asked.context.only.as_ref();
@@ -190,22 +190,22 @@ impl Answers<'_> {
         to_string(&actions)
     }
 
-    /// The action that mends all. To find what it changes takes several checks, and editors ask for actions wherever the
-    /// cursor goes: those that can are told when somebody chooses it.
+    /// The action that fixes all. To find what it changes takes several checks, and editors ask for actions wherever the
+    /// cursor goes: those that can get the changes when somebody chooses it.
     fn all_at_once(&self) -> Option<CodeAction> {
         self.open().find(|finding| finding.fix.as_ref().is_some_and(|fix| !fix.edits.is_empty()))?;
-        let (title, kind) = ("mend all that needs no guessing".to_owned(), CodeActionKind::SOURCE_FIX_ALL);
+        let (title, kind) = ("fix all that needs no guessing".to_owned(), CodeActionKind::SOURCE_FIX_ALL);
         if self.resolves {
             let data = Some(json!({ "uri": self.uri }));
             return Some(CodeAction { title, kind: Some(kind), data, ..CodeAction::default() });
         }
-        let edits = self.mended();
+        let edits = self.fixed();
         (!edits.is_empty()).then(|| self.action(title, kind, edits, None))
     }
 
-    /// The edits of an action that was offered without them: of all that can be mended.
+    /// The edits of an action that was offered without them: of all that can be fixed.
     fn resolved(&self, offered: CodeAction) -> Answer {
-        let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.mended(), None);
+        let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.fixed(), None);
         to_string(&CodeAction { edit: all.edit, ..offered })
     }
 
@@ -227,12 +227,12 @@ impl Answers<'_> {
         }
     }
 
-    /// The edit that mends everything that needs no guessing; none if there is nothing to mend.
-    fn mended(&self) -> Vec<TextEdit> {
-        let mended =
-            mend(self.text().as_bytes(), |_| true).ok().and_then(|mended| String::from_utf8(mended.bytes).ok());
-        let Some(mended) = mended.filter(|mended| mended != self.text()) else { return Vec::new() };
-        let (from, old, new) = changed(self.text(), &mended);
+    /// The edit that fixes everything that needs no guessing; none if there is nothing to fix.
+    fn fixed(&self) -> Vec<TextEdit> {
+        let fixed =
+            apply_fixes(self.text().as_bytes(), |_| true).ok().and_then(|fixed| String::from_utf8(fixed.bytes).ok());
+        let Some(fixed) = fixed.filter(|fixed| fixed != self.text()) else { return Vec::new() };
+        let (from, old, new) = changed(self.text(), &fixed);
         vec![TextEdit { range: self.document.range(&(from..from + old), self.units), new_text: new.to_owned() }]
     }
 }

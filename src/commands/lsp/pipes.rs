@@ -15,7 +15,7 @@ pub struct Threads {
     writer: JoinHandle<io::Result<()>>,
 }
 
-/// Connects with whoever is at standard input and output.
+/// Connects with the editor at standard input and output.
 pub fn connect() -> (Connection, Threads) {
     let (ours, theirs) = Connection::memory();
     let Connection { sender, receiver } = theirs;

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DataClass, DataType, DeviceDescription, Value, names};
+use canvass_traces::hex;
 use serde_json::json;
 
 /// A data type's short or standard name.
@@ -41,7 +42,7 @@ pub fn known_type(address: Multiplexer, description: Option<&DeviceDescription>)
 /// The bytes of a value as typed.
 pub fn encode(text: &str, address: Multiplexer, data_type: Option<DataType>) -> Result<Vec<u8>> {
     let data_type =
-        data_type.with_context(|| format!("the type of {address} is not known: say --type, or --device"))?;
+        data_type.with_context(|| format!("the type of {address} is not known: use --type, or --device"))?;
     let not_a = || anyhow!("expected {} for {address}, found \"{text}\"", data_type.name().unwrap_or("another type"));
     let value = match data_type.class().ok_or_else(not_a)? {
         DataClass::Boolean => Value::Boolean(match &*text.to_lowercase() {
@@ -83,11 +84,7 @@ fn integer(text: &str) -> Option<i64> {
 
 fn bytes(text: &str) -> Result<Vec<u8>> {
     let digits: String = text.chars().filter(|c| !c.is_whitespace()).collect();
-    let pairs = digits.as_bytes().chunks(2).map(|pair| match pair {
-        [high, low] => Some((char::from(*high).to_digit(16)? << 4 | char::from(*low).to_digit(16)?) as u8),
-        _ => None,
-    });
-    pairs.collect::<Option<_>>().with_context(|| format!("expected pairs of hexadecimal digits, found \"{text}\""))
+    hex::parse(&digits).with_context(|| format!("expected pairs of hexadecimal digits, found \"{text}\""))
 }
 
 /// A number as a number, a text as a text; `null` where the type is not known.

@@ -3,13 +3,14 @@
 use super::Args;
 use super::recorder::{Recorded, Recorder};
 use super::reports::Reports;
+use crate::output::diagnostic;
 use crate::provenance::Collected;
 use crate::status::{Failure, Status};
 use anyhow::Result;
 use canvass_bus::Bus;
 use canvass_suite::bench::{Bench, Decoder, Evidence, Options, Target};
 use canvass_suite::case::Case;
-use canvass_suite::runner::{CaseReport, Plan, RunError, RunEvent, Summary, run};
+use canvass_suite::runner::{CaseReport, EndedEarly, Plan, RunError, RunEvent, Summary, run};
 use canvass_suite::waiver::Waivers;
 use std::sync::atomic::AtomicBool;
 
@@ -59,16 +60,33 @@ impl Course<'_> {
                 }
                 _ => {}
             }
-            // The device is put back in any case; a report that can't be written is told of afterwards.
+            // The device is put back in any case; a report that can't be written is reported afterwards.
             self.reports.event(event);
         });
         if let (Some(recorder), false) = (recorder, is_over) {
             recorded = recorder.finish();
         }
+        if let Ok(summary) = &summary {
+            self.advise(summary);
+        }
         Ok(Ended { summary, is_over, recorded })
     }
 
-    /// What is told when all cases have run.
+    /// Which options help where cases were not run or not judged, or where something was left changed.
+    fn advise(&self, summary: &Summary) {
+        if summary.ended_early == Some(EndedEarly::TimeIsOver) {
+            diagnostic("canvass: --for says how long the run may take");
+        }
+        if summary.undescribed > 0 {
+            diagnostic("canvass: --device MODEL or --device FILE.eds describes the device");
+        }
+        if let (false, Some(journal)) = (summary.is_as_found, &self.options.journal) {
+            let journal = journal.display();
+            diagnostic(&format!("canvass: canvass restore {} --journal {journal} tries again", self.args.bus));
+        }
+    }
+
+    /// What is reported when all cases have run.
     fn end(&mut self, finished: &[CaseReport]) {
         let idle = self.waivers.idle(&self.today, &finished.iter().collect::<Vec<_>>());
         idle.iter().for_each(|notice| self.reports.event(&RunEvent::Noticed(notice)));

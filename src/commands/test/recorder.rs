@@ -93,7 +93,7 @@ impl Recorder {
     }
 
     fn entry(&self, entry: Entry) {
-        // A capture that can't be written is told of at the end.
+        // A capture that can't be written is reported at the end.
         let _ = self.lines.send(entry);
     }
 
@@ -142,7 +142,7 @@ fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<En
     let mut recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
     let mut channels = Channels::default();
     channels.intern("can0");
-    // Who waits for it is there.
+    // The reader is there.
     let _ = ready.send(());
     let (mut last, mut marks): (Option<Record>, Vec<String>) = (None, Vec::new());
     for entry in entries {

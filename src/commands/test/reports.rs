@@ -157,15 +157,18 @@ struct Report {
     written: io::Result<()>,
 }
 
+/// How a permission is given.
+const ALLOW: &str = "--allow ";
+
 impl Reports {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
-        let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width() };
+        let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width(), allow: ALLOW };
         let reporter_of_stdout = reporter(shown.of_stdout()?, Box::new(document(style.color)), style);
         let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
         for ReportArg { format, file } in shown.in_files() {
             let file = WholeFile::create(file)?;
-            let plain = Style { color: false, progress: false, width: None };
+            let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
             let reporter = reporter(*format, Box::new(file.document()?), plain);
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
@@ -175,7 +178,7 @@ impl Reports {
     /// One more, for the program itself.
     pub fn keep(&mut self, format: ReportFormat) -> Kept {
         let kept = Kept::default();
-        let plain = Style { color: false, progress: false, width: None };
+        let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
         self.0.push(Report { reporter: reporter(format, Box::new(kept.clone()), plain), file: None, written: Ok(()) });
         kept
     }

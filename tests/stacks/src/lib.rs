@@ -1,4 +1,4 @@
-//! CANopen stacks that others wrote, as devices on the simulated bus.
+//! Third-party CANopen stacks, as devices on the simulated bus.
 //!
 //! Simulated devices and cases come from the same hands and can share a mistake. These come from other hands: each is
 //! used as its documentation tells an application to, with a device description of ours that says what its object

@@ -1,8 +1,8 @@
-//! Frames in against frames out: what was there and did not come out must have been told.
+//! Frames in against frames out: what was there and did not come out must have been reported.
 //!
 //! What a capture holds is written out again, as a log of which each line is a frame, and counted; what the log can't hold
-//! is told. Where a format has a row for each frame, the rows are counted, too: a row that was one, whatever became of it
-//! by the change, is a frame, a damage that was told, or no such row any more.
+//! is reported. Where a format has a row for each frame, the rows are counted, too: a row that was one, whatever became of it
+//! by the change, is a frame, a damage that was reported, or no such row any more.
 
 use super::FOLDER;
 use super::limited::Program;
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 pub struct Accounted {
     /// Rows that were counted.
     pub rows: u64,
-    /// Rows that are no frame any more, and nothing that had to be told.
+    /// Rows that are no frame any more, and nothing that had to be reported.
     pub became_others: u64,
     /// Frames that are missing, of which nothing was said.
     pub silent_loss: Option<String>,

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// What a file is to the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum SeedKind {
     Capture,
     Description,
     Result,
@@ -21,7 +21,7 @@ pub type IsFrame = fn(&[u8]) -> bool;
 
 /// A real file.
 pub struct Seed {
-    pub kind: Kind,
+    pub kind: SeedKind,
     pub name: String,
     /// The end of its name, which some formats are told by.
     pub ending: String,
@@ -41,7 +41,7 @@ const WAIVERS: &str = "[[waiver]]\ncase = \"301/sdo/*\"\nsubject = \"1000h\"\ndo
 const JOURNAL: &str = "canvass journal 1\nbus can0\nnode 10\ndevice reference-301\noperational yes\n\
                        value 1017:00 E803\nvalue 1800:01 8A010000\nbegun\nvalue 2041:00 41010000\nstores\nsettled\n";
 
-impl Kind {
+impl SeedKind {
     /// The commands that read such a file, some of them: `FILE` stands for it.
     pub fn commands(self, chance: &mut Chance) -> Vec<String> {
         let all: &[&str] = match self {
@@ -94,9 +94,9 @@ impl Seeds {
     pub fn gather(program: &Program, folder: &Path) -> Result<Self> {
         let mut seeds = Vec::new();
         for (kind, from) in [
-            (Kind::Capture, "traces/samples"),
-            (Kind::Description, "conformance/device/models"),
-            (Kind::Description, "analyzer/tests/eds"),
+            (SeedKind::Capture, "traces/samples"),
+            (SeedKind::Description, "conformance/device/models"),
+            (SeedKind::Description, "analyzer/tests/eds"),
         ] {
             for entry in fs::read_dir(from).with_context(|| from.to_owned())? {
                 let path = entry?.path();
@@ -117,19 +117,25 @@ impl Seeds {
         for (format, ending, is_frame) in rows {
             let bytes = program.good(&["convert", ROWS, "-", "--to", format])?;
             let name = format!("{ROWS} as {format}");
-            seeds.push(Seed { kind: Kind::Capture, name, ending: ending.to_owned(), bytes, is_frame: Some(is_frame) });
+            seeds.push(Seed {
+                kind: SeedKind::Capture,
+                name,
+                ending: ending.to_owned(),
+                bytes,
+                is_frame: Some(is_frame),
+            });
         }
         for format in ["pcapng", "pcap", "mcap"] {
             let bytes = program.good(&["convert", ROWS, "-", "--to", format])?;
             let name = format!("{ROWS} as {format}");
-            seeds.push(Seed { kind: Kind::Capture, name, ending: format.to_owned(), bytes, is_frame: None });
+            seeds.push(Seed { kind: SeedKind::Capture, name, ending: format.to_owned(), bytes, is_frame: None });
         }
         let result = program.good(&["test", "sim:reference-301", "--select", "301/identity", "--format", "json"])?;
         fs::write(folder.join("result.json"), &result)?;
         for (kind, ending, bytes) in [
-            (Kind::Result, "json", result),
-            (Kind::Waivers, "toml", WAIVERS.into()),
-            (Kind::Journal, "journal", JOURNAL.into()),
+            (SeedKind::Result, "json", result),
+            (SeedKind::Waivers, "toml", WAIVERS.into()),
+            (SeedKind::Journal, "journal", JOURNAL.into()),
         ] {
             seeds.push(Seed { kind, name: format!("{kind:?}"), ending: ending.to_owned(), bytes, is_frame: None });
         }

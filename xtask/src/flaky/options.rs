@@ -1,8 +1,24 @@
 //! What the command line says.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
+
+/// How the arguments are written.
+const USAGE: &str =
+    "usage: cargo xtask flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]";
+
+/// On what frames travel between device and tester.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Transport {
+    /// SLCAN over TCP, a connection for each pair.
+    Slcan,
+    /// SocketCAN, a virtual interface for each pair.
+    Virtual,
+    /// A CAN interface that is there, for one pair at a time.
+    Interface(String),
+}
 
 /// What is repeated.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// How often.
     pub runs: u32,
@@ -12,37 +28,92 @@ pub struct Options {
     pub models: Vec<String>,
     /// The cases, as `canvass test --select` takes them.
     pub select: Option<String>,
-    /// A CAN interface instead of SLCAN over TCP; then one pair at a time.
-    pub interface: Option<String>,
+    /// The bus.
+    pub transport: Transport,
+    /// Whether this process was started in a machine of its own, with a program that is built.
+    pub in_machine: bool,
 }
 
+/// The word that [`Options::words`] adds for the process in the machine.
+const IN_MACHINE: &str = "--in-machine";
+
 impl Options {
-    /// Reads `[--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]`.
+    /// Reads the arguments.
     ///
     /// # Errors
     /// If an argument is not one of these.
     pub fn read(arguments: &[String]) -> Result<Self> {
-        let mut options = Self { runs: 3, at_once: 2, models: Vec::new(), select: None, interface: None };
+        let mut options = Self {
+            runs: 3,
+            at_once: 2,
+            models: Vec::new(),
+            select: None,
+            transport: Transport::Slcan,
+            in_machine: false,
+        };
         let mut arguments = arguments.iter();
         while let Some(name) = arguments.next() {
-            let value = arguments.next().with_context(|| format!("{name} needs a value"))?;
+            if name == IN_MACHINE {
+                options.in_machine = true;
+                continue;
+            }
+            let value = arguments.next().with_context(|| format!("{name} needs a value; {USAGE}"))?;
             match name.as_str() {
                 "--runs" => options.runs = value.parse()?,
                 "--at-once" => options.at_once = value.parse()?,
                 "--model" => options.models.push(value.clone()),
                 "--select" => options.select = Some(value.clone()),
-                "--bus" => options.interface = Some(value.clone()),
-                _ => bail!(
-                    "usage: cargo xtask flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]"
-                ),
+                "--bus" if value == "vcan" => options.transport = Transport::Virtual,
+                "--bus" => options.transport = Transport::Interface(value.clone()),
+                _ => bail!("{USAGE}"),
             }
         }
         if options.models.is_empty() {
             options.models.push("reference-301".to_owned());
         }
-        if options.interface.is_some() {
+        if matches!(options.transport, Transport::Interface(_)) {
             options.at_once = 1;
         }
+        ensure!(options.runs > 0 && options.at_once > 0, "at least one run, and one at once; {USAGE}");
         Ok(options)
+    }
+
+    /// The arguments for the same in a machine, with another number of runs.
+    pub fn words(&self, runs: u32) -> Vec<String> {
+        let mut words = vec![IN_MACHINE.to_owned(), "--bus".to_owned(), "vcan".to_owned()];
+        let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
+        add("--runs", runs.to_string());
+        add("--at-once", self.at_once.to_string());
+        self.models.iter().for_each(|model| add("--model", model.clone()));
+        if let Some(select) = &self.select {
+            add("--select", select.clone());
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Options> {
+        Options::read(&text.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn what_goes_into_the_machine_is_what_was_asked_for() {
+        let asked = read("--bus vcan --runs 100 --at-once 8 --model reference-406 --select 301/sdo").unwrap();
+        assert_eq!(asked.transport, Transport::Virtual);
+        let inside = Options::read(&asked.words(50)).unwrap();
+        assert_eq!(inside, Options { runs: 50, in_machine: true, ..asked });
+    }
+
+    #[test]
+    fn one_interface_serves_one_pair() {
+        let options = read("--bus can0 --at-once 8").unwrap();
+        assert_eq!((options.at_once, options.transport), (1, Transport::Interface("can0".to_owned())));
+        assert!(read("--at-once 0").is_err());
+        assert!(read("--bus").is_err());
+        assert!(read("--often 3").is_err());
     }
 }

@@ -1,11 +1,12 @@
 //! A simulated device in one process, the tester in another, and the transport between them.
 
-use super::options::Options;
+use super::options::{Options, Transport};
 use super::tally::Run;
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The node-ID of every device here.
 const NODE: &str = "63";
@@ -18,6 +19,8 @@ const BIT_RATE: &str = "250k";
 pub struct Pair {
     device: Child,
     tester: Command,
+    /// Removed after the device.
+    _interface: Option<Interface>,
 }
 
 /// The verdicts of the simulated bus, where time is virtual.
@@ -35,9 +38,14 @@ impl Pair {
     /// # Errors
     /// If it does not start.
     pub fn start(program: &str, model: &str, options: &Options) -> Result<Self> {
-        let (end, other) = match &options.interface {
-            Some(interface) => (interface.clone(), interface.clone()),
-            None => {
+        let mut interface = None;
+        let (end, other) = match &options.transport {
+            Transport::Interface(name) => (name.clone(), name.clone()),
+            Transport::Virtual => {
+                let name = &interface.insert(Interface::create()?).0;
+                (name.clone(), name.clone())
+            }
+            Transport::Slcan => {
                 let port = free_port()?;
                 (format!("slcan:listen://{port}"), format!("slcan:tcp://127.0.0.1:{port}@{BIT_RATE}"))
             }
@@ -56,7 +64,7 @@ impl Pair {
             lines.next().transpose()?;
             std::thread::spawn(move || lines.for_each(drop));
         }
-        Ok(Self { device, tester: tester(program, &other, model, options) })
+        Ok(Self { device, tester: tester(program, &other, model, options), _interface: interface })
     }
 
     /// Runs the suite.
@@ -74,6 +82,34 @@ impl Drop for Pair {
         let _ = self.device.kill();
         let _ = self.device.wait();
     }
+}
+
+/// A virtual CAN interface.
+struct Interface(String);
+
+impl Interface {
+    fn create() -> Result<Self> {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("flaky{}", NEXT.fetch_add(1, Ordering::Relaxed));
+        ip(&["add", "dev", &name, "type", "vcan"])?;
+        let interface = Self(name);
+        ip(&["set", &interface.0, "up"])?;
+        Ok(interface)
+    }
+}
+
+impl Drop for Interface {
+    fn drop(&mut self) {
+        // Nothing needs it any more; one that stays does no harm.
+        let _ = ip(&["del", &self.0]);
+    }
+}
+
+fn ip(words: &[&str]) -> Result<()> {
+    let output = Command::new("ip").arg("link").args(words).output().context("can't run ip")?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "ip link {}: {}", words.join(" "), said.trim());
+    Ok(())
 }
 
 /// The device is to be as prompt as one of its own, so that what is late is the tester: it comes before other work, where

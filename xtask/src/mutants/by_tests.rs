@@ -14,9 +14,10 @@ pub fn by_tests(area: &Area, wishes: &Wishes) -> Result<()> {
     ensure_current(&reviewed, &drawn::all(&sources))?;
     scratch::prepare(area, &mut sources)?;
     let programs = Programs::build(area)?;
-    let tests = programs.tests()?;
+    let tests = programs.tests(wishes.within)?;
     let all = drawn::all(&sources);
-    eprintln!("{} mutants; the tests take {} s without one", all.len(), tests.time().as_secs());
+    let (count, time) = (tests.count(), tests.time().as_secs());
+    eprintln!("{} mutants; {count} tests, which take {time} s without one", all.len());
     let mut tried = Vec::new();
     for &seed in &wishes.seeds {
         let begun = Instant::now();

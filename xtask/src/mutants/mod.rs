@@ -1,6 +1,6 @@
 //! `cargo xtask mutants [--seed D,D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
-//! code, looked for by the suite and by the fuzzer. `--tests analyzer|suite`: random mutants of that crate, looked for by its
-//! own tests.
+//! code, looked for by the suite and by the fuzzer. `--tests analyzer|suite [--within SECONDS]`: random mutants of that crate,
+//! looked for by its own tests, or by those that take no longer than that.
 //!
 //! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and one is chosen for each
 //! process. Drawn are those whose place is reached at all; the seed is that of the day, so that nobody tunes to it.
@@ -44,6 +44,8 @@ struct Wishes {
     only: Vec<u32>,
     /// Mutants of this crate, and its own tests.
     tests: Option<&'static Area>,
+    /// Of these, those that take no more seconds of a processor.
+    within: Option<u64>,
 }
 
 /// Draws, runs and tells.
@@ -121,8 +123,14 @@ fn write_unreached(unreached: &[&Mutant]) -> Result<()> {
 
 impl Wishes {
     fn read(args: &[String]) -> Result<Self> {
-        let mut wishes =
-            Self { seeds: vec![today()?], count: COUNT, exchanges: EXCHANGES, only: Vec::new(), tests: None };
+        let mut wishes = Self {
+            seeds: vec![today()?],
+            count: COUNT,
+            exchanges: EXCHANGES,
+            only: Vec::new(),
+            tests: None,
+            within: None,
+        };
         let mut args = args.iter();
         while let Some(name) = args.next() {
             let value = args.next().with_context(|| format!("{name} needs a value"))?;
@@ -139,7 +147,8 @@ impl Wishes {
                     let area = area::TESTED.iter().find(|area| area.name == value);
                     wishes.tests = Some(area.context("--tests: expected analyzer or suite")?);
                 }
-                other => bail!("expected --seed, --count, --exchanges, --only or --tests, found {other}"),
+                "--within" => wishes.within = Some(value.parse().context("--within")?),
+                other => bail!("expected --seed, --count, --exchanges, --only, --tests or --within, found {other}"),
             }
         }
         Ok(wishes)

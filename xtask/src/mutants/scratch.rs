@@ -13,8 +13,9 @@ use std::process::{Command, Stdio};
 
 /// So often mutants that can't be compiled are taken out.
 const ROUNDS: u32 = 12;
-/// Optimised enough to run, and soon built.
-const PROFILE: &str = "[profile.mutants]\ninherits = \"release\"\nlto = false\ncodegen-units = 16\nopt-level = 2\ndebug = false\nincremental = true\n";
+/// Soon built.
+const PROFILE: &str =
+    "[profile.mutants]\ninherits = \"release\"\nlto = false\ncodegen-units = 16\ndebug = false\nincremental = true\n";
 
 /// A file with what can be changed in it.
 pub struct Source {
@@ -109,13 +110,13 @@ fn manifest(area: &Area) -> Result<String> {
     let (dependencies, _) = dependencies.split_once("\n[package]").context("[package] in Cargo.toml")?;
     let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
     let members = members.join(", ");
-    // A crate whose own tests are run is built anew after each change of a test: that takes longer than the tests.
-    let package = match area.name {
-        "device" => String::new(),
-        _ => format!("\n[profile.mutants.package.{}]\nopt-level = 0\n", area.package),
+    // A crate whose own tests are run is built anew after each change of a test, which takes longer than its quick tests.
+    let optimised = match area.name {
+        "device" => "opt-level = 2\n".to_owned(),
+        _ => format!("opt-level = 1\n\n[profile.mutants.package.{}]\nopt-level = 0\n", area.package),
     };
     Ok(format!(
-        "[workspace]\nmembers = [{members}]\nresolver = \"3\"\n\n[workspace.package]{dependencies}\n{PROFILE}{package}"
+        "[workspace]\nmembers = [{members}]\nresolver = \"3\"\n\n[workspace.package]{dependencies}\n{PROFILE}{optimised}"
     ))
 }
 
@@ -149,14 +150,15 @@ pub fn cargo(area: &Area, arguments: &[&str]) -> Command {
     command
 }
 
+/// Builds the crate; what it needs is then there for its tests, too.
 fn check(area: &Area) -> Result<Vec<Mistake>> {
-    let arguments = ["check", "--profile", "mutants", "--package", area.package, "--message-format=json"];
-    let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo check")?;
+    let arguments = ["build", "--profile", "mutants", "--package", area.package, "--message-format=json"];
+    let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo build")?;
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     let messages = lines.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     let mistakes: Vec<Mistake> = messages.filter_map(|line| mistake(line.get("message")?)).collect();
     if mistakes.is_empty() && !output.status.success() {
-        bail!("cargo check of the mutated crate ended with {}", output.status);
+        bail!("cargo build of the mutated crate ended with {}", output.status);
     }
     Ok(mistakes)
 }

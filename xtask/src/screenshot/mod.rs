@@ -18,7 +18,7 @@ const FOLDER: &str = "target/screenshot";
 /// A picture that is looked at in a document.
 const MOST: u64 = 220 * 1024;
 
-/// The releases of the history: bad ones, and such as mended that.
+/// The releases of the history: bad ones, and such as fixed that.
 const RELEASES: [(&str, &str); 5] = [
     ("1.0", ""),
     ("1.1", "+boot-up-twice"),

@@ -100,7 +100,7 @@ fn colour(number: usize) -> Option<String> {
     PALETTE.get(number).map(|&colour| colour.to_owned())
 }
 
-/// A colour of 256, or of red, green and blue; and the numbers behind it.
+/// A colour of 256, or of red, green and blue; and the numbers after it.
 fn of_many(numbers: &[usize]) -> (Option<String>, &[usize]) {
     match numbers {
         [2, red, green, blue, rest @ ..] => (Some(format!("rgb({red},{green},{blue})")), rest),

@@ -4,7 +4,7 @@
 use super::kernel::Kernel;
 use super::{Built, FOLDER};
 use crate::peers::PYTHON;
-use crate::run::run;
+use crate::run::{quoted, run};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::fs;
@@ -87,11 +87,6 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
     }
     fs::write(stage.join("settings"), text)?;
     files.pack(&stage, &root.join(FOLDER).join("files.cpio"))
-}
-
-/// A word for the shell, whatever is in it.
-fn quoted(word: &str) -> String {
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// A Python that its user has built has symbols for debuggers, three quarters of it.

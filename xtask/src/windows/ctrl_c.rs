@@ -6,17 +6,22 @@ use anyhow::{Context, Result, bail, ensure};
 use nix::pty::openpty;
 use serde_json::Value;
 use std::fs::File;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A run that does not end by itself in that time.
 const RUN: [&str; 6] = ["test", "sim:reference-301", "--exhaustive", "--repeat", "1000", "--report"];
-/// When the user presses the keys. A busy machine has not begun the run after the first of these.
-const AFTER: [Duration; 3] = [Duration::from_secs(4), Duration::from_secs(15), Duration::from_secs(45)];
+/// What the console shows once cases run: the begin of their ids.
+const RUNNING: &str = "301/";
+/// How long a busy machine may need until they do.
+const BEGIN: Duration = Duration::from_secs(180);
 /// How long what follows may take.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(120);
+/// So much of what was shown is told where it did not end as it should.
+const TOLD: usize = 2_000;
 
 /// Presses it.
 ///
@@ -24,40 +29,71 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// If the run does not end as it should.
 pub fn press(prefix: &Prefix, program: &str) -> Result<()> {
     let report = Path::new(FOLDER).join("interrupted.json");
-    for after in AFTER {
-        let _ = std::fs::remove_file(&report);
-        // Keys that were pressed before anybody listened are lost.
-        let Some(status) = interrupted(prefix, program, &report, after)? else { continue };
-        let Ok(text) = std::fs::read_to_string(&report) else { continue };
-        let document: Value = serde_json::from_str(&text).context("expected the report of an interrupted run")?;
-        let cancelled = document["cases"].as_array().and_then(|cases| cases.last()).context("expected a case")?;
-        ensure!(status.code() == Some(1), "expected status 1 of an interrupted run, found {status}");
-        ensure!(
-            cancelled["verdict"] == "inconclusive",
-            "expected the case under way to be cancelled, found {cancelled}"
-        );
-        eprintln!(
-            "Ctrl-C on a console: the run ended after {} cases, with its report",
-            document["cases"].as_array().map_or(0, Vec::len)
-        );
-        return Ok(());
-    }
-    bail!("expected a report of a run that Ctrl-C has ended, found none")
+    let _ = std::fs::remove_file(&report);
+    let Interrupted { status, shown } = interrupted(prefix, program, &report)?;
+    let text = std::fs::read_to_string(&report);
+    let text = text.with_context(|| format!("expected a report of the run, which ended with {status}: {shown}"))?;
+    let document: Value = serde_json::from_str(&text).context("expected the report of an interrupted run")?;
+    let cancelled = document["cases"].as_array().and_then(|cases| cases.last()).context("expected a case")?;
+    ensure!(status.code() == Some(1), "expected status 1 of an interrupted run, found {status}: {shown}");
+    ensure!(cancelled["verdict"] == "inconclusive", "expected the case under way to be cancelled, found {cancelled}");
+    eprintln!(
+        "Ctrl-C on a console: the run ended after {} cases, with its report",
+        document["cases"].as_array().map_or(0, Vec::len)
+    );
+    Ok(())
 }
 
-fn interrupted(prefix: &Prefix, program: &str, report: &Path, after: Duration) -> Result<Option<ExitStatus>> {
+/// A run that was ended, and the last that its console has shown.
+struct Interrupted {
+    status: ExitStatus,
+    shown: String,
+}
+
+fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrupted> {
     let terminal = openpty(None, None).context("a pseudo-terminal")?;
     let side = || terminal.slave.try_clone().map(Stdio::from);
     let report = format!("json={}", report.display());
     let mut wine = prefix.wine(&[&[program], &RUN[..], &[&report]].concat());
     let mut running = wine.stdin(side()?).stdout(side()?).stderr(side()?).spawn().context("wine")?;
     let mut keys = File::from(terminal.master);
-    let mut shown = keys.try_clone()?;
-    // Nobody looks at it; a console that nobody reads waits.
-    std::thread::spawn(move || std::io::copy(&mut shown, &mut std::io::sink()));
-    std::thread::sleep(after);
+    let shown = Arc::new(Mutex::new(String::new()));
+    // A console that nobody reads waits.
+    let (from, to) = (keys.try_clone()?, Arc::clone(&shown));
+    std::thread::spawn(move || read(from, &to));
+    let told = || {
+        let shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let from = shown.char_indices().rev().nth(TOLD).map_or(0, |(at, _)| at);
+        shown.get(from..).unwrap_or_default().to_owned()
+    };
+    // Keys that are pressed before anybody listens are lost.
+    let is_running = || shown.lock().unwrap_or_else(PoisonError::into_inner).contains(RUNNING);
+    let begun = Instant::now();
+    while !is_running() {
+        if let Some(status) = running.try_wait()? {
+            bail!("expected a run, which ended with {status} before anything was pressed: {}", told());
+        }
+        if begun.elapsed() > BEGIN {
+            running.kill()?;
+            running.wait()?;
+            bail!("expected {RUNNING} on the console within {BEGIN:?}, found {}", told());
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
     keys.write_all(b"\x03")?;
-    ended(&mut running)
+    match ended(&mut running)? {
+        Some(status) => Ok(Interrupted { status, shown: told() }),
+        None => bail!("expected the run to end within {PATIENCE:?} after Ctrl-C, found {}", told()),
+    }
+}
+
+/// What the console shows, until it is closed.
+fn read(mut console: File, shown: &Mutex<String>) {
+    let mut buffer = [0; 4096];
+    while let Ok(length @ 1..) = console.read(&mut buffer) {
+        let text = String::from_utf8_lossy(buffer.get(..length).unwrap_or_default());
+        shown.lock().unwrap_or_else(PoisonError::into_inner).push_str(&text);
+    }
 }
 
 /// How it ended; `None` if it did not by itself.

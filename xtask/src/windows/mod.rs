@@ -25,7 +25,7 @@ const WINE: Package = Package { program: "wine", probe: &["--version"], package:
 pub fn test() -> Result<()> {
     packages::install(&[COMPILER, WINE])?;
     target::add(TARGET)?;
-    let tests = built::tests()?;
+    let tests = built::tests(built::Use::Run)?;
     let prefix = wine::Prefix::make()?;
     let left_out = left_out::read("tests/program")?;
     let mut counts = wine::Counts::default();
@@ -54,7 +54,7 @@ pub fn step() -> Result<()> {
         eprintln!("LEFT OUT: nothing was built for Windows, because {missing:#}");
         return Ok(());
     }
-    let tests = built::tests()?;
+    let tests = built::tests(built::Use::Build)?;
     eprintln!(
         "built for Windows without a warning, with {} programs of tests (cargo xtask windows runs them)",
         tests.len()

@@ -77,7 +77,7 @@ impl Prefix {
     pub fn wine(&self, args: &[&str]) -> Command {
         let mut wine = Command::new("wine");
         wine.args(args).env("WINEPREFIX", &self.folder).stdin(Stdio::null());
-        // Neither what is not implemented is told, nor is anything offered for installation; the library made here goes
+        // Neither what is not implemented is reported, nor is anything offered for installation; the library made here goes
         // before Wine's own.
         wine.env(null_modem::VARIABLE, null_modem::PORTS.join(","));
         wine.env("WINEDEBUG", "-all").env("WINEDLLOVERRIDES", "mscoree,mshtml=;bcryptprimitives=n,b");

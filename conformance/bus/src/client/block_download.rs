@@ -51,7 +51,6 @@ impl DownloadManner {
 /// Blocks that are asked for again more often than that are asked for without end.
 const MOST_REPETITIONS: usize = 4;
 
-/// One block download.
 #[derive(Debug)]
 pub struct BlockDownload {
     multiplexer: Multiplexer,

@@ -31,7 +31,6 @@ impl Default for UploadManner {
     }
 }
 
-/// One block upload.
 #[derive(Debug)]
 pub struct BlockUpload {
     multiplexer: Multiplexer,

@@ -1,16 +1,15 @@
 //! Single transfers and dialogues on a bus, for commands; cases have the bench.
 
 use super::lss::{Fastscan, ScanStep};
-use super::sdo::{Outcome, Reaction, Transfer, Violation};
+use super::sdo::{Outcome, ServerLine, Transfer};
 use crate::{Bus, BusError};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
+use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::wire::{Wire, lss};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 
 /// A bus, and who watches what is on it meanwhile.
 pub struct Exchange<'a> {
-    /// The bus.
     pub bus: &'a mut dyn Bus,
     /// Sees every frame, own ones too.
     pub observe: &'a mut dyn FnMut(&Record),
@@ -50,37 +49,16 @@ impl Exchange<'_> {
     pub fn transfer(
         &mut self,
         node: NodeId,
-        (mut transfer, mut request): (Transfer, Request),
+        (transfer, request): (Transfer, Request),
         patience: Duration,
     ) -> Result<Outcome, BusError> {
-        let (to, from) = (sdo::REQUEST_BASE + u16::from(node.raw()), sdo::RESPONSE_BASE + u16::from(node.raw()));
         self.wait_for(Duration::ZERO, |_| None::<()>)?;
-        loop {
-            self.bus.send(&request.to_frame(to))?;
-            let response = self.wait_for(patience, |record| answer(record, from))?;
-            let response = response.filter(|_| self.bus.now() < self.ends);
-            let step = match response.map(|frame| Response::read(frame.data())) {
-                None => {
-                    self.bus.send(&transfer.abort(AbortCode::TIMEOUT).to_frame(to))?;
-                    Reaction::Done(Outcome::Silent)
-                }
-                Some(Ok(response)) => transfer.handle(&response),
-                Some(Err(error)) => Reaction::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
-            };
-            match step {
-                Reaction::Send(next) => request = next,
-                Reaction::Done(outcome) => {
-                    if matches!(outcome, Outcome::Violated(_)) {
-                        self.bus.send(&transfer.abort(AbortCode::GENERAL).to_frame(to))?;
-                    }
-                    if matches!(outcome, Outcome::Violated(_) | Outcome::Silent) {
-                        // The own abort comes back too: whoever watches shall see the whole transfer.
-                        self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
-                    }
-                    return Ok(outcome);
-                }
-            }
+        let outcome = transfer.carry_out(request, &mut ExchangeLine { exchange: self, node, patience })?;
+        if outcome.own_abort().is_some() {
+            // The own abort comes back too: an observer is to see the whole transfer.
+            self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
         }
+        Ok(outcome)
     }
 
     /// Sends an LSS request and waits for the answer of a slave. Many slaves may answer; the first one counts.
@@ -107,6 +85,27 @@ impl Exchange<'_> {
                 end => return Ok(end),
             }
         }
+    }
+}
+
+/// The default SDO server of a node.
+struct ExchangeLine<'e, 'a> {
+    exchange: &'e mut Exchange<'a>,
+    node: NodeId,
+    patience: Duration,
+}
+
+impl ServerLine for ExchangeLine<'_, '_> {
+    type Error = BusError;
+
+    fn send(&mut self, request: &Request) -> Result<(), BusError> {
+        self.exchange.bus.send(&request.to_frame(sdo::REQUEST_BASE + u16::from(self.node.raw())))
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, BusError> {
+        let from = sdo::RESPONSE_BASE + u16::from(self.node.raw());
+        let frame = self.exchange.wait_for(self.patience, |record| answer(record, from))?;
+        Ok(frame.filter(|_| self.exchange.bus.now() < self.exchange.ends))
     }
 }
 

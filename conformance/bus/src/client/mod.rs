@@ -11,7 +11,7 @@ mod surveyor;
 pub use block_download::BlockDownload;
 pub use block_upload::BlockUpload;
 pub use exchange::Exchange;
-pub use sdo::{Outcome, Reaction, Transfer, Violation};
+pub use sdo::{Outcome, Reaction, ServerLine, Transfer, Violation};
 pub use surveyor::{SurveyError, Surveyor};
 
 /// A message of eight bytes as it goes over the bus. In a block transfer only the state of the transfer tells segments

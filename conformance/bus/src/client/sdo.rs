@@ -4,8 +4,10 @@
 //! Expedited and segmented transfers; those in blocks are in [`super::block_upload`] and [`super::block_download`].
 
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, response};
 use canvass_analyzer::wire::sdo::{Expedited, Segment};
+use canvass_traces::{Frame, hex};
 use std::fmt;
 
 /// The most bytes that a server may send in one upload. A hostile server announces 4 GiB and sends for ever.
@@ -37,6 +39,24 @@ pub enum Mode {
     Segmented,
 }
 
+/// The way to an SDO server and back: a bus in commands, the bench in cases.
+pub trait ServerLine {
+    /// Why no message went out or came in.
+    type Error;
+
+    /// Sends a request.
+    ///
+    /// # Errors
+    /// If it could not be sent.
+    fn send(&mut self, request: &Request) -> Result<(), Self::Error>;
+
+    /// The next frame of the server; `None` if none came before the timeout.
+    ///
+    /// # Errors
+    /// If nothing can be received.
+    fn receive(&mut self) -> Result<Option<Frame>, Self::Error>;
+}
+
 /// What to do after a response.
 #[derive(Debug)]
 pub enum Reaction {
@@ -59,6 +79,17 @@ pub enum Outcome {
     Silent,
     /// The server's response has no place in the transfer.
     Violated(Violation),
+}
+
+impl Outcome {
+    /// The code with which the client ends the transfer, where the server has not ended it.
+    pub const fn own_abort(&self) -> Option<AbortCode> {
+        match self {
+            Self::Silent => Some(AbortCode::TIMEOUT),
+            Self::Violated(_) => Some(AbortCode::GENERAL),
+            Self::Uploaded(_) | Self::Downloaded | Self::Aborted(_) => None,
+        }
+    }
 }
 
 /// What a server did against the protocol.
@@ -131,6 +162,30 @@ impl Transfer {
     /// The object of the transfer.
     pub const fn multiplexer(&self) -> Multiplexer {
         self.multiplexer
+    }
+
+    /// Sends `request`, and whatever else the transfer needs, until it ends. A server that is silent or violates the
+    /// protocol is told by an abort.
+    ///
+    /// # Errors
+    /// Those of the line.
+    pub fn carry_out<L: ServerLine>(mut self, mut request: Request, line: &mut L) -> Result<Outcome, L::Error> {
+        let outcome = loop {
+            line.send(&request)?;
+            let Some(frame) = line.receive()? else { break Outcome::Silent };
+            let reaction = match Response::read(frame.data()) {
+                Ok(response) => self.handle(&response),
+                Err(error) => Reaction::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
+            };
+            match reaction {
+                Reaction::Send(next) => request = next,
+                Reaction::Done(outcome) => break outcome,
+            }
+        };
+        if let Some(code) = outcome.own_abort() {
+            line.send(&self.abort(code))?;
+        }
+        Ok(outcome)
     }
 
     /// Takes a response. After [`Reaction::Done`] the transfer is over; a violation should be answered with
@@ -313,9 +368,7 @@ impl fmt::Display for Bytes<'_> {
         if self.0.is_empty() {
             return f.write_str("(empty)");
         }
-        for (n, byte) in self.0.iter().take(SHOWN).enumerate() {
-            write!(f, "{}{byte:02X}", if n == 0 { "" } else { " " })?;
-        }
+        hex::spaced(&self.0[..self.0.len().min(SHOWN)]).fmt(f)?;
         if self.0.len() > SHOWN { write!(f, " … ({} bytes)", self.0.len()) } else { Ok(()) }
     }
 }

@@ -14,7 +14,7 @@ use crate::client::Violation;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_traces::{Duration, Frame};
+use canvass_traces::{Duration, Frame, hex};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -89,11 +89,9 @@ impl fmt::Display for Observation {
         let sort = self.sort();
         match self {
             Self::Silence | Self::Confirmation | Self::BootUp | Self::Named(_) => f.write_str(sort),
-            Self::Abort(code) => write!(f, "{sort} {:04X} {:04X}h", code.0 >> 16, code.0 & 0xFFFF),
-            Self::Value(bytes) => {
-                f.write_str(sort)?;
-                bytes.iter().try_for_each(|byte| write!(f, " {byte:02X}"))
-            }
+            Self::Abort(code) => write!(f, "{sort} {}", code.digits()),
+            Self::Value(bytes) if bytes.is_empty() => f.write_str(sort),
+            Self::Value(bytes) => write!(f, "{sort} {}", hex::spaced(bytes)),
             Self::Number(number) => write!(f, "{sort} {number}"),
             Self::State(state) => write!(f, "{sort} {state}"),
             Self::Emcy(code) => write!(f, "{sort} {:04X}h", code.0),

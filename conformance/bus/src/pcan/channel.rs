@@ -54,7 +54,6 @@ impl Channel {
         KINDS.iter().flat_map(Kind::channels).map(|(_, channel)| channel)
     }
 
-    /// The handle.
     pub const fn handle(self) -> u16 {
         self.0
     }

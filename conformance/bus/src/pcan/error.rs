@@ -35,7 +35,6 @@ pub enum PcanError {
     /// A function of the library fails.
     #[error("can't {action} {channel}: {status}")]
     Failed {
-        /// The channel.
         channel: Channel,
         /// What was tried.
         action: &'static str,
@@ -45,7 +44,6 @@ pub enum PcanError {
     /// Nothing leaves the transmit queue.
     #[error("{channel} has sent nothing for {waited}: nobody acknowledges, or the bus is full ({status})")]
     QueueFull {
-        /// The channel.
         channel: Channel,
         /// How long.
         waited: Duration,
@@ -54,14 +52,10 @@ pub enum PcanError {
     },
     /// The address asks for silence.
     #[error("{channel} only listens: leave +listen-only out of the address to send")]
-    ListenOnly {
-        /// The channel.
-        channel: Channel,
-    },
+    ListenOnly { channel: Channel },
     /// The way to the adapter can't be watched.
     #[error("can't wait for frames of {channel}: {source}")]
     Wait {
-        /// The channel.
         channel: Channel,
         /// What the system reports.
         source: std::io::Error,

@@ -206,8 +206,7 @@ fn plain(frame: Frame) -> Record {
 /// So many bytes, and what follows them.
 fn data(digits: &[u8], len: usize) -> Option<(Vec<u8>, &[u8])> {
     let (digits, rest) = digits.split_at_checked(2 * len)?;
-    let bytes = digits.chunks(2).map(|pair| hex(pair).map(|byte| byte as u8));
-    Some((bytes.collect::<Option<_>>()?, rest))
+    Some((canvass_traces::hex::parse(digits)?, rest))
 }
 
 /// Up to eight hexadecimal digits.

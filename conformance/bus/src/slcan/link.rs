@@ -30,7 +30,7 @@ const WRITE: Duration = Duration::from_secs(2);
 const BAUD: u32 = 115_200;
 
 impl Place {
-    /// What stands behind `slcan:`.
+    /// What stands after `slcan:`.
     pub fn parse(text: &str) -> io::Result<Self> {
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));

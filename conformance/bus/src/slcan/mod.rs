@@ -73,7 +73,7 @@ pub enum SlCanError {
     Refused {
         /// The port or address.
         name: String,
-        /// What it was told.
+        /// The lines that it received.
         action: &'static str,
     },
     /// Nobody has connected to this end.
@@ -110,7 +110,7 @@ fn remedy(error: &io::Error) -> &'static str {
 impl SlCan {
     /// Opens the adapter at `place`: a serial port's path, `tcp://host:port`, or `listen://host:port` to wait for a
     /// program that takes this end for the adapter. `listen://port` is reached from this machine only. The protocol knows
-    /// no passwords: whoever connects commands the bus.
+    /// no passwords: every client that connects can use the bus.
     ///
     /// # Errors
     /// [`SlCanError`], which says what to do.
@@ -324,7 +324,7 @@ mod tests {
         drop(silent);
     }
 
-    /// An adapter that has no 800 kbit/s, and takes its time to say so; gives what it was told, line by line.
+    /// An adapter that has no 800 kbit/s, and takes its time to say so; gives what it received, line by line.
     fn adapter(listener: TcpListener) -> JoinHandle<Vec<String>> {
         std::thread::spawn(move || {
             let (mut stream, mut told, mut line) = (listener.accept().unwrap().0, Vec::new(), String::new());
@@ -337,7 +337,7 @@ mod tests {
                 if line == "S7" {
                     std::thread::sleep(std::time::Duration::from_millis(500));
                 }
-                // Who has closed the channel may be gone before the answer.
+                // A client that closed the channel may be gone before the answer.
                 let answered = stream.write_all(if line == "S7" { b"\x07" } else { b"\r" });
                 assert!(answered.is_ok() || matches!(&*line, "C" | "F"), "{line}: {answered:?}");
                 told.push(std::mem::take(&mut line));

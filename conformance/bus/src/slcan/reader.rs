@@ -101,7 +101,7 @@ impl Reader {
         (self.decoder, self.has_status) = (Decoder::default(), true);
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
-        // Who has connected to a listener opens this end; it is not opened from here.
+        // A client that connects to a listener opens this end; it is not opened from here.
         if matches!(self.place, Place::Listener(_)) {
             return Ok(());
         }
@@ -217,7 +217,7 @@ impl Reader {
             }
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(Change { index, done }) = change {
-                // Who asked may have lost patience.
+                // The caller may no longer be waiting.
                 let _ = done.send(self.change_bit_rate(index));
             }
             if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
@@ -230,7 +230,7 @@ impl Reader {
         }
     }
 
-    /// One bus has room for one client: whoever has connected and fallen silent does not keep others away for ever.
+    /// One bus has room for one client: one that has fallen silent gives way to another.
     fn give_way(&mut self) {
         if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
             return;

@@ -7,7 +7,7 @@ use socketcan::nl::CanInterface;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a controller can be told, in bit/s.
+/// What a controller can be set to, in bit/s.
 const POSSIBLE: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 
 /// Takes the interface down, sets its bit rate and takes it up again. Where the bit rate can't be set, the interface is

@@ -43,13 +43,11 @@ pub enum SocketCanError {
     Permission {
         /// What was tried.
         action: &'static str,
-        /// The interface.
         interface: String,
     },
     /// Nothing leaves the transmit queue.
     #[error("{interface} has sent nothing for {waited}: nobody acknowledges, or the bus is full ({state})")]
     QueueFull {
-        /// The interface.
         interface: String,
         /// How long.
         waited: Duration,
@@ -59,7 +57,6 @@ pub enum SocketCanError {
     /// Its bit rate can't be changed from here.
     #[error("can't set {interface} to {bit_rate} bit/s ({source}): {command} (as root)")]
     BitRate {
-        /// The interface.
         interface: String,
         /// In bit/s.
         bit_rate: u32,
@@ -70,16 +67,12 @@ pub enum SocketCanError {
     },
     /// It has no controller.
     #[error("{interface} is a virtual interface, which has no bit rate: expected one with a CAN controller")]
-    NoBitRate {
-        /// The interface.
-        interface: String,
-    },
+    NoBitRate { interface: String },
     /// Anything else.
     #[error("can't {action} {interface}: {source}")]
     Io {
         /// What was tried.
         action: &'static str,
-        /// The interface.
         interface: String,
         /// What the kernel reports.
         source: io::Error,

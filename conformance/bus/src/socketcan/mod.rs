@@ -156,7 +156,7 @@ impl SocketCan {
 /// in error passive state.
 const DIRT: u8 = 0xA7;
 
-/// Fills the bytes of a classical frame for the socket that carry nothing: three behind the length, and the data that it
+/// Fills the bytes of a classical frame for the socket that carry nothing: three after the length, and the data that it
 /// does not have.
 fn pad(packet: &mut [u8], length: usize, padding: u8) {
     const CLASSICAL: usize = 16;

@@ -54,7 +54,6 @@ pub enum BusAddress {
 
 /// A bus that is ready, and what is known of the device on it.
 pub struct Opened {
-    /// The bus.
     pub bus: Box<dyn Bus>,
     /// The model of the first simulated device.
     pub model: Option<&'static Model>,

@@ -70,7 +70,7 @@ pub struct Attached {
 /// The endings of device descriptions.
 const DESCRIPTIONS: [&str; 4] = [".eds", ".dcf", ".xdd", ".xdc"];
 
-/// The devices that the part of an address behind `sim:` names; at least one.
+/// The devices that the part of an address after `sim:` names; at least one.
 ///
 /// # Errors
 /// What is wrong and what would be right.
@@ -100,7 +100,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
     }
 }
 
-/// What stands before the first `~~`, and the liberties behind it.
+/// What stands before the first `~~`, and the liberties after it.
 fn liberties(text: &str) -> Result<(&str, Vec<Liberty>), String> {
     let mut pieces = text.split("~~");
     let head = pieces.next().unwrap_or_default();

@@ -7,6 +7,7 @@ use super::store::StoreCommand;
 use super::{heartbeat_consumer, pdo, sync, time};
 use crate::models::Rule;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
@@ -106,13 +107,15 @@ impl Objects {
         let Some(encoder) = &self.encoder else { return Ok(()) };
         let quirks = &sheet.quirks;
         match at.index.0 {
-            0x6003 => {
+            encoder::PRESET_VALUE => {
                 let code = sheet.abort(Rule::InsideActiveRange, at);
                 encoder.check(at, value, &self.parameters).map_err(|_| code)
             }
             0x6000.. if self.is_checked_later(at) => self.check_scaling_bit(),
-            0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
-            0x6001 | 0x6002 => {
+            encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE if quirks.scaling_bit_guards => {
+                self.check_scaling_bit()
+            }
+            encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE => {
                 let code = sheet.abort(Rule::UnitsAtMostRange, at);
                 encoder.check(at, value, &self.parameters).map_err(|_| code)
             }
@@ -129,13 +132,14 @@ impl Objects {
 
     fn check_scaling_bit(&self) -> Result<(), AbortCode> {
         let guarded = self.model.sheet().quirks.scaling_bit_guards;
-        let is_on = self.parameters.number_or_zero(0x6000, 0) & SCALING != 0;
+        let is_on = self.parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & SCALING != 0;
         if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
     }
 
     /// A faulty firmware takes a work area whose low limit is above its high limit.
     fn is_swap_accepted(&self, at: Multiplexer) -> bool {
-        matches!(at.index.0, 0x6401 | 0x6402) && !self.firmware.checks_work_area_order()
+        matches!(at.index.0, encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
+            && !self.firmware.checks_work_area_order()
     }
 
     /// Objects that are limits of each other.

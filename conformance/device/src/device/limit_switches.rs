@@ -3,6 +3,7 @@
 
 use super::parameters::Parameters;
 use crate::Firmware;
+use canvass_analyzer::object::encoder;
 
 /// "Limit switch min": the position is below 2104h.
 const MINIMUM: u64 = 1 << 12;
@@ -11,7 +12,7 @@ const MAXIMUM: u64 = 1 << 13;
 
 /// 6500h: 6000h, with the state of each limit switch in place of the bit that switches it on.
 pub(super) fn operating_status(position: u64, parameters: &Parameters, firmware: &Firmware) -> u64 {
-    let operating = parameters.number_or_zero(0x6000, 0);
+    let operating = parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0);
     let (low, high) = (parameters.number_or_zero(0x2104, 0), parameters.number_or_zero(0x2105, 0));
     let (below, above) = match firmware.includes_limits_in_switches() {
         true => (position <= low, position >= high),

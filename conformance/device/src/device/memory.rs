@@ -5,7 +5,7 @@ use super::Device;
 use super::parameters::Content;
 use super::store::StoredNetwork;
 use canvass_analyzer::Multiplexer;
-use canvass_traces::Timestamp;
+use canvass_traces::{Timestamp, hex};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -117,7 +117,8 @@ fn parse_address(text: &str) -> Option<Multiplexer> {
 fn text(content: &Content) -> String {
     match content {
         Content::Number(number) => format!("0x{number:X}"),
-        Content::Bytes(bytes) => bytes.iter().fold("bytes".to_owned(), |text, byte| format!("{text} {byte:02X}")),
+        Content::Bytes(bytes) if bytes.is_empty() => "bytes".to_owned(),
+        Content::Bytes(bytes) => format!("bytes {}", hex::spaced(bytes)),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Motions as they are typed: `--motion` and the `~MOTION` of a simulated device.
+//! Motions as they are typed, such as the `~MOTION` of a simulated device.
 //!
 //! ```text
 //! still  still=STEPS          stands, at that physical position

@@ -14,6 +14,7 @@ use super::store::StoreCommand;
 use crate::Firmware;
 use crate::models::Model;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -104,13 +105,19 @@ impl Objects {
         }
         let encoder = self.encoder.as_ref()?;
         match (at.index.0, at.sub.0) {
-            (0x6500, 0) if quirks.limit_switches => {
+            (encoder::OPERATING_STATUS, 0) if quirks.limit_switches => {
                 let position = encoder.value(now, POSITION, &self.parameters)?;
                 Some(limit_switches::operating_status(position, &self.parameters, &self.firmware))
             }
-            (0x6501 | 0x6502, 0) if quirks.resolution_follows_scaling => self.scaled_resolution(at),
-            (0x6503, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
-            (0x6508, 0) if self.parameters.number(0x6508, 0) == Some(NOT_USED) => None,
+            (encoder::SINGLE_TURN_RESOLUTION | encoder::NUMBER_OF_REVOLUTIONS, 0)
+                if quirks.resolution_follows_scaling =>
+            {
+                self.scaled_resolution(at)
+            }
+            (encoder::ALARMS, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
+            (encoder::OPERATING_TIME, 0) if self.parameters.number(encoder::OPERATING_TIME, 0) == Some(NOT_USED) => {
+                None
+            }
             _ => encoder.value(now, at, &self.parameters),
         }
     }
@@ -118,12 +125,12 @@ impl Objects {
     /// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
     fn scaled_resolution(&self, at: Multiplexer) -> Option<u64> {
         let number = |index| self.parameters.number_or_zero(index, 0);
-        if number(0x6000) & SCALING == 0 {
+        if number(encoder::OPERATING_PARAMETERS) & SCALING == 0 {
             return None;
         }
         match at.index.0 {
-            0x6501 => Some(number(0x6001)),
-            _ => number(0x6002).checked_div(number(0x6001)),
+            encoder::SINGLE_TURN_RESOLUTION => Some(number(encoder::UNITS_PER_REVOLUTION)),
+            _ => number(encoder::TOTAL_MEASURING_RANGE).checked_div(number(encoder::UNITS_PER_REVOLUTION)),
         }
     }
 
@@ -192,7 +199,7 @@ impl Objects {
         Ok(())
     }
 
-    /// An RPDO carries a value for an object. What the object does not take is left out; nobody is told.
+    /// An RPDO carries a value for an object. What the object does not take is left out; nothing is reported.
     pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         if !self.firmware.checks_rpdo_values() || self.check(at, value).is_ok() {
             self.put(now, at, value);
@@ -242,9 +249,10 @@ impl Objects {
 
     /// What switching scaling off does beside that.
     pub fn reset_scaling(&mut self, node: NodeId) {
-        self.waiting.retain(|(at, _)| !matches!(at.index.0, 0x6001 | 0x6002));
+        self.waiting
+            .retain(|(at, _)| !matches!(at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE));
         for (entry, content) in self.parameters.entries_mut() {
-            if matches!(entry.at.index.0, 0x6001 | 0x6002) {
+            if matches!(entry.at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE) {
                 *content = entry.default_content(node);
             }
         }
@@ -297,7 +305,7 @@ impl Objects {
     }
 }
 
-const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
 
 /// Bit 2 of 6000h.
 const SCALING: u64 = 1 << 2;

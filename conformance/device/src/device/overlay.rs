@@ -5,6 +5,7 @@ use crate::{Fault, Firmware};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 
 /// A single-turn encoder in the upper word of 1000h.
 const SINGLE_TURN: u64 = 0x0001_0000;
@@ -59,27 +60,27 @@ fn plant_encoder(parameters: &mut Parameters, firmware: &Firmware) {
     let at = |index| Multiplexer::new(index, 0);
     let profile = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF;
     wrong(Fault::DeviceTypeTurnsWrong, at(object::DEVICE_TYPE), SINGLE_TURN | profile, parameters);
-    wrong(Fault::RevolutionsZero, at(0x6502), 0, parameters);
-    wrong(Fault::ProfileVersionUnset, at(0x6507), 0xFFFF_FFFF, parameters);
-    let half = parameters.number_or_zero(0x650A, 3) / 2;
-    wrong(Fault::HighestPositionWrong, Multiplexer::new(0x650A, 3), half, parameters);
-    let alarms = parameters.number_or_zero(0x6504, 0) | RESERVED_ALARM;
-    wrong(Fault::ReservedAlarmBitSet, at(0x6504), alarms, parameters);
-    let serial = parameters.number_or_zero(0x650B, 0) + 1;
-    wrong(Fault::SerialNumberDiffers, at(0x650B), serial, parameters);
+    wrong(Fault::RevolutionsZero, at(encoder::NUMBER_OF_REVOLUTIONS), 0, parameters);
+    wrong(Fault::ProfileVersionUnset, at(encoder::PROFILE_AND_SOFTWARE_VERSION), 0xFFFF_FFFF, parameters);
+    let half = parameters.number_or_zero(encoder::MODULE_IDENTIFICATION, 3) / 2;
+    wrong(Fault::HighestPositionWrong, Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3), half, parameters);
+    let alarms = parameters.number_or_zero(encoder::SUPPORTED_ALARMS, 0) | RESERVED_ALARM;
+    wrong(Fault::ReservedAlarmBitSet, at(encoder::SUPPORTED_ALARMS), alarms, parameters);
+    let serial = parameters.number_or_zero(encoder::SERIAL_NUMBER, 0) + 1;
+    wrong(Fault::SerialNumberDiffers, at(encoder::SERIAL_NUMBER), serial, parameters);
     if firmware.has(Fault::OperatingStatusMissing) {
-        parameters.remove(0x6500, None);
+        parameters.remove(encoder::OPERATING_STATUS, None);
     }
     if firmware.has(Fault::AlarmsMissing) {
-        parameters.remove(0x6503, None);
+        parameters.remove(encoder::ALARMS, None);
     }
     if firmware.has(Fault::PositionSixteenBit) {
-        parameters.retype(at(0x6004), DataType::UNSIGNED16);
+        parameters.retype(at(encoder::POSITION_VALUE), DataType::UNSIGNED16);
     }
     if firmware.has(Fault::OperatingParametersThirtyTwoBit) {
-        parameters.retype(at(0x6000), DataType::UNSIGNED32);
+        parameters.retype(at(encoder::OPERATING_PARAMETERS), DataType::UNSIGNED32);
     }
     if firmware.has(Fault::PositionWritable) {
-        parameters.open(at(0x6004));
+        parameters.open(at(encoder::POSITION_VALUE));
     }
 }

@@ -13,7 +13,6 @@ use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, extract};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// One RPDO.
 #[derive(Clone, Debug)]
 struct Rpdo {
     /// 0 for 1400h and 1600h.

@@ -166,7 +166,6 @@ pub(super) fn is_plain_upload(frame: &Frame) -> bool {
     matches!(command >> 5, 2 | 3) && u16::from_le_bytes([low, high]) != ERROR_REGISTER.index.0
 }
 
-/// One further channel.
 #[derive(Clone, Debug)]
 struct FurtherChannel {
     index: u16,

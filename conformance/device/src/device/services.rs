@@ -50,7 +50,7 @@ macro_rules! services {
         }
 
         impl Device {
-            /// Tells all services what happened. What follows from it in one happens before the next is told.
+            /// Tells all services what happened. What follows from it in one happens before the next service gets it.
             pub(super) fn deliver(&mut self, now: Timestamp, event: Event) {
                 $(
                     self.services.$name.on_event(now, event, &mut self.context);

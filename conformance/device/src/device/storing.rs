@@ -7,9 +7,10 @@ use super::service::{Event, Service};
 use super::store::{Groups, StoreCommand, StoredNetwork};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 
-const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
 
 /// Bit 2 of 6000h.
 const SCALING: u64 = 1 << 2;
@@ -69,7 +70,7 @@ fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     let node = context.node_or_placeholder();
     if resets_scaling(at, value, context) {
         context.objects.reset_scaling(node);
-        for index in [0x6001, 0x6002] {
+        for index in [encoder::UNITS_PER_REVOLUTION, encoder::TOTAL_MEASURING_RANGE] {
             context.store.forget_number(Multiplexer::new(index, 0), &context.objects.parameters);
         }
     }

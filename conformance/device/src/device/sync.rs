@@ -15,7 +15,6 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The SYNC object.
 #[derive(Clone, Debug)]
 pub(super) struct SyncObject {
     cob_id: CobId,

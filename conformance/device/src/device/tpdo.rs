@@ -8,6 +8,7 @@ use super::pdo::{self, Direction};
 use super::service::{Event, Service};
 use super::storing::resets_scaling;
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
@@ -21,7 +22,6 @@ const LATE: Duration = Duration::from_millis(30);
 /// How long a slow device takes for its synchronous TPDOs.
 const SLOW: Duration = Duration::from_millis(40);
 
-/// One TPDO.
 #[derive(Clone, Debug)]
 struct Tpdo {
     /// 0 for 1800h and 1A00h.
@@ -107,7 +107,8 @@ impl Tpdo {
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         self.inhibit = firmware.inhibit_time(number(3));
-        let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
+        let event_timer =
+            if is_cyclic { objects.parameters.number_or_zero(encoder::CYCLIC_TIMER, 0) } else { number(5) };
         self.event_timer = firmware.event_timer(event_timer);
         let ignored = !firmware.heeds_sync_start_value()
             || objects.parameters.number_or_zero(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0) == 0;
@@ -403,7 +404,7 @@ impl Tpdos {
             object::SYNCHRONOUS_COUNTER_OVERFLOW if context.firmware().overlooks_late_sync_counter() => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             // The cyclic timer of CiA 406; in other profiles these are outputs.
-            0x6200 => context.objects.encoder.is_some() && context.firmware().heeds_cyclic_timer(),
+            encoder::CYCLIC_TIMER => context.objects.encoder.is_some() && context.firmware().heeds_cyclic_timer(),
             _ => resets_scaling(at, value, context),
         };
         if concerns {

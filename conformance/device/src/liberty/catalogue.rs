@@ -65,7 +65,7 @@ liberties! {
     // SDO
     ToggleIgnored = "toggle-ignored", "CiA 301 7.2.4.3.2, 7.2.4.3.5" by [LELY]: "A segment whose toggle bit does not alternate is ignored in silence.",
     BlockInitiateRefused = "block-initiate-refused", "CiA 301 7.2.4.3.8, 7.2.4.3.12" by [CANOPEN_NODE]: "A new initiate during a block transfer is answered with abort 0504 0001h; the next request is served.",
-    TransferWithoutTimeout = "transfer-without-timeout", "CiA 301 7.2.4.3.17" by [CANOPEN_STACK]: "A transfer waits for its client for ever.",
+    TransferWithoutTimeout = "transfer-without-timeout", "CiA 301 7.2.4.3.17" by [CANOPEN_STACK]: "A transfer waits for its client without a timeout.",
     TimeoutWithoutAbort = "timeout-without-abort", "CiA 301 7.2.4.3.17": "A transfer whose client says nothing any more ends in silence.",
     ReservedBitsRefused = "reserved-bits-refused", "CiA 301 7.2.4.3" by [CANOPEN_NODE]: "A request whose command has reserved bits set is an unknown one: abort 0504 0001h, which names no object.",
     ProtocolBeforeBlockSize = "protocol-before-block-size", "CiA 301 7.2.4.3.13" by [CANOPEN_NODE]: "A block upload of a value up to the threshold becomes a normal one, whatever the size of blocks it asks for.",

@@ -131,7 +131,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     if liberties.has(Liberty::NoSegmentedTransfer) {
         remove_long(edit, |_| true);
     }
-    // Who stores in both ways also stores by itself.
+    // A device that stores in both ways also stores by itself.
     match () {
         () if liberties.has(Liberty::StoresBothWays) => stores(edit, 0b11, true),
         () if liberties.has(Liberty::StoresByItself) => stores(edit, 0b10, false),

@@ -131,7 +131,7 @@ impl Edit<'_> {
             mapped.filter(|raw| *raw != 0).any(|raw| is_gone(Multiplexer::new((raw >> 16) as u16, (raw >> 8) as u8)))
         };
         let objects = self.description.dictionary.objects().iter();
-        let mappings = objects.filter(|object| matches!(object.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF));
+        let mappings = objects.filter(|object| canvass_analyzer::object::is_pdo_mapping(object.index.0));
         let gone: Vec<u16> = mappings.filter(|object| carries(object)).map(|object| object.index.0).collect();
         gone.into_iter().for_each(|mapping| self.unmap(mapping));
     }

@@ -6,6 +6,7 @@ use super::shows_limit_switches;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
 use canvass_analyzer::object;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lss::Lss;
 use toml::{Table, Value};
@@ -13,7 +14,7 @@ use toml::{Table, Value};
 /// The node-ID where the description is for any.
 const USUAL_NODE: u8 = 1;
 /// Of an encoder, the period of its first TPDO.
-const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 /// The bit rate in kbit/s where the description does not say which ones there are.
 const USUAL_BIT_RATE: u16 = 250;
 
@@ -111,7 +112,7 @@ fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
 
 /// Of a work area the low limit is below the high one (CiA 406), for each channel that has both.
 fn checks(description: &DeviceDescription) -> Vec<Value> {
-    let (low, high) = (0x6401, 0x6402);
+    let (low, high) = (encoder::WORK_AREA_LOW_LIMIT, encoder::WORK_AREA_HIGH_LIMIT);
     let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {
         let mut row = Table::new();
         row.insert("at".to_owned(), written(at).into());
@@ -156,14 +157,14 @@ fn encoder(description: &DeviceDescription) -> Option<Table> {
         let entry = description.dictionary.entry(Multiplexer::new(index, 0)).ok()?;
         entry.default.as_ref()?.fixed()?.to_raw()
     };
-    let has_position = description.dictionary.entry(Multiplexer::new(0x6004, 0)).is_ok();
+    let has_position = description.dictionary.entry(Multiplexer::new(encoder::POSITION_VALUE, 0)).is_ok();
     if description.device_profile() != Some(406) || !has_position {
         return None;
     }
-    let bits = number(0x6501).map_or(13, |steps| i64::from(steps.max(1).ilog2().min(32)));
+    let bits = number(encoder::SINGLE_TURN_RESOLUTION).map_or(13, |steps| i64::from(steps.max(1).ilog2().min(32)));
     let mut encoder = Table::new();
     encoder.insert("single_turn_bits".to_owned(), bits.into());
-    let revolutions = number(0x6502).unwrap_or(1).clamp(1, u64::from(u32::MAX));
+    let revolutions = number(encoder::NUMBER_OF_REVOLUTIONS).unwrap_or(1).clamp(1, u64::from(u32::MAX));
     encoder.insert("revolutions".to_owned(), (revolutions as i64).into());
     Some(encoder)
 }

@@ -99,7 +99,6 @@ pub enum ModelError {
     /// The EDS.
     #[error("the EDS: {0}")]
     Description(#[from] eds::DescriptionError),
-    /// The sheet.
     #[error("the sheet: {0}")]
     Sheet(#[from] toml::de::Error),
     /// The node-ID as delivered.

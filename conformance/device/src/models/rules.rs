@@ -11,7 +11,6 @@ use serde::{Deserialize, Deserializer, de};
 pub struct Link {
     /// How.
     pub kind: LinkKind,
-    /// The objects.
     #[serde(deserialize_with = "super::sheet::addresses")]
     pub objects: Vec<Multiplexer>,
     /// For people: where the manual says it.
@@ -35,7 +34,6 @@ pub enum LinkKind {
 pub struct Check {
     /// The objects that it holds for.
     pub at: Addresses,
-    /// The rule.
     pub rule: Rule,
     /// The object that the value is compared with, where the rule compares.
     #[serde(default, deserialize_with = "super::sheet::address_option")]

@@ -4,7 +4,7 @@ use super::{Message, Signal};
 use canvass_analyzer::{Number, PdoNumber};
 use std::fmt::Write;
 
-/// Who sends or receives what this node does not.
+/// The sender or receiver where it is not this node.
 const NOBODY: &str = "Vector__XXX";
 /// Marks an identifier of 29 bits.
 const EXTENDED: u32 = 1 << 31;

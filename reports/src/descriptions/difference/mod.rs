@@ -5,7 +5,7 @@ mod markdown;
 mod text;
 
 use crate::escape::printable;
-use canvass_analyzer::dictionary::difference::{Class, Difference, Fact, Kind};
+use canvass_analyzer::dictionary::difference::{ChangeKind, Class, Difference, Fact};
 
 /// What differs between two files.
 #[derive(Clone, Debug)]
@@ -53,8 +53,8 @@ impl Compared {
     }
 
     /// The differences by kind, the gravest first and otherwise as they come.
-    fn by_kind(&self) -> Vec<(&'static Kind, Vec<&Difference>)> {
-        let mut kinds: Vec<(&'static Kind, Vec<&Difference>)> = Vec::new();
+    fn by_kind(&self) -> Vec<(&'static ChangeKind, Vec<&Difference>)> {
+        let mut kinds: Vec<(&'static ChangeKind, Vec<&Difference>)> = Vec::new();
         for difference in &self.differences {
             match kinds.iter_mut().find(|(kind, _)| *kind == difference.kind) {
                 Some((_, same)) => same.push(difference),
@@ -98,7 +98,7 @@ mod tests {
     fn text_tells_each_kind_once() {
         let both =
             compared("DataType=5\nAccessType=rw\nDefaultValue=5\n", "DataType=6\nAccessType=ro\nDefaultValue=5\n");
-        let expected = "breaking[entry/data-type]: the data type is another\n  \
+        let expected = "breaking[entry/data-type]: the data type has changed\n  \
             2000h:00 Set: UNSIGNED8 -> UNSIGNED16\n  \
             = A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same \
             length, the same bytes now mean another value.\n\n\

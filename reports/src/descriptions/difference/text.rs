@@ -1,6 +1,7 @@
 //! For people: each kind of change once, with where it is and what follows from it.
 
 use super::{Compared, fact, subject};
+use crate::color::Color;
 use canvass_analyzer::dictionary::difference::Class;
 use std::fmt::Write;
 
@@ -8,11 +9,11 @@ pub(super) fn render(compared: &Compared, colors: bool) -> String {
     let mut text = String::new();
     for (kind, differences) in compared.by_kind() {
         let color = match kind.class {
-            Class::Breaking => "\x1b[31m",
-            Class::Notable => "\x1b[33m",
-            Class::Harmless => "\x1b[32m",
+            Class::Breaking => Color::Red,
+            Class::Notable => Color::Yellow,
+            Class::Harmless => Color::Green,
         };
-        let class = if colors { format!("{color}{}\x1b[0m", kind.class) } else { kind.class.to_string() };
+        let class = color.paint(&kind.class.to_string(), colors);
         // Writing to a string can't fail.
         let _ = writeln!(text, "{class}[{}]: {}", kind.id, kind.title());
         for difference in differences {

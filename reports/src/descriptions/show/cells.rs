@@ -71,7 +71,7 @@ fn setting(shown: &Shown, at: Multiplexer, entry: &Entry, setting: &Setting) -> 
 
 /// The object that an entry of a mapping names.
 fn mapped(at: Multiplexer, setting: &Setting) -> Option<MappingEntry> {
-    let is_mapping = matches!(at.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) && at.sub.0 > 0;
+    let is_mapping = canvass_analyzer::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0;
     let raw = setting.fixed()?.to_raw().filter(|&raw| is_mapping && raw > 0)?;
     u32::try_from(raw).ok().map(MappingEntry)
 }

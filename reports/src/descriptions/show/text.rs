@@ -2,10 +2,8 @@
 
 use super::cells::{self, Cells};
 use super::{Shown, Style, at, picture, version};
+use crate::color::Color;
 use crate::escape::printable;
-use crate::table::Color;
-#[cfg(target_family = "wasm")]
-use crate::table::Paint as _;
 use canvass_analyzer::SubIndex;
 use canvass_analyzer::dictionary::layout::PdoLayout;
 use canvass_analyzer::dictionary::{Entry, Object};
@@ -51,7 +49,7 @@ fn table(shown: &Shown, style: Style) -> Table {
                 table.add_row(row(object.index.to_string(), cells, true, configured));
             }
             None => {
-                let cells = [Cell::new(object.index).fg(Color::Cyan), Cell::new(name), Cell::new(object.code)];
+                let cells = [Color::Cyan.cell(Cell::new(object.index)), Cell::new(name), Cell::new(object.code)];
                 table.add_row(cells);
                 for entry in object.entries() {
                     let place = format!("   :{:02X}", entry.sub.0);
@@ -65,7 +63,7 @@ fn table(shown: &Shown, style: Style) -> Table {
 
 fn row(place: String, cells: Cells, is_object: bool, configured: bool) -> Vec<Cell> {
     let place = Cell::new(place);
-    let place = if is_object { place.fg(Color::Cyan) } else { place };
+    let place = if is_object { Color::Cyan.cell(place) } else { place };
     let texts =
         [cells.name, cells.data_type, cells.access.to_owned(), cells.mapping.to_owned(), cells.default, cells.limits];
     let texts = texts.into_iter().chain(configured.then_some(cells.configured));

@@ -6,6 +6,7 @@ use canvass_analyzer::dictionary::Setting;
 use canvass_analyzer::dictionary::difference::{Fact, Subject};
 use canvass_analyzer::dictionary::survey::Answer;
 use canvass_analyzer::dictionary::survey::compare::{Mismatch, Side};
+use canvass_traces::hex;
 use serde_json::{Value, json};
 
 /// The name and version of the contract.
@@ -71,9 +72,7 @@ fn value(shown: &Side) -> Value {
         Side::Fact(fact) => content(fact),
         Side::Limits(low, high) => json!({ "low": setting(low), "high": setting(high) }),
         Side::Length(bytes) => json!({ "bytes": bytes }),
-        Side::Answer(Answer::Value(bytes)) => {
-            json!({ "data": bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>() })
-        }
+        Side::Answer(Answer::Value(bytes)) => json!({ "data": hex::compact(bytes).to_string() }),
         Side::Answer(Answer::Aborted(code)) => json!({ "abort": code.0 }),
         Side::Exists | Side::NotMappable | Side::Answer(_) => json!(side(shown)),
     }

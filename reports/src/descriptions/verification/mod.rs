@@ -8,7 +8,7 @@ use crate::escape::printable;
 use canvass_analyzer::dictionary::survey::compare::{Mismatch, Side, Weight};
 use canvass_analyzer::{Index, NodeId};
 
-/// A device that was held against its description.
+/// A device that was compared with its description.
 #[derive(Clone, Debug)]
 pub struct Verification {
     /// The description, as the user named it.

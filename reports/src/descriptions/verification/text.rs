@@ -1,11 +1,9 @@
 //! For people: a table, then what each kind of difference means.
 
 use super::{Style, Verification, remark, side, subject};
+use crate::color::Color;
 use crate::escape::printable;
-use crate::table::Color;
-#[cfg(target_family = "wasm")]
-use crate::table::Paint as _;
-use canvass_analyzer::dictionary::survey::compare::{Kind, Mismatch};
+use canvass_analyzer::dictionary::survey::compare::{Mismatch, MismatchKind};
 use comfy_table::{Cell, Table};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -15,7 +13,7 @@ pub(super) fn render(verification: &Verification, style: Style) -> String {
     if !verification.mismatches.is_empty() {
         // Writing to a string can't fail.
         let _ = writeln!(text, "{}\n", table(verification, style));
-        let kinds: BTreeSet<Kind> = verification.mismatches.iter().map(|mismatch| mismatch.kind).collect();
+        let kinds: BTreeSet<MismatchKind> = verification.mismatches.iter().map(|mismatch| mismatch.kind).collect();
         for kind in kinds {
             let _ = writeln!(text, "{}: {}", kind.id(), kind.meaning());
         }
@@ -47,6 +45,6 @@ fn row(mismatch: &Mismatch, counts: bool) -> [Cell; 4] {
         "" => mismatch.kind.id().to_owned(),
         remark => format!("{} ({remark})", mismatch.kind.id()),
     });
-    let what = what.fg(if counts { Color::Red } else { Color::Yellow });
+    let what = if counts { Color::Red } else { Color::Yellow }.cell(what);
     [Cell::new(subject(mismatch)), what, Cell::new(side(&mismatch.described)), Cell::new(side(&mismatch.found))]
 }

@@ -11,7 +11,7 @@ use crate::escape::printable;
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::NodeStatistics;
 use canvass_analyzer::{NodeId, Service};
-use canvass_traces::{ChannelId, Timestamp};
+use canvass_traces::{ChannelId, Timestamp, hex};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 
@@ -277,12 +277,8 @@ fn findings(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Finding> {
 }
 
 fn frame(shown: &Shown, names: &mut Names<'_>, texts: &mut Texts) -> Frame {
-    let mut data: String = if shown.frame.is_remote() {
-        "remote".to_owned()
-    } else {
-        let bytes: Vec<String> = shown.data().iter().map(|byte| format!("{byte:02X}")).collect();
-        bytes.join(" ")
-    };
+    let mut data: String =
+        if shown.frame.is_remote() { "remote".to_owned() } else { hex::spaced(shown.data()).to_string() };
     if shown.len > shown.data().len() {
         data.push_str(&format!(" … ({} bytes)", shown.len));
     }

@@ -67,7 +67,6 @@ pub struct Shown {
     pub long: Vec<u8>,
     /// How long the payload is.
     pub len: usize,
-    /// Its service.
     pub service: Option<Service>,
     /// The node that it is about.
     pub node: Option<NodeId>,

@@ -1,7 +1,7 @@
 //! What the row of a node in the timeline shows: what the node has said of its state, and when it said nothing.
 //!
 //! An NMT command is not what a node says. A reset is shown as such until the node shows a state again; a node that drops
-//! out is silent, whatever it is told in the meantime.
+//! out is silent, whatever it is commanded in the meantime.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::Finding;

@@ -127,7 +127,7 @@ fn load(diagnosed: &Diagnosed<'_>) -> Markup {
             div.head { h2 #load { "Bus load" } (controls("timeline and plots")) }
             p.hint {
                 "Frames with their stuff bits. The band reaches from the emptiest to the fullest tenth of a second."
-                @if guessed { " Where the bit rate is not known, kbit/s are shown: give it with --bit-rate." }
+                @if guessed { " Where the bit rate is not known, kbit/s are shown." }
             }
             div #load-plots {}
         }
@@ -143,7 +143,7 @@ fn signals(collected: &Collector) -> Markup {
             @if columns.is_empty() {
                 p.hint {
                     "No PDO whose mapping is known. It is known from the SDO traffic of a capture that shows how it is \
-                     read or written, or from a description: name the device of a node with --device NODE=MODEL|FILE."
+                     read or written, or from the description of the node's device, where one is given."
                 }
             } @else {
                 p.hint {

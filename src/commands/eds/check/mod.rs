@@ -1,6 +1,6 @@
-//! `canvass eds check`: what is wrong in device descriptions, and mending it.
+//! `canvass eds check`: what is wrong in device descriptions, and fixing it.
 
-mod mending;
+mod fixing;
 mod selection;
 
 use super::found::{Description, descriptions};
@@ -16,7 +16,7 @@ use selection::Selection;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Check device descriptions against CiA 306 and the standards, and mend what can be mended
+/// Check device descriptions against CiA 306 and the standards, and fix what can be fixed
 ///
 /// An error makes a configuration tool or the device fail; a warning contradicts the text of a standard, though the
 /// meaning is clear; a hint is advice. `canvass list eds-rules` lists the rules, `canvass explain RULE` explains one. A
@@ -33,7 +33,7 @@ pub struct Args {
     /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
-    /// Write files with everything mended that can be mended without guessing
+    /// Write files with everything fixed that can be fixed without guessing
     #[arg(long, conflicts_with = "diff")]
     fix: bool,
     /// Print what --fix would change; the exit status is 1 if there is anything
@@ -116,13 +116,13 @@ impl Args {
         Ok(if status == Status::Good && fails { Status::Findings } else { status })
     }
 
-    /// Checks one file, and mends it if that is wanted. Text is printed at once; a file without findings is kept for the
+    /// Checks one file, and fixes it if that is wanted. Text is printed at once; a file without findings is kept for the
     /// count, of a difference only one that changes.
     fn one(&self, path: &std::path::Path, style: Style, output: &Output) -> anyhow::Result<Option<CheckedFile>> {
         let mut description = Description::read(path)?;
         let wanted = |finding: &_| self.selection.wants(finding);
         if self.fix {
-            mending::mend_file(&mut description, wanted)?;
+            fixing::fix_file(&mut description, wanted)?;
         }
         let folder = description.folder();
         let beside = folder.as_ref().map(|folder| folder as &dyn Folder);
@@ -133,7 +133,7 @@ impl Args {
         }
         let file = CheckedFile::new(&description.name, &checked, wanted);
         if self.diff {
-            let diff = mending::difference(&description, &checked.text, wanted)?;
+            let diff = fixing::difference(&description, &checked.text, wanted)?;
             unless_closed(output.append(|buffer| buffer.extend_from_slice(diff.as_bytes())))?;
             if diff.is_empty() {
                 return Ok(None);
@@ -147,7 +147,7 @@ impl Args {
 
     fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
         let text = match self.format {
-            CheckFormat::Text => text::summary(files.len(), &Counts::of(files)),
+            CheckFormat::Text => summary(files),
             CheckFormat::Json => Printable::pretty_json(&json::document(files)).into_string(),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
             CheckFormat::Markdown => markdown::document(files),
@@ -161,5 +161,15 @@ impl Args {
         let mut output = output.clone();
         unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
         Ok(())
+    }
+}
+
+/// How many findings there are, and what to do next.
+fn summary(files: &[CheckedFile]) -> String {
+    let counts = Counts::of(files);
+    let text = text::summary(files.len(), &counts);
+    match counts.fixable {
+        0 => text,
+        number => format!("{text}{number} can be fixed with --fix; --diff shows what would change\n"),
     }
 }

@@ -5,13 +5,14 @@ use super::sdo::{Outcome, Transfer, Violation};
 use crate::BusError;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::survey::{Answer, Survey};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// Longer values are not read to their end: who has a DOMAIN of a megabyte has it, and a string has an end before.
+/// Longer values are not read to their end: a DOMAIN may have megabytes, and strings are shorter.
 const MOST: usize = 4_096;
 /// Before a device is taken for gone, it is asked so many times for what every device has.
 const LAST_TRIES: u32 = 2;
@@ -109,7 +110,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
 
     /// A device that has not answered for some entries is asked for one that every device has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
-        const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+        const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
         if (0..LAST_TRIES).any(|_| !matches!(self.ask(DEVICE_TYPE), Ok(Answer::Silent))) {
             return Ok(());
         }

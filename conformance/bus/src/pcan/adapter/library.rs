@@ -141,7 +141,6 @@ impl Library {
         Status(unsafe { (self.get_value)(channel.handle(), parameter.0, buffer.as_mut_ptr().cast(), length) })
     }
 
-    /// A number.
     pub fn number(&self, channel: Channel, parameter: Parameter) -> Result<u32, Status> {
         let mut bytes = [0; 4];
         match self.get(channel, parameter, &mut bytes) {

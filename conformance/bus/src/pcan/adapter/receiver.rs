@@ -122,7 +122,7 @@ impl Receiver {
         while !shared.inbox.is_closed() {
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(Change { bit_rate, done }) = change {
-                // Who asked may have lost patience.
+                // The caller may no longer be waiting.
                 let _ = done.send(self.change_bit_rate(bit_rate));
             }
             let Some(wake) = &self.wake else {

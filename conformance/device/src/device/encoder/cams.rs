@@ -3,6 +3,7 @@
 
 use super::Encoder;
 use crate::device::parameters::Parameters;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 use std::cell::Cell;
 
@@ -20,8 +21,8 @@ impl Encoder {
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
         let slot = usize::from(channel.checked_sub(1)?);
         let register = |index| parameters.number_or_zero(index, channel) as u8;
-        let enabled = if !self.firmware.heeds_cam_enable() { u8::MAX } else { register(0x6301) };
-        let polarity = if !self.firmware.heeds_cam_polarity() { 0 } else { register(0x6302) };
+        let enabled = if !self.firmware.heeds_cam_enable() { u8::MAX } else { register(encoder::CAM_ENABLE) };
+        let polarity = if !self.firmware.heeds_cam_polarity() { 0 } else { register(encoder::CAM_POLARITY) };
         let position = self.position(now, parameters) as i64;
         let mut memory = self.cams.0.get();
         let before = memory.get(slot).copied().unwrap_or(0);
@@ -38,9 +39,9 @@ impl Encoder {
     /// Whether the position lies in a cam; one that is active ends only beyond its hysteresis.
     fn is_inside(&self, position: i64, cam: u16, channel: u8, was_active: bool, parameters: &Parameters) -> bool {
         let limit = |index: u16| i64::from(parameters.number_or_zero(index + cam, channel) as u32 as i32);
-        let (low, high) = (limit(0x6310), limit(0x6320));
+        let (low, high) = (limit(encoder::CAM_LOW_LIMIT), limit(encoder::CAM_HIGH_LIMIT));
         let hysteresis = match was_active && self.firmware.heeds_cam_hysteresis() {
-            true => parameters.number_or_zero(0x6330 + cam, channel) as i64,
+            true => parameters.number_or_zero(encoder::CAM_HYSTERESIS + cam, channel) as i64,
             false => 0,
         };
         let below = position <= high + hysteresis || !self.firmware.heeds_cam_high_limit();

@@ -4,6 +4,7 @@
 use super::Encoder;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 
 /// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
@@ -23,12 +24,14 @@ const OPERATING_TIME_UNIT: u64 = 360_000_000_000;
 impl Encoder {
     pub(super) fn diagnosis_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
-            (0x6500, 0) if !self.firmware.shows_operating_status() => None,
-            (0x6500, 0) => parameters.number(0x6000, 0),
-            (0x6501, 0) if self.firmware.scales_single_turn_resolution() => parameters.number(0x6001, 0),
-            (0x6503, 0) => Some(self.alarms()),
-            (0x6505, 0) => Some(self.warnings(now, parameters)),
-            (0x6508, 0) => Some(self.operating_time(now)),
+            (encoder::OPERATING_STATUS, 0) if !self.firmware.shows_operating_status() => None,
+            (encoder::OPERATING_STATUS, 0) => parameters.number(encoder::OPERATING_PARAMETERS, 0),
+            (encoder::SINGLE_TURN_RESOLUTION, 0) if self.firmware.scales_single_turn_resolution() => {
+                parameters.number(encoder::UNITS_PER_REVOLUTION, 0)
+            }
+            (encoder::ALARMS, 0) => Some(self.alarms()),
+            (encoder::WARNINGS, 0) => Some(self.warnings(now, parameters)),
+            (encoder::OPERATING_TIME, 0) => Some(self.operating_time(now)),
             _ => None,
         }
     }
@@ -67,7 +70,7 @@ impl Encoder {
         if !self.firmware.sets_warning() {
             warnings = 0;
         }
-        warnings &= parameters.number_or_zero(0x6506, 0);
+        warnings &= parameters.number_or_zero(encoder::SUPPORTED_WARNINGS, 0);
         if self.firmware.sets_unsupported_warning() {
             warnings |= UNSUPPORTED;
         }
@@ -88,7 +91,7 @@ impl Encoder {
 
     /// Whether 6505h bit 0 is set, which an EMCY reports.
     pub fn is_overspeed(&self, now: Timestamp, parameters: &Parameters) -> bool {
-        self.is_too_fast(now) && parameters.number_or_zero(0x6506, 0) & OVERSPEED != 0
+        self.is_too_fast(now) && parameters.number_or_zero(encoder::SUPPORTED_WARNINGS, 0) & OVERSPEED != 0
     }
 
     /// Whether a position error is reported by an EMCY.

@@ -6,6 +6,7 @@
 use super::Encoder;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 
 /// 360 degrees.
@@ -22,7 +23,7 @@ const DRIFT: u64 = 20_000_000;
 impl Encoder {
     pub(super) fn wire_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
-            (0x6020, 0) => Some(self.length(now)),
+            (encoder::CHANNEL_POSITION_VALUES, 0) => Some(self.length(now)),
             (0x5000, 0) => Some(self.angle(parameters)),
             _ => None,
         }
@@ -31,7 +32,7 @@ impl Encoder {
     /// The second channel: B and Z2.
     pub(super) fn redundant_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
-            (0x6020, 0) => Some(self.redundant_length(now)),
+            (encoder::CHANNEL_POSITION_VALUES, 0) => Some(self.redundant_length(now)),
             (0x5000, 0) => Some(self.redundant_angle(parameters)),
             _ => None,
         }

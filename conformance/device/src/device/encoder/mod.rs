@@ -24,13 +24,13 @@ use crate::Firmware;
 use crate::models::{self, EncoderKind, Model};
 use cams::Cams;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
 
 /// The vendor-ID of Kübler.
 const KUEBLER: u32 = 0x13;
 
-/// An encoder.
 #[derive(Clone, Debug)]
 pub(super) struct Encoder {
     sheet: models::Encoder,
@@ -82,11 +82,15 @@ impl Encoder {
             return self.wire_value(now, at, parameters);
         }
         match at.index.0 {
-            0x2160..=0x2162 | 0x600B | 0x600C => self.raw_value(now, at),
-            0x6004 | 0x6008 | 0x6509 => self.position_value(now, at, parameters),
+            0x2160..=0x2162 | encoder::HIGH_RESOLUTION_RAW_VALUE | encoder::POSITION_RAW_VALUE => {
+                self.raw_value(now, at)
+            }
+            encoder::POSITION_VALUE | encoder::HIGH_PRECISION_POSITION | encoder::OFFSET_VALUE => {
+                self.position_value(now, at, parameters)
+            }
             0x6030..=0x605F => self.speed_value(now, at, parameters),
-            0x6300 => self.cam_state(now, at.sub.0, parameters),
-            0x6400 => self.work_area(now, at.sub.0, parameters),
+            encoder::CAM_STATE => self.cam_state(now, at.sub.0, parameters),
+            encoder::WORK_AREA_STATE => self.work_area(now, at.sub.0, parameters),
             0x6500..=0x650B => self.diagnosis_value(now, at, parameters),
             _ => None,
         }
@@ -97,7 +101,7 @@ impl Encoder {
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, parameters);
         }
-        let without_preset = at.index.0 == 0x6004 && self.firmware.sends_position_without_preset();
+        let without_preset = at.index.0 == encoder::POSITION_VALUE && self.firmware.sends_position_without_preset();
         without_preset.then(|| self.position_without_preset(now, parameters))
     }
 
@@ -108,7 +112,7 @@ impl Encoder {
     pub fn check(&self, at: Multiplexer, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
         match at.index.0 {
             0x6000..=0x6002 => self.check_operating(at, value, parameters),
-            0x6003 | 0x6009 => self.check_preset(value, parameters),
+            encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET => self.check_preset(value, parameters),
             _ => Ok(()),
         }
     }
@@ -116,7 +120,7 @@ impl Encoder {
     /// What a written object does beside having its new value.
     pub fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, parameters: &Parameters) {
         match (at.index.0, at.sub.0) {
-            (0x6003 | 0x6009, 0) => self.preset(now, value, parameters),
+            (encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET, 0) => self.preset(now, value, parameters),
             (0x3010, 0) if self.sheet.kind == EncoderKind::DrawWire => self.set_zero_point(value),
             _ => {}
         }
@@ -124,6 +128,6 @@ impl Encoder {
 
     /// Whether writing the object makes the firmware hang.
     pub fn wedges(&self, at: Multiplexer, value: u64) -> bool {
-        at == Multiplexer::new(0x6001, 0) && value == 0 && self.firmware.hangs_of_zero_units()
+        at == Multiplexer::new(encoder::UNITS_PER_REVOLUTION, 0) && value == 0 && self.firmware.hangs_of_zero_units()
     }
 }

@@ -5,6 +5,7 @@ use crate::device::parameters::Parameters;
 use crate::models;
 use crate::models::UniversalScaling;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 
 /// Counts upwards for counter-clockwise rotation.
@@ -19,7 +20,7 @@ const START_IN_OPERATIONAL: u64 = 1 << 14;
 impl Encoder {
     /// Whether the device goes to operational by itself.
     pub fn starts_in_operational(parameters: &Parameters) -> bool {
-        parameters.number_or_zero(0x6000, 0) & START_IN_OPERATIONAL != 0
+        parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & START_IN_OPERATIONAL != 0
     }
 
     /// The conditions of a write to 6000h, 6001h or 6002h: no reserved bits; at least one revolution fits into the
@@ -32,20 +33,32 @@ impl Encoder {
     ) -> Result<(), AbortCode> {
         let refuses = self.firmware.checks_units();
         let fits = match at.index.0 {
-            0x6000 => {
+            encoder::OPERATING_PARAMETERS => {
                 let reserved = value & !u64::from(self.sheet.operating_bits);
                 (reserved == 0 || !self.firmware.checks_operating_bits()) && self.firmware.takes_operating_parameters()
             }
-            0x6001 if value < parameters.number_or_zero(0x6001, 0) && !self.firmware.takes_fewer_units() => false,
-            0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
-            0x6002 if value < parameters.number_or_zero(0x6002, 0) && !self.firmware.takes_smaller_range() => false,
+            encoder::UNITS_PER_REVOLUTION
+                if value < parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
+                    && !self.firmware.takes_fewer_units() =>
+            {
+                false
+            }
+            encoder::UNITS_PER_REVOLUTION => {
+                value <= units_of(parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)) || !refuses
+            }
+            encoder::TOTAL_MEASURING_RANGE
+                if value < parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)
+                    && !self.firmware.takes_smaller_range() =>
+            {
+                false
+            }
             _ => {
                 let range = units_of(value);
                 range >= self.sheet.units_per_revolution_least.into()
-                    && (range >= parameters.number_or_zero(0x6001, 0) || !refuses)
+                    && (range >= parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0) || !refuses)
             }
         };
-        if at.index.0 != 0x6000 && !self.firmware.takes_scaling() {
+        if at.index.0 != encoder::OPERATING_PARAMETERS && !self.firmware.takes_scaling() {
             return Err(AbortCode::INVALID_VALUE);
         }
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
@@ -53,7 +66,8 @@ impl Encoder {
 
     /// 6000h, as the measurement uses it.
     pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
-        let mut bits = parameters.number_or_zero(0x6000, 0) & u64::from(self.sheet.operating_bits);
+        let mut bits =
+            parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & u64::from(self.sheet.operating_bits);
         if !self.firmware.heeds_code_sequence() {
             bits &= !CODE_SEQUENCE;
         }
@@ -103,7 +117,7 @@ impl Encoder {
         if operating & SCALING == 0 {
             return physical_range(&self.sheet).min(FULL_RANGE);
         }
-        let range = i128::from(units_of(parameters.number_or_zero(0x6002, 0)));
+        let range = i128::from(units_of(parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)));
         if self.firmware.wraps_at_power_of_two() {
             return (range as u128).next_power_of_two() as i128;
         }

@@ -9,6 +9,7 @@ use super::Encoder;
 use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps};
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
 
@@ -20,15 +21,17 @@ const STANDSTILL: Duration = Duration::from_millis(400);
 impl Encoder {
     pub(super) fn position_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
-            (0x6004, 0) if self.is_glitching(now) => Some(self.position_without_preset(now, parameters)),
-            (0x6004, 0) => Some(self.position(self.counted_until(now), parameters)),
-            (0x6008, 0) if !self.firmware.presets_high_precision() => {
+            (encoder::POSITION_VALUE, 0) if self.is_glitching(now) => {
                 Some(self.position_without_preset(now, parameters))
             }
-            (0x6008, 0) => Some(self.position(now, parameters)),
-            (0x6509, 0) if !self.firmware.reports_offset() => Some(0),
-            (0x6509, 0) if self.firmware.negates_offset() => Some(self.offset.wrapping_neg() as u64),
-            (0x6509, 0) => Some(self.offset as u64),
+            (encoder::POSITION_VALUE, 0) => Some(self.position(self.counted_until(now), parameters)),
+            (encoder::HIGH_PRECISION_POSITION, 0) if !self.firmware.presets_high_precision() => {
+                Some(self.position_without_preset(now, parameters))
+            }
+            (encoder::HIGH_PRECISION_POSITION, 0) => Some(self.position(now, parameters)),
+            (encoder::OFFSET_VALUE, 0) if !self.firmware.reports_offset() => Some(0),
+            (encoder::OFFSET_VALUE, 0) if self.firmware.negates_offset() => Some(self.offset.wrapping_neg() as u64),
+            (encoder::OFFSET_VALUE, 0) => Some(self.offset as u64),
             _ => None,
         }
     }
@@ -68,7 +71,7 @@ impl Encoder {
     }
 
     fn has_full_range(&self, parameters: &Parameters) -> bool {
-        self.is_scaled(parameters) && parameters.number(0x6002, 0) == Some(0)
+        self.is_scaled(parameters) && parameters.number(encoder::TOTAL_MEASURING_RANGE, 0) == Some(0)
     }
 
     /// As 6004h would be if 6003h had never been written.
@@ -94,7 +97,7 @@ impl Encoder {
         if operating & SCALING == 0 {
             return wrapped(physical, range);
         }
-        let mut product = physical * i128::from(parameters.number_or_zero(0x6001, 0));
+        let mut product = physical * i128::from(parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0));
         if self.firmware.overflows_at_scaling() {
             product = i128::from(product as u32);
         }

@@ -4,6 +4,7 @@
 use super::Encoder;
 use super::operating::{physical_range, steps};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::crc16;
 use canvass_traces::Timestamp;
 
@@ -17,8 +18,10 @@ impl Encoder {
             (0x2161, 0) if !self.firmware.inverts_raw_position() => raw,
             (0x2161, 0) => !raw,
             (0x2162, 0) => u64::from(self.checksum(raw as u32)),
-            (0x600C, 0) if self.firmware.presets_raw_position() => raw.wrapping_add(self.offset as u64),
-            (0x2160 | 0x600B | 0x600C, 0) => raw,
+            (encoder::POSITION_RAW_VALUE, 0) if self.firmware.presets_raw_position() => {
+                raw.wrapping_add(self.offset as u64)
+            }
+            (0x2160 | encoder::HIGH_RESOLUTION_RAW_VALUE | encoder::POSITION_RAW_VALUE, 0) => raw,
             _ => return None,
         })
     }

@@ -9,6 +9,7 @@ use super::Encoder;
 use super::operating::steps;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::encoder;
 use canvass_traces::{Duration, Timestamp};
 
 /// The parts of a revolution by which the change of position is taken: so fine that the resolution of the position does
@@ -25,11 +26,13 @@ const RAW_POSITION: u64 = 2;
 impl Encoder {
     pub(super) fn speed_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         let fine = match (at.index.0, at.sub.0) {
-            (0x6030, 1) => self.shown_speed(now, parameters),
-            (0x6040, 1) if self.firmware.shows_speed_as_acceleration() => self.shown_speed(now, parameters),
-            (0x6040, 1) => self.acceleration(now, parameters),
-            (0x6050, 1) if self.firmware.shows_speed_as_jerk() => self.shown_speed(now, parameters),
-            (0x6050, 1) => self.jerk(now, parameters),
+            (encoder::SPEED_VALUE, 1) => self.shown_speed(now, parameters),
+            (encoder::ACCELERATION_VALUE, 1) if self.firmware.shows_speed_as_acceleration() => {
+                self.shown_speed(now, parameters)
+            }
+            (encoder::ACCELERATION_VALUE, 1) => self.acceleration(now, parameters),
+            (encoder::JERK_VALUE, 1) if self.firmware.shows_speed_as_jerk() => self.shown_speed(now, parameters),
+            (encoder::JERK_VALUE, 1) => self.jerk(now, parameters),
             _ => return None,
         };
         let wide = parameters.entry(at).is_ok_and(|entry| entry.size() == Some(4));
@@ -51,7 +54,7 @@ impl Encoder {
 
     /// The speed in parts of its unit, with the sign of the direction in which the position counts.
     fn speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
-        let (time, multiplier, divisor) = self.averaging(0x6031, parameters);
+        let (time, multiplier, divisor) = self.averaging(encoder::SPEED_PARAMETER, parameters);
         let (parts, nanoseconds) = self.turned(now, time);
         let units = self.speed_in_units(parameters);
         // Of 2130h: only the speed in units is influenced.
@@ -73,17 +76,17 @@ impl Encoder {
     }
 
     fn units_per_revolution(&self, parameters: &Parameters) -> u64 {
-        let raw = parameters.number(0x6031, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
+        let raw = parameters.number(encoder::SPEED_PARAMETER, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
         if raw || self.firmware.counts_speed_in_steps() {
             steps(&self.sheet)
         } else {
-            parameters.number_or_zero(0x6001, 0)
+            parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
         }
     }
 
     /// The change of speed, in parts of its unit per second.
     fn acceleration(&self, now: Timestamp, parameters: &Parameters) -> i128 {
-        let (time, multiplier, divisor) = self.averaging(0x6041, parameters);
+        let (time, multiplier, divisor) = self.averaging(encoder::ACCELERATION_PARAMETER, parameters);
         let (before, nanoseconds) = window(now, time);
         let change = self.speed(now, parameters) - self.speed(before, parameters);
         change.saturating_mul(NANOSECONDS * multiplier) / (nanoseconds * divisor)

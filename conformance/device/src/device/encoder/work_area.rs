@@ -2,6 +2,7 @@
 
 use super::Encoder;
 use crate::device::parameters::Parameters;
+use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 
 const OUT_OF_RANGE: u64 = 1 << 0;
@@ -12,7 +13,10 @@ impl Encoder {
     /// 6400h: above the high limit is an overflow, below the low limit an underflow. Out of range is what lies outside
     /// them, or outside what 650Ah names.
     pub(super) fn work_area(&self, now: Timestamp, sub: u8, parameters: &Parameters) -> Option<u64> {
-        let (low, high) = (parameters.number(0x6401, sub)?, parameters.number(0x6402, sub)?);
+        let (low, high) = (
+            parameters.number(encoder::WORK_AREA_LOW_LIMIT, sub)?,
+            parameters.number(encoder::WORK_AREA_HIGH_LIMIT, sub)?,
+        );
         if sub == 0 {
             return None;
         }
@@ -34,7 +38,7 @@ impl Encoder {
 
 /// Whether the position lies above the maximum or below the minimum of 650Ah. Both are signed; a negative maximum is none.
 fn is_outside_module(position: u64, parameters: &Parameters) -> bool {
-    let signed = |sub| parameters.number(0x650A, sub).map(|raw| i64::from(raw as u32 as i32));
+    let signed = |sub| parameters.number(encoder::MODULE_IDENTIFICATION, sub).map(|raw| i64::from(raw as u32 as i32));
     let (Some(low), Some(high)) = (signed(2), signed(3)) else { return false };
     let position = i64::try_from(position).unwrap_or(i64::MAX);
     // i32::MAX stands for a range that 650Ah has no room for.

@@ -7,7 +7,6 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
 use canvass_traces::Timestamp;
 
-/// An upload in blocks.
 #[derive(Clone, Debug)]
 pub(super) struct BlockUpload {
     pub object: Multiplexer,

@@ -4,37 +4,37 @@ use crate::commands::eds::found::Description;
 use crate::output::diagnostic;
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, bail};
-use canvass_analyzer::dictionary::check::{Finding, check, mend};
+use canvass_analyzer::dictionary::check::{Finding, apply_fixes, check};
 use similar::TextDiff;
 use std::io::Write;
 
-/// Writes the file mended, and says so; one with nothing to mend is not touched.
-pub fn mend_file(description: &mut Description, wanted: impl Fn(&Finding) -> bool) -> Result<()> {
+/// Writes the fixed file, and says so. A file with nothing to fix is not touched.
+pub fn fix_file(description: &mut Description, wanted: impl Fn(&Finding) -> bool) -> Result<()> {
     if description.is_input() {
         bail!("standard input can't be written: --diff shows what would change");
     }
     let name = description.path.display().to_string();
-    let mended = mend(&description.bytes, wanted).with_context(|| format!("can't check {name}"))?;
-    if mended.bytes == description.bytes {
+    let fixed = apply_fixes(&description.bytes, wanted).with_context(|| format!("can't check {name}"))?;
+    if fixed.bytes == description.bytes {
         return Ok(());
     }
     let file = WholeFile::create(&description.path)?;
-    file.writer()?.write_all(&mended.bytes).with_context(|| format!("can't write {name}"))?;
+    file.writer()?.write_all(&fixed.bytes).with_context(|| format!("can't write {name}"))?;
     file.complete()?;
-    let number = mended.mended.len();
-    diagnostic(&format!("{name}: {number} finding{} mended", if number == 1 { "" } else { "s" }));
-    description.bytes = mended.bytes;
+    let number = fixed.rules.len();
+    diagnostic(&format!("{name}: {number} finding{} fixed", if number == 1 { "" } else { "s" }));
+    description.bytes = fixed.bytes;
     Ok(())
 }
 
 /// What would change, as a unified diff; empty if nothing would.
 pub fn difference(description: &Description, text: &str, wanted: impl Fn(&Finding) -> bool) -> Result<String> {
     let failed = || format!("can't check {}", description.path.display());
-    let mended = mend(&description.bytes, wanted).with_context(failed)?;
-    if mended.bytes == description.bytes {
+    let fixed = apply_fixes(&description.bytes, wanted).with_context(failed)?;
+    if fixed.bytes == description.bytes {
         return Ok(String::new());
     }
-    let new = check(&mended.bytes, None).with_context(failed)?;
+    let new = check(&fixed.bytes, None).with_context(failed)?;
     let (before, after) = (format!("a/{}", description.name), format!("b/{}", description.name));
     // Line ends and tabulators would be shown as what they are.
     let plain = |text: &str| text.replace("\r\n", "\n").replace('\r', "\n");

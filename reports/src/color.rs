@@ -1,0 +1,90 @@
+//! Colours of the terminal, for lines and for the cells of tables.
+
+use canvass_analyzer::findings::Severity;
+use canvass_suite::verdict::Kind;
+use comfy_table::Cell;
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Color {
+    Red,
+    Green,
+    Yellow,
+    Magenta,
+    Cyan,
+    Grey,
+}
+
+/// The escape sequence that ends a colour.
+const END: &str = "\x1b[0m";
+
+/// Appends what begins the colour, if there is one.
+pub(crate) fn push_begin(color: Option<Color>, out: &mut Vec<u8>) {
+    if let Some(color) = color {
+        out.extend_from_slice(color.escape().as_bytes());
+    }
+}
+
+/// Appends what ends the colour, if there is one.
+pub(crate) fn push_end(color: Option<Color>, out: &mut Vec<u8>) {
+    if color.is_some() {
+        out.extend_from_slice(END.as_bytes());
+    }
+}
+
+impl Color {
+    pub(crate) const fn of_verdict(kind: Kind) -> Self {
+        match kind {
+            Kind::Pass => Self::Green,
+            Kind::Tolerated | Kind::Deviation => Self::Yellow,
+            Kind::Fail | Kind::Error => Self::Red,
+            Kind::Inconclusive => Self::Magenta,
+            Kind::NotApplicable => Self::Grey,
+        }
+    }
+
+    pub(crate) const fn of_severity(severity: Severity) -> Self {
+        match severity {
+            Severity::Error => Self::Red,
+            Severity::Warning => Self::Yellow,
+            Severity::Info => Self::Cyan,
+        }
+    }
+
+    /// The escape sequence that begins it.
+    const fn escape(self) -> &'static str {
+        match self {
+            Self::Red => "\x1b[31m",
+            Self::Green => "\x1b[32m",
+            Self::Yellow => "\x1b[33m",
+            Self::Magenta => "\x1b[35m",
+            Self::Cyan => "\x1b[36m",
+            Self::Grey => "\x1b[90m",
+        }
+    }
+
+    /// A text in this colour, if colours are wanted.
+    pub(crate) fn paint(self, text: &str, wanted: bool) -> String {
+        if wanted { format!("{}{text}{END}", self.escape()) } else { text.to_owned() }
+    }
+
+    /// A cell in this colour. Its table leaves the colours out where none are wanted; in WebAssembly there are none.
+    pub(crate) fn cell(self, cell: Cell) -> Cell {
+        #[cfg(not(target_family = "wasm"))]
+        let cell = cell.fg(match self {
+            Self::Red => comfy_table::Color::Red,
+            Self::Green => comfy_table::Color::Green,
+            Self::Yellow => comfy_table::Color::Yellow,
+            Self::Magenta => comfy_table::Color::Magenta,
+            Self::Cyan => comfy_table::Color::Cyan,
+            Self::Grey => comfy_table::Color::DarkGrey,
+        });
+        cell
+    }
+}
+
+/// A cell in bold.
+pub(crate) fn bold(cell: Cell) -> Cell {
+    #[cfg(not(target_family = "wasm"))]
+    let cell = cell.add_attribute(comfy_table::Attribute::Bold);
+    cell
+}
