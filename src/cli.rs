@@ -169,7 +169,7 @@ mod tests {
         ("journal", "restore has to have one; test takes none for nowhere"),
         ("node", "simulate takes none for a device without node-ID"),
         ("timeout", "of test and restore each wait has its own, WHAT=SPAN"),
-        ("to", "where a capture is written, a format is told from a time by its name"),
+        ("to", "where a capture is written, its name tells whether it is a format or a time"),
     ];
 
     fn walk(command: &clap::Command, path: &str, seen: &mut BTreeMap<String, Vec<(String, String)>>) {

@@ -127,12 +127,12 @@ impl<W: io::Write> Visible<W> {
             let (before, sequence) = rest.split_at(at);
             self.put(before)?;
             let length = color_sequence(sequence).unwrap_or(0);
-            let (kept, behind) = sequence.split_at(length);
+            let (kept, after) = sequence.split_at(length);
             self.out.write_all(kept.as_bytes())?;
-            rest = behind;
+            rest = after;
             if length == 0 {
                 self.out.write_all(b"\\x1B")?;
-                rest = behind.get(1..).unwrap_or_default();
+                rest = after.get(1..).unwrap_or_default();
             }
         }
         self.put(rest)

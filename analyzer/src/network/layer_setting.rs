@@ -120,7 +120,7 @@ impl LayerSetting {
     }
 }
 
-/// What a dialogue has told of a device before it got its node-ID.
+/// What a dialogue has shown of a device before it got its node-ID.
 pub struct Before {
     /// The node-ID that it told.
     pub told: Option<NodeId>,

@@ -197,7 +197,7 @@ fn each_rule_finds_a_random_damage_of_the_models() {
     for (name, text) in models() {
         let before = findings(text.as_bytes());
         for (number, (rule, damage)) in (1..).zip(damages()) {
-            // What the file breaks as it is can't be told from what is broken.
+            // What the file breaks as it is can't be distinguished from what is broken.
             if before.iter().any(|finding| finding.problem.rule.id == rule) {
                 continue;
             }

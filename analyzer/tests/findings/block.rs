@@ -43,7 +43,7 @@ fn upload() -> Traffic {
 
 /// Nothing is found wherever inside the transfer the capture begins, but for a request that is not answered later.
 fn begins_inside(transfer: &Traffic) {
-    // The last segment alone (at 230 ms) cannot be told from an abort.
+    // The last segment alone (at 230 ms) cannot be distinguished from an abort.
     for begin in (111..230).chain(231..260) {
         let mut traffic = transfer.clone();
         traffic.remove(|ms, _| ms < begin).only(&[]);

@@ -55,7 +55,7 @@ pub(super) struct Executor {
     left: Left,
     /// At that number of the frames since the last start the last sequence began, or its tail.
     begun_at: usize,
-    /// At that stimulus the tail of the last sequence began: at rest, after a violation that was told of before.
+    /// At that stimulus the tail of the last sequence began: at rest, after a violation that was reported before.
     tail: usize,
     /// What of the frames since the last start needs no putting right: at that number of them the device held the values of
     /// power-on.
@@ -67,7 +67,7 @@ pub(super) struct Executor {
     presumed: Option<(Property, &'static str)>,
     /// That was seen again, without the whole of its time.
     has_hurried: bool,
-    /// Violations that were told of: they end no sequence.
+    /// Violations that were reported: they end no sequence.
     known: BTreeSet<(Property, &'static str)>,
     /// Those of them that were silence: for an answer that is known not to come nobody waits long.
     known_silence: BTreeSet<(Property, &'static str)>,
@@ -415,7 +415,7 @@ impl Executor {
         std::mem::replace(&mut self.has_hurried, false)
     }
 
-    /// That violation was told of, and is no news any more.
+    /// That violation was reported, and is not reported again.
     pub fn take_for_granted(&mut self, violation: &Violation) {
         let key = (violation.property, violation.rule);
         self.known.insert(key);
@@ -521,7 +521,7 @@ impl Executor {
             return Ok(());
         }
         if self.oracle.is_in_blocks() {
-            // There a request to read can't be told from a segment.
+            // There a request to read can't be distinguished from a segment.
             self.step(stand, &Stimulus::settle(self.abort))?;
         }
         self.probing = true;

@@ -28,7 +28,7 @@ const RESETS: u32 = 3;
 /// A device that was alive before its first reset is given that time to come back: nobody knows yet how long it takes.
 const FIRST_BOOT: Duration = Duration::from_secs(15);
 
-/// A boot-up message is waited for so long before an answer is asked for, again and again.
+/// A boot-up message is waited for this long before an answer is asked for, again and again.
 const SOON: Duration = Duration::from_secs(1);
 
 impl<'a> Live<'a> {

@@ -108,8 +108,8 @@ impl CandumpLog {
     fn frame_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Result<Record, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, (nanos, name)) = stamp_and_interface(text).map_err(damage)?;
-        let (behind, record) = frame(rest).map_err(damage)?;
-        let tail = tail(behind).map_err(|missing| line.damage(missing))?;
+        let (after, record) = frame(rest).map_err(damage)?;
+        let tail = tail(after).map_err(|missing| line.damage(missing))?;
         if !line.ended && !self.habits.complete(&record.frame, &tail) {
             return Err(line.cut("the end of this line, as the frame may go on,"));
         }
@@ -134,8 +134,8 @@ impl CandumpLog {
 }
 
 /// Whether these bytes after the first one of a line are those of a frame.
-fn is_frame(behind: &[u8]) -> bool {
-    let line = [b"(", behind].concat();
+fn is_frame(after: &[u8]) -> bool {
+    let line = [b"(", after].concat();
     stamp_and_interface(&line).is_ok_and(|(rest, _)| frame(rest).is_ok())
 }
 
@@ -150,7 +150,7 @@ pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8
         _ => explained && line.bytes.first() == Some(&b'\t'),
     };
     if passed_over {
-        let frame = line.bytes.split_first().is_some_and(|(_, behind)| is_frame(behind));
+        let frame = line.bytes.split_first().is_some_and(|(_, after)| is_frame(after));
         return Some(frame.then(|| line.malformed("a frame, or a comment that is none")));
     }
     let (_, count) = drop_count(text).ok()?;

@@ -164,11 +164,11 @@ struct MinimonRow {
 
 fn row(input: &[u8]) -> Parsed<'_, MinimonRow> {
     let (rest, (time_text, _)) = field(skip_blanks(input))?;
-    let (behind, time) = time_of_day(time_text)?;
-    end_of_field(behind)?;
+    let (after, time) = time_of_day(time_text)?;
+    end_of_field(after)?;
     let (rest, (id_text, _)) = field(separator(rest)?.0)?;
-    let (behind, raw) = hexadecimal("an id in hex")(id_text)?;
-    end_of_field(behind)?;
+    let (after, raw) = hexadecimal("an id in hex")(id_text)?;
+    end_of_field(after)?;
     let (rest, (format, _)) = field(separator(rest)?.0)?;
     let id = match format {
         _ if format.eq_ignore_ascii_case(b"Std") => CanId::standard(raw),
@@ -197,12 +197,12 @@ fn data_frame(id: CanId, text: &[u8]) -> Result<Option<Frame>, nom::Err<Expected
     let mut data = Vec::new();
     let mut rest = skip_blanks(text);
     while !rest.is_empty() && data.len() <= 8 {
-        let (behind, byte) = hex_byte(rest)?;
-        if !matches!(behind, [] | [b' ', ..]) {
-            return Expected::fail(behind, "a space after the byte").map(|(_, none)| none);
+        let (after, byte) = hex_byte(rest)?;
+        if !matches!(after, [] | [b' ', ..]) {
+            return Expected::fail(after, "a space after the byte").map(|(_, none)| none);
         }
         data.push(byte);
-        rest = skip_blanks(behind);
+        rest = skip_blanks(after);
     }
     Ok(Frame::new(id, &data))
 }

@@ -35,7 +35,7 @@ rules! {
 
     /// FileName is not the name of the file
     ///
-    /// A file that was copied and renamed can't be told from the one that it was made of.
+    /// A file that was copied and renamed can't be distinguished from the one that it was made of.
     ///
     /// # What to do
     ///

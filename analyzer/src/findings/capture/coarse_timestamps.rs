@@ -12,7 +12,7 @@ use canvass_traces::Duration;
 /// them that it is the clock that is coarse.
 ///
 /// # Why
-/// Response times, jitter and the bit rate can't be told from such times. Rules that measure intervals allow for two
+/// Response times, jitter and the bit rate can't be derived from such times. Rules that measure intervals allow for two
 /// steps of the clock.
 ///
 /// # What to do

@@ -19,10 +19,10 @@ use canvass_traces::{Duration, Timestamp};
 /// it has one.
 #[rule(id = "encoder/position-frozen", severity = Error, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionFrozen {
-    /// as shown in 6030h; slower is standing
+    /// as shown in 6030h; a lower value counts as standing still
     #[threshold(count = 10)]
     speed: u64,
-    /// for so long
+    /// how long the position stands still while the speed is higher
     #[threshold(ms = 1000)]
     time: Duration,
     nodes: PerNode<Axis>,

@@ -9,7 +9,7 @@ use crate::wire::Wire;
 use crate::wire::sdo::{BlockSegment, Request, Response};
 use canvass_traces::{Duration, Timestamp};
 
-/// A sub-block in which nothing came for so long is over: no SDO timeout in use comes near it.
+/// A sub-block in which nothing came for this long is over: no SDO timeout in use comes near it.
 const SILENCE: Duration = Duration(10_000_000_000);
 
 /// The state of a block transfer.

@@ -20,7 +20,7 @@ const ANSWER: Duration = Duration::from_secs(2);
 /// How often a lost adapter is looked for.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// A client that has sent nothing for so long gives way to one that waits.
+/// A client that has sent nothing for this long gives way to one that waits.
 const IDLE: Duration = Duration::from_secs(5);
 
 /// How often the adapter is asked for its status flags.

@@ -1,7 +1,7 @@
 //! The system calls of a `CAN_RAW` socket that socketcan does not make: fetching many frames at once, each with its times,
 //! the mark of own frames and the count of lost ones.
 //!
-//! `recvmmsg` is called directly. That of nix 0.31 leaves out the flag `MSG_CONFIRM`, by which own frames are told from
+//! `recvmmsg` is called directly. That of nix 0.31 leaves out the flag `MSG_CONFIRM`, which distinguishes own frames from
 //! others', and does not give its control buffers back their length before the next use.
 #![allow(unsafe_code)]
 

@@ -4,7 +4,7 @@
 //! can0                              a SocketCAN interface
 //! socketcan:can0                    the same
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
-//! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
+//! slcan:tcp://HOST:PORT[@BITRATE]   one that is reached over TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
 //! slcan:listen://PORT               the same, for programs on this machine only
 //! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library

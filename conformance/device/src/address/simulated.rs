@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `~~` adds a liberty to the device before it: something that the standard leaves free, and that this device does in its
-//! own way. It may stand behind a fault too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
+//! own way. It may follow a fault, too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
 //! (`.eds`, `.dcf`, `.xdd`, `.xdc`), one more device. The bit rate of the first device is that of the bus; another
 //! device with another one does not understand what is on the bus. `NODE` is 1 to 127, or 255 for a device that waits
 //! for LSS to give it a node-ID. Without it a device has the node-ID of its model or, where an earlier device has that,
@@ -79,8 +79,8 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
     let mut rest = Some(text);
     while let Some(text) = rest {
         let piece = text.split('+').next().unwrap_or(text);
-        if let Some((name, behind)) = name(text, piece) {
-            let (options, next) = split_once(behind, '+');
+        if let Some((name, after)) = name(text, piece) {
+            let (options, next) = split_once(after, '+');
             devices.push(device(name, options)?);
             rest = next;
             continue;
@@ -113,14 +113,14 @@ fn head(piece: &str) -> &str {
 }
 
 fn split_once(text: &str, at: char) -> (&str, Option<&str>) {
-    text.split_once(at).map_or((text, None), |(before, behind)| (before, Some(behind)))
+    text.split_once(at).map_or((text, None), |(before, after)| (before, Some(after)))
 }
 
 /// The device that the text begins with, if it is one and no fault; and what follows it.
 fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     let id = head(piece);
     if let Some(model) = Model::by_id(id) {
-        return text.get(id.len()..).map(|behind| (DeviceName::Model(model), behind));
+        return text.get(id.len()..).map(|after| (DeviceName::Model(model), after));
     }
     if Fault::from_str(piece.split("~~").next().unwrap_or(piece)).is_ok() {
         return None;
@@ -155,9 +155,9 @@ fn device(device: DeviceName, options: &str) -> Result<SimulatedDevice, String> 
     }
     let mut rest = options;
     while let Some(kind) = rest.chars().next() {
-        let behind = rest.get(kind.len_utf8()..).unwrap_or_default();
-        let end = behind.find([':', '@']).unwrap_or(behind.len());
-        let (value, next) = (behind.get(..end).unwrap_or_default(), behind.get(end..).unwrap_or_default());
+        let after = rest.get(kind.len_utf8()..).unwrap_or_default();
+        let end = after.find([':', '@']).unwrap_or(after.len());
+        let (value, next) = (after.get(..end).unwrap_or_default(), after.get(end..).unwrap_or_default());
         match kind {
             ':' => named.node = Some(node(value)?),
             '@' => named.bit_rate = Some(parse_bit_rate(value)?),

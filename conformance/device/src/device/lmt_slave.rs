@@ -47,7 +47,7 @@ struct Pending {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Effect {
     Store,
-    /// Changes the bit rate; silent for so long before and after.
+    /// Changes the bit rate; silent for this long before and after.
     Activate(Duration),
     /// A firmware does not wait for power-off.
     TakeNodeId(NodeId),

@@ -29,7 +29,7 @@ pub(super) struct SyncObject {
     /// The counter of the next SYNC produced.
     counter: u8,
     due: Timestamp,
-    /// Synchronous PDOs may be sent and received for so long after a SYNC; zero: for ever.
+    /// Synchronous PDOs may be sent and received for this long after a SYNC; zero: for ever.
     window: Duration,
     window_end: Timestamp,
     is_closed: bool,

@@ -1,4 +1,4 @@
-//! What becomes of a violation that was seen: it is repeated from power-on, and told of once.
+//! What becomes of a violation that was seen: it is repeated from power-on, and reported once.
 
 use super::shortening::Shortening;
 use super::{Campaign, Found, Standing};
@@ -29,7 +29,7 @@ impl Campaign<'_> {
         let key = (violation.property, violation.rule);
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
-                // What is silence this time was waited for in full, and is not waited for so long again.
+                // What is silence this time was waited for in full, and is not waited for in full again.
                 self.executor.take_for_granted(&violation);
                 return Ok(());
             }
@@ -100,7 +100,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// A violation is told of, unless it was seen at the swift pace, does not come back and may have been
+    /// A violation is reported, unless it was seen at the swift pace, does not come back and may have been
     /// a late answer to another frame.
     pub(super) fn tell(&mut self, found: Found, doubts: u32, is_swift: bool) {
         let key = (found.violation.property, found.violation.rule);

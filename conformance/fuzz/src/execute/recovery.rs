@@ -14,7 +14,7 @@ use canvass_bus::BusError;
 use canvass_traces::{Direction, Duration, Record};
 
 impl Executor {
-    /// Whether a sequence goes on after that violation, which was told of before: what comes after it shows more than its
+    /// Whether a sequence goes on after that violation, which was reported before: what comes after it shows more than its
     /// end would.
     pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
         let key = (violation.property, violation.rule);

@@ -288,7 +288,7 @@ impl Oracle {
     }
 
     fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
-        // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
+        // A PDO that was given the identifier of EMCY, or is being given it, can't be distinguished from one.
         let shares = self.pdo.shares(now, can_id, &self.expected_values, &self.knowledge);
         let judged = self.emcy.came(now, frame, &self.nmt);
         if !shares && !self.sdo.is_writing() {

@@ -13,7 +13,7 @@ use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::nmt::{Command, Nmt};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Frames that were on their way when a command came may still come, for so long and the jitter of the measurement.
+/// Frames that were on their way when a command came may still come, for this long and the jitter of the measurement.
 pub(super) const GRACE: Duration = Duration::from_millis(3);
 
 /// Where the device is, as far as it is known.

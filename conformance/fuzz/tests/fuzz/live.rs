@@ -123,7 +123,7 @@ fn few_resets_are_needed() {
     assert_covered(&outcome);
 }
 
-/// What was told of before ends no sequence and needs no reset, so that what lies behind it is reached.
+/// A violation that was reported before ends no sequence and needs no reset, so that what follows it is reached.
 #[test]
 fn a_device_that_breaks_most_sequences_is_covered_too() {
     let faults = [

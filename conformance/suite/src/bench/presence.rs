@@ -11,7 +11,7 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
-/// A device that is gone is looked for so long before each case, so that a run still comes to its end.
+/// A device that is gone is looked for this long before each case, so that a run still comes to its end.
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {

@@ -33,7 +33,7 @@ pub(super) struct Receiver {
     /// When the state of the bus was asked for last, and what it was.
     asked: Instant,
     state: BusState,
-    /// The last status that was asked for told of lost frames: it may tell of the same ones again.
+    /// The last status that was read reported lost frames: the next one may report the same ones again.
     told_of_losses: bool,
 }
 

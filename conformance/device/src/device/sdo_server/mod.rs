@@ -154,7 +154,7 @@ impl SdoServer {
         self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
-            // A segment with sequence number 0 that ends the transfer can't be told from an abort.
+            // A segment with sequence number 0 that ends the transfer can't be distinguished from an abort.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
                 Ok(segment) => download.on_segment(segment, &objects.firmware),
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),

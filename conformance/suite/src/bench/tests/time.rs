@@ -98,7 +98,7 @@ fn storing_has_a_patience_of_its_own() {
         let attempt = bench.download(store, b"save").unwrap();
         assert_eq!(attempt.expect_confirmation(), Ok(()));
         assert_eq!((bench.silence(), bench.stores(), bench.watch.has_stored()), (MS(200), 1, true));
-        // Another object is not waited for so long.
+        // Another object is waited for less long.
         let begun = bench.now();
         assert!(bench.upload(super::super::sdo::DEVICE_TYPE).unwrap().is_silent());
         assert_eq!(bench.now().since(begun), MS(1_000));
