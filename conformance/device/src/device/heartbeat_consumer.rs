@@ -2,7 +2,7 @@
 
 use super::condition::Condition;
 use super::context::Context;
-use super::nmt::Order;
+use super::nmt::{Order, Phase};
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
@@ -85,7 +85,9 @@ impl Service for HeartbeatConsumer {
     /// An error control message of another node.
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let node = (frame.id().raw() & 0x7F) as u8;
-        if context.phase.is_running() && self.on_heartbeat(now, node, context.firmware()) {
+        let hears = context.phase.is_running()
+            && (context.phase != Phase::Stopped || context.firmware().consumes_when_stopped());
+        if hears && self.on_heartbeat(now, node, context.firmware()) {
             context.report(Condition::Heartbeat { node }, false);
         }
     }

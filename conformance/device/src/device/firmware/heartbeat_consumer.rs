@@ -8,6 +8,7 @@ hooks! {
     rearms_consumer unless HeartbeatConsumerNotRearmed,
     forgets_stored_consumer with HeartbeatConsumerForgetsStored,
     consumes_before_first_heartbeat with HeartbeatConsumerStartsAtOnce,
+    consumes_when_stopped unless HeartbeatConsumerDeafWhenStopped,
     is_deaf_to_node_one with HeartbeatConsumerDeafToNodeOne,
     restarts_consumer_by_writes with HeartbeatConsumerRestartedByWrites,
     watches_over_reset with HeartbeatConsumerOutlivesReset,

@@ -86,7 +86,7 @@ impl Signs {
         Observation::Count(self.errors.len().max(usize::from(self.left.is_some())) as u64)
     }
 
-    fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let state = self.left.map_or("operational".to_owned(), |(_, state)| state.to_string());
         format!("{state}, EMCY: {}", shown(&self.errors))
     }

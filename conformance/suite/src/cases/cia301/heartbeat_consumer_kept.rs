@@ -1,15 +1,16 @@
 //! What watching a node (1016h) outlives, and what not.
 
 use super::heartbeat_consumer::{
-    CONSUMER_TIME, beat, consequence, entry, neighbour, noticed, operational, signs_since, unnoticed, watch,
+    CONSUMER_TIME, beat, consequence, entry, neighbour, noticed, operational, signs, signs_since, unnoticed, watch,
 };
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::object::{CONSUMER_HEARTBEAT_TIME, ERROR_BEHAVIOR, PRODUCER_HEARTBEAT_TIME};
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
 
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
@@ -33,6 +34,46 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
     }
     let signs = signs_since(bench, begun, CONSUMER_TIME.times(4))?;
     noticed(WATCHED, &watch, &signs)
+}
+
+/// Heartbeats count in stopped, too: a watched node that the device first hears there is missed once the device is
+/// operational and the node silent.
+#[case(id = "301/heartbeat-consumer/stopped", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Should,
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDeafWhenStopped])]
+fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
+    let watch = watch(bench)?;
+    let reaction = bench.timing().reaction;
+    // The device is operational long before it misses the node: in stopped the loss would change nothing.
+    let time = CONSUMER_TIME.times(5).max(reaction.times(4));
+    let milliseconds = u16::try_from(time.nanos() / 1_000_000).unwrap_or(u16::MAX);
+    bench.write(WATCHED, &entry(watch.node, milliseconds))?;
+    bench.command(Command::STOP)?;
+    bench.listen(reaction)?;
+    beat(bench, watch.node)?;
+    let heard = bench.now();
+    bench.listen(reaction)?;
+    operational(bench)?;
+    let took = bench.now().since(heard);
+    demand(took < time, || {
+        let breach =
+            Breach::new(WATCHED, format!("the device is operational within {time}, before it misses the node"));
+        breach.expected(format!("less than {time}")).found(Observation::Time(took))
+    })
+    .or_inconclusive()?;
+    let missed = signs(bench, time.times(2))?;
+    let unheard = match noticed(WATCHED, &watch, &missed) {
+        Err(Stop::Breach(breach)) => breach,
+        judged => return judged,
+    };
+    // Only a device that misses nodes at all says by this that it does not listen in stopped.
+    beat(bench, watch.node)?;
+    let lost = signs(bench, time.times(2))?;
+    if let Err(Stop::Breach(_)) = noticed(WATCHED, &watch, &lost) {
+        let reason = Reason::new("a node that is heard in operational is missed", "a loss that shows", lost.text());
+        return Err(Stop::NotApplicable(reason));
+    }
+    let found = format!("{}; the node's heartbeat came while the device was stopped, and none since", missed.text());
+    bench.check(Err(Box::new(unheard.told(found))))
 }
 
 /// An entry that was not stored is gone after reset communication, and with it what it watched.
