@@ -66,10 +66,6 @@ pub fn dist() -> Result<()> {
     Ok(())
 }
 
-fn build(target: &str) -> Result<()> {
-    run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", target])
-}
-
 fn prepare_linux() -> Result<()> {
     packages::install(&[COMPILER])?;
     target::add(TARGET)
@@ -77,7 +73,7 @@ fn prepare_linux() -> Result<()> {
 
 /// The program with its manual pages and completions, as an archive.
 fn linux() -> Result<Vec<String>> {
-    build(TARGET)?;
+    run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET])?;
     ensure_static()?;
     lay_out()?;
     Ok(vec![archive()?])
@@ -94,7 +90,7 @@ fn prepare_windows() -> Result<()> {
 }
 
 fn windows() -> Result<Vec<String>> {
-    build(windows::TARGET)?;
+    windows::release()?;
     Ok(vec![archive_for_windows()?])
 }
 

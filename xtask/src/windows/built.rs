@@ -1,10 +1,10 @@
 //! What cargo builds for Windows, and what it says of it.
 
-use super::TARGET;
+use super::{TARGET, plain_path};
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// The program, which is built with its tests.
 pub const PROGRAM: &str = "target/x86_64-pc-windows-gnu/debug/canvass.exe";
@@ -45,20 +45,23 @@ pub fn tests(used: Use) -> Result<Vec<String>> {
     let build = ["test", "--no-run", "--locked", "--target", TARGET, "--message-format", "json"];
     let args = [&build[..], profile, &TESTS].concat();
     eprintln!("$ cargo {}", args.join(" "));
-    let mut cargo = Command::new("cargo").args(args).stdout(Stdio::piped()).spawn().context("cargo")?;
-    let stdout = cargo.stdout.take().context("cargo")?;
+    let mut cargo = plain_path::cargo()?;
+    let mut running = cargo.command.args(args).stdout(Stdio::piped()).spawn().context("cargo")?;
+    let stdout = running.stdout.take().context("cargo")?;
     let (mut files, mut warnings) = (Vec::new(), 0);
     for line in BufReader::new(stdout).lines() {
         let message: Value = serde_json::from_str(&line?).context("expected a message of cargo")?;
         match message["reason"].as_str() {
             Some("compiler-message") => warnings += warned(&message),
             Some("compiler-artifact") if message["profile"]["test"] == true => {
-                files.extend(message["executable"].as_str().map(str::to_owned));
+                // By the path that lasts.
+                let built = message["executable"].as_str().map(std::fs::canonicalize).transpose()?;
+                files.extend(built.map(|file| file.to_string_lossy().into_owned()));
             }
             _ => {}
         }
     }
-    let status = cargo.wait()?;
+    let status = running.wait()?;
     ensure!(status.success(), "cargo ended with {status}");
     ensure!(warnings == 0, "expected none, found {warnings} warnings for {TARGET}");
     Ok(files)

@@ -4,11 +4,12 @@ mod built;
 mod ctrl_c;
 mod left_out;
 mod null_modem;
+mod plain_path;
 mod wine;
 
 use crate::packages::{self, Package};
 use crate::target;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 
 /// By MinGW, as the compilers of Windows are not to be had here.
 pub const TARGET: &str = "x86_64-pc-windows-gnu";
@@ -17,6 +18,18 @@ pub const COMPILER: Package =
     Package { program: "x86_64-w64-mingw32-gcc", probe: &["--version"], package: "gcc-mingw-w64-x86-64" };
 /// Of 64 bits: that of 32 is only recommended, and not needed.
 const WINE: Package = Package { program: "wine", probe: &["--version"], package: "wine" };
+
+/// Builds the program as it is given away.
+///
+/// # Errors
+/// If it can't be built.
+pub fn release() -> Result<()> {
+    let args = ["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET];
+    eprintln!("$ cargo {}", args.join(" "));
+    let status = plain_path::cargo()?.command.args(args).status().context("cargo")?;
+    ensure!(status.success(), "cargo ended with {status}");
+    Ok(())
+}
 
 /// Builds, and runs all tests of the program that need no Unix.
 ///
