@@ -5,14 +5,13 @@
 //! Only "inconclusive, because this machine was late" may take the place of a verdict, and seldom.
 
 mod load;
-mod machine;
 mod options;
 mod pair;
 mod tally;
 
 use crate::measure::{self, release};
 use crate::run::run;
-use crate::vcan::has_vcan;
+use crate::vcan::{self, has_vcan};
 use anyhow::{Result, ensure};
 use load::Load;
 use options::{Options, Transport};
@@ -36,7 +35,7 @@ pub fn flaky(arguments: &[String]) -> Result<()> {
         println!("machine: {}, busy with a thread of other work for each processor", measure::machine());
         println!("{}", Tally::HEADING);
         if options.transport == Transport::Virtual && !has_vcan() {
-            return machine::run(&options);
+            return on_machines(&options);
         }
     }
     let mut bad = Vec::new();
@@ -55,6 +54,13 @@ pub fn flaky(arguments: &[String]) -> Result<()> {
     }
     ensure!(bad.is_empty(), "{}", bad.join("; "));
     Ok(())
+}
+
+/// In as many machines with vcan as there are processors, each with its share of the runs and with other work of its own.
+fn on_machines(options: &Options) -> Result<()> {
+    let machines = thread::available_parallelism().map_or(1, |count| count.get() as u32).min(options.runs);
+    let program = std::env::current_dir()?.join(release("canvass"));
+    vcan::on_machines(program, machines, "flaky", &options.words(options.runs.div_ceil(machines)))
 }
 
 /// All repetitions of one model.

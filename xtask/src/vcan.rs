@@ -1,5 +1,6 @@
 //! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names hold one of the words, on this kernel if
 //! it has vcan, else on Debian's in QEMU. `cargo xtask vcan-load`: a minute of the highest load, measured there.
+//! `cargo xtask flaky --bus vcan` runs in the same machines.
 
 mod deal;
 mod files;
@@ -9,10 +10,11 @@ mod report;
 
 use crate::packages::{Package, install};
 use crate::peers;
-use crate::run::is_there;
+use crate::run::{is_there, this_program};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// Where Debian's kernel and the way into it are.
 const FOLDER: &str = "target/vcan";
@@ -23,24 +25,35 @@ const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
 
+/// A minute of the highest load takes a third of that.
+const FOR_TESTS: Duration = Duration::from_secs(1_800);
+/// Runs on a machine that is busy all the time take three times as long as they say, and more where others work beside.
+const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
+
 /// The packages that other tests optimise less.
 const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", "suite", "traces"];
 
-/// What was built.
-struct Built {
+/// What a machine starts.
+struct Job {
     /// The program.
     program: PathBuf,
-    /// The tests.
-    tests: PathBuf,
+    /// What is started again and again: the tests.
+    starts: PathBuf,
+    /// Its arguments before and after a test's name.
+    arguments: [String; 2],
+    /// Whether that needs other people's programs, and Python.
+    needs_peers: bool,
+    /// A machine that has said nothing for this long is given up.
+    patience: Duration,
 }
 
 /// Runs the tests of `tests/vcan` whose names hold one of the words, or all.
 pub fn test(words: &[String]) -> Result<()> {
-    let built = prepare()?;
-    let mut names = names(&built.tests)?;
+    let job = prepare()?;
+    let mut names = names(&job.starts)?;
     names.retain(|name| words.is_empty() || words.iter().any(|word| name.contains(word)));
     ensure!(!names.is_empty(), "no test on vcan has a name with {}", words.join(" or "));
-    run(&built, &names, &[])
+    run(&job, &names, &[])
 }
 
 /// Runs the test of the highest load for a minute.
@@ -48,23 +61,34 @@ pub fn load() -> Result<()> {
     run(&prepare()?, &[LOAD.to_owned()], &[MINUTE])
 }
 
-fn prepare() -> Result<Built> {
+/// Runs this program with those arguments on so many machines with vcan, on each of them.
+///
+/// # Errors
+/// If a machine can't be started, or the program fails.
+pub fn on_machines(program: PathBuf, machines: u32, command: &str, arguments: &[String]) -> Result<()> {
+    install(&[IPROUTE])?;
+    let arguments = [String::new(), arguments.join(" ")];
+    let job = Job { program, starts: this_program()?, arguments, needs_peers: false, patience: FOR_RUNS };
+    machine::run(&job, &vec![command.to_owned(); machines as usize], &[]).context("in QEMU, as this kernel has no vcan")
+}
+
+fn prepare() -> Result<Job> {
     install(&[IPROUTE])?;
     peers::install_all()?;
     build()
 }
 
-fn run(built: &Built, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
+fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     if has_vcan() {
-        eprintln!("$ {} (this kernel has vcan)", built.tests.display());
+        eprintln!("$ {} (this kernel has vcan)", job.starts.display());
         // They mostly wait.
-        let mut tests = Command::new(&built.tests);
+        let mut tests = Command::new(&job.starts);
         tests.args(["--test-threads", "16", "--exact"]).args(names).envs(settings.iter().copied());
         let status = tests.status()?;
         ensure!(status.success(), "the tests on vcan ended with {status}");
         return Ok(());
     }
-    machine::run(built, names, settings).context("the tests on vcan, in QEMU as this kernel has no vcan")
+    machine::run(job, names, settings).context("the tests on vcan, in QEMU as this kernel has no vcan")
 }
 
 /// The program, optimised and with all checks of arithmetic.
@@ -73,7 +97,7 @@ pub fn program() -> Result<PathBuf> {
 }
 
 /// Builds the program and its tests.
-fn build() -> Result<Built> {
+fn build() -> Result<Job> {
     let args = [
         "test",
         "--locked",
@@ -101,7 +125,8 @@ fn build() -> Result<Built> {
     let tests = executables.rfind(is_test).map(PathBuf::from).context("cargo names no test to run")?;
     // The tests start the program that lies there.
     let program = tests.parent().and_then(Path::parent).context("the tests have no folder")?.join("canvass");
-    Ok(Built { program, tests })
+    let arguments = ["--test-threads 1 --nocapture --exact".to_owned(), String::new()];
+    Ok(Job { program, starts: tests, arguments, needs_peers: true, patience: FOR_TESTS })
 }
 
 /// The names of all tests.

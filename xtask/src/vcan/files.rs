@@ -2,7 +2,7 @@
 //! differs from run to run, and everything else in it goes by a clock that counts instructions.
 
 use super::kernel::Kernel;
-use super::{Built, FOLDER};
+use super::{FOLDER, Job};
 use crate::peers::PYTHON;
 use crate::run::{quoted, run};
 use anyhow::{Context, Result, ensure};
@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Programs that the tests start.
-const PROGRAMS: [&str; 7] = ["ip", "cansend", "candump", "cangen", "canplayer", "slcan_attach", "python"];
+const PROGRAMS: [&str; 2] = ["ip", "chrt"];
+/// Those of other people.
+const PEERS: [&str; 6] = ["cansend", "candump", "cangen", "canplayer", "slcan_attach", "python"];
 /// Folders of this project that they read.
 const PROJECT: [&str; 3] = ["docs/examples", "conformance/device/models", "tests/vcan"];
 /// What of the Python environment they need: each begins the name of a folder or file.
@@ -44,7 +46,7 @@ const UNNEEDED: [&str; 18] = [
 
 /// The archive of all files, which the kernel unpacks into its memory. `names`: the tests of each machine.
 /// `settings`: variables of their environment.
-pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: &[(&str, &str)]) -> Result<PathBuf> {
+pub fn archive(kernel: &Kernel, job: &Job, names: &[Vec<String>], settings: &[(&str, &str)]) -> Result<PathBuf> {
     let root = std::env::current_dir()?;
     let stage = root.join(FOLDER).join("stage");
     let _ = fs::remove_dir_all(&stage);
@@ -54,13 +56,18 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
     let mut files = Files::default();
     fs::copy(found("busybox")?, stage.join("bin/busybox"))?;
     for program in PROGRAMS {
-        files.add_program(&if program == "python" { root.join(PYTHON) } else { found(program)? })?;
+        files.add_program(&found(program)?)?;
     }
-    files.add_python(&root)?;
+    if job.needs_peers {
+        for program in PEERS {
+            files.add_program(&if program == "python" { root.join(PYTHON) } else { found(program)? })?;
+        }
+        files.add_python(&root)?;
+    }
     for folder in PROJECT {
         files.add_folder(&root.join(folder), &|_| true)?;
     }
-    for binary in [&built.program, &built.tests] {
+    for binary in [&job.program, &job.starts] {
         files.add_needs_of(binary)?;
         strip(binary, &stage)?;
     }
@@ -80,8 +87,9 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
     for (machine, names) in names.iter().enumerate() {
         fs::write(stage.join("tests").join(machine.to_string()), names.join("\n") + "\n")?;
     }
-    let [program, tests, project] = [&built.program, &built.tests, &root].map(|path| quoted(&path.to_string_lossy()));
-    let mut text = format!("program={program}\ntests={tests}\nproject={project}\n");
+    let [program, starts, project] = [&job.program, &job.starts, &root].map(|path| quoted(&path.to_string_lossy()));
+    let [before, after] = job.arguments.each_ref().map(|words| quoted(words));
+    let mut text = format!("program={program}\nstarts={starts}\nproject={project}\nbefore={before}\nafter={after}\n");
     for (name, value) in settings {
         text += &format!("export {name}={}\n", quoted(value));
     }

@@ -5,7 +5,7 @@
 use super::deal::{Costs, deal};
 use super::kernel::Kernel;
 use super::report::{Ended, Line, Report};
-use super::{Built, FOLDER, files};
+use super::{FOLDER, Job, files};
 use crate::packages::{Package, install};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -25,9 +25,6 @@ const QEMU: [Package; 6] = [
     Package { program: "strip", probe: &["--version"], package: "binutils" },
 ];
 
-/// A machine that has said nothing for so long is given up: a minute of the highest load takes a third of that.
-const PATIENCE: Duration = Duration::from_secs(1_800);
-
 /// A kernel that says nothing but errors, takes the time from the counter of instructions, which never lies here, and
 /// protects nobody from anybody.
 const KERNEL_ARGS: &str = "console=ttyS0 quiet panic=-1 no_timer_check clocksource=tsc tsc=reliable mitigations=off \
@@ -42,7 +39,7 @@ const QEMU_ARGS: [&str; 21] = [
     "-smp",
     "1",
     "-m",
-    "1536",
+    "4096",
     "-nodefaults",
     "-no-user-config",
     "-no-reboot",
@@ -62,18 +59,18 @@ const SECOND_CONTROLLER: [&str; 2] = ["-device", "kvaser_pci,canbus=wires"];
 
 /// Runs the tests of those names, dealt out to as many machines as there are processors.
 /// `settings`: variables of their environment.
-pub fn run(built: &Built, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
+pub fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     install(&QEMU).context("QEMU and what starts a kernel in it could not be installed")?;
     fs::create_dir_all(FOLDER)?;
     let kernel = Kernel::fetch()?;
     let machines = std::thread::available_parallelism().map_or(1, usize::from).min(names.len());
     let dealt = deal(names, machines, &Costs::read()?);
-    let archive = files::archive(&kernel, built, &dealt, settings)?;
+    let archive = files::archive(&kernel, job, &dealt, settings)?;
     eprintln!("$ qemu-system-x86_64 -kernel {} ({machines} times)", kernel.image.display());
     let begun = Instant::now();
     let ended: Vec<Result<Vec<Ended>>> = std::thread::scope(|scope| {
-        let (image, archive) = (&kernel.image, &archive);
-        let boot = |machine| scope.spawn(move || boot(machine, image, archive));
+        let (image, archive, patience) = (&kernel.image, &archive, job.patience);
+        let boot = |machine| scope.spawn(move || boot(machine, image, archive, patience));
         let running: Vec<_> = (0..machines).map(boot).collect();
         running.into_iter().map(|machine| machine.join().unwrap_or_else(|_| bail!("its thread panicked"))).collect()
     });
@@ -84,8 +81,8 @@ pub fn run(built: &Built, names: &[String], settings: &[(&str, &str)]) -> Result
     report.finish(begun.elapsed())
 }
 
-/// Runs a machine until it switches itself off.
-fn boot(machine: usize, image: &Path, archive: &Path) -> Result<Vec<Ended>> {
+/// Runs a machine until it switches itself off, or has said nothing for longer than `patience`.
+fn boot(machine: usize, image: &Path, archive: &Path, patience: Duration) -> Result<Vec<Ended>> {
     let mut qemu = Command::new("qemu-system-x86_64");
     qemu.args(QEMU_ARGS).args(SECOND_CONTROLLER).arg("-kernel").arg(image).arg("-initrd").arg(archive);
     qemu.args(["-append", &format!("{KERNEL_ARGS}{machine}")]).stdin(Stdio::null()).stdout(Stdio::piped());
@@ -94,7 +91,7 @@ fn boot(machine: usize, image: &Path, archive: &Path) -> Result<Vec<Ended>> {
     let qemu = Mutex::new(qemu);
     let (alive, silence) = channel();
     std::thread::scope(|scope| {
-        scope.spawn(|| give_up(&qemu, silence));
+        scope.spawn(|| give_up(&qemu, silence, patience));
         let ended = listen(machine, id, BufReader::new(output), alive);
         let status = qemu.lock().unwrap_or_else(PoisonError::into_inner).wait()?;
         ensure!(status.success(), "QEMU ended with {status}, or had to be ended as it said nothing any more");
@@ -103,9 +100,9 @@ fn boot(machine: usize, image: &Path, archive: &Path) -> Result<Vec<Ended>> {
 }
 
 /// Ends a machine that says nothing any more.
-fn give_up(qemu: &Mutex<Child>, silence: Receiver<()>) {
+fn give_up(qemu: &Mutex<Child>, silence: Receiver<()>, patience: Duration) {
     loop {
-        match silence.recv_timeout(PATIENCE) {
+        match silence.recv_timeout(patience) {
             Ok(()) => {}
             Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => return,
             Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {
