@@ -1,6 +1,6 @@
 //! The files of one command: what it writes is nothing that it reads, and no file is written twice.
 //!
-//! Files are told apart by what the system knows them by, so that neither another spelling of the path nor a link hides
+//! Files are distinguished by what the system knows them by, so that neither another spelling of the path nor a link hides
 //! that two are one. A command asks before it opens the first of them for writing.
 
 use anyhow::{Result, bail};

@@ -30,7 +30,7 @@ pub struct InputOptions {
     topic: Vec<String>,
     /// Several files are of the same bus or buses: keep the channels' names, and take equal names for one channel
     ///
-    /// Without it, the channels of several files are told apart as FILE:CHANNEL.
+    /// Without it, the channels of several files are distinguished as FILE:CHANNEL.
     #[arg(long)]
     same_bus: bool,
     /// Stop with status 2 at the first thing that can't be read

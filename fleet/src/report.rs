@@ -68,7 +68,7 @@ const PLOTS: [(&str, &str); 6] = [
     ),
 ];
 
-/// So many lines of a plot can be told apart.
+/// So many lines of a plot can be distinguished.
 const LINES: usize = 6;
 
 /// Asks a lake, whose tables and views the session has; each answer has so many rows at most.

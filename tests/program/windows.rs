@@ -38,7 +38,7 @@ fn paths_have_backslashes_drives_and_any_letters() {
     let converted = run(&["convert", text(&path), text(&out)]);
     assert_eq!(converted.status, 0, "{}", converted.stderr);
     assert_eq!(run(&["decode", text(&out)]).stdout.lines().count(), 2);
-    // The node-ID before it, and the report's format, are told apart from a drive.
+    // The node-ID before it, and the report's format, are distinguished from a drive.
     let eds = folder.path().join("device.eds");
     fs::copy("conformance/device/models/reference-301.eds", &eds).unwrap();
     let described = run(&["decode", text(&path), "--device", &format!("1={}", eds.display())]);

@@ -17,7 +17,7 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// How many channels can be told apart.
+    /// How many channels can be distinguished.
     pub const MAX: usize = 4096;
     /// So many are found faster one by one.
     const FEW: usize = 16;

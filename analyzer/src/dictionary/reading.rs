@@ -6,7 +6,7 @@ use super::loss::Loss;
 use super::xdd;
 
 impl DeviceDescription {
-    /// Reads an EDS, DCF, XDD or XDC, told apart by content.
+    /// Reads an EDS, DCF, XDD or XDC, distinguished by content.
     pub fn read(bytes: &[u8]) -> Result<Self, DescriptionError> {
         if is_xml(bytes) { xdd::read(bytes) } else { eds::read(bytes) }
     }

@@ -56,7 +56,7 @@ pub struct Finding {
     pub last: Timestamp,
     /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
     pub kind: u64,
-    /// The object that it is about, where findings are told apart by that.
+    /// The object that it is about, where findings are distinguished by that.
     pub object: Option<Multiplexer>,
     /// When it was under way, of the first times: at most [`Finding::WINDOWS`].
     pub windows: Vec<(Timestamp, Timestamp)>,

@@ -100,7 +100,7 @@ impl<'e> Report<'e> {
         Self { kind, ..self }
     }
 
-    /// The object that it is about, where findings are told apart by that.
+    /// The object that it is about, where findings are distinguished by that.
     pub fn object(self, object: impl Into<Option<Multiplexer>>) -> Self {
         Self { object: object.into(), ..self }
     }

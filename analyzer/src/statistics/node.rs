@@ -117,7 +117,7 @@ pub struct IdentityText {
 impl NodeStatistics {
     /// How many changes of state are kept.
     pub const STATES: usize = 1000;
-    /// How many error codes are told apart.
+    /// How many error codes are distinguished.
     pub const CODES: usize = 64;
     /// How many errors are kept with their times.
     pub const ERRORS: usize = 256;

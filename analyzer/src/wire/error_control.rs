@@ -4,7 +4,7 @@
 //! byte 0: tsssssss    t toggle bit (node guarding; 0 in heartbeats), s NMT state
 //! ```
 //!
-//! Boot-up is state 0 without toggle. A heartbeat and a guarding answer can't be told apart by one frame alone:
+//! Boot-up is state 0 without toggle. A heartbeat and a guarding answer can't be distinguished by one frame alone:
 //! guarding answers follow remote frames.
 
 use super::{Malformed, Wire, named};

@@ -113,7 +113,7 @@ pub enum FuzzError {
     Bus(#[from] BusError),
 }
 
-/// More violations of different kinds than this are not told apart any more: the device is simply broken.
+/// More violations of different kinds than this are not distinguished any more: the device is simply broken.
 const MOST_VIOLATIONS: usize = 25;
 
 /// After so many sequences the least exercised combination is looked for anew.

@@ -505,7 +505,7 @@ impl Executor {
         self.probe(stand)
     }
 
-    /// Whether answers to two frames that follow each other at once can be told apart on a bus where they take their
+    /// Whether answers to two frames that follow each other at once can be distinguished on a bus where they take their
     /// time: those to SDO requests name what they answer. An answer to the first that comes after the second would be
     /// taken for an answer to that elsewhere.
     fn are_told_apart(&self, first: &Stimulus, second: &Stimulus) -> bool {

@@ -188,7 +188,7 @@ struct Names {
     values: StringBuilder,
     known: HashMap<Box<str>, i32>,
     last: Option<(Box<str>, i32)>,
-    /// Words of the program are told apart by where they are and how long.
+    /// Words of the program are distinguished by where they are and how long.
     words: Vec<((usize, usize), i32)>,
 }
 

@@ -31,7 +31,7 @@ impl Rows for Findings {
         "channel" name "the channel's name; null where it is about a whole capture" = |row, out| write_str(out, row.finding.channel.map(|id| row.diagnosed.channels.name(id)));
         "node" u8 "the node that it is about" = |row| row.finding.node.map(NodeId::raw).map(u64::from);
         "origin" u8 "the node that it comes from, where that is another one" = |row| row.finding.origin.map(NodeId::raw).map(u64::from);
-        "object" name "the object that it is about, where findings are told apart by that" = |row, out| write(out, row.finding.object);
+        "object" name "the object that it is about, where findings are distinguished by that" = |row, out| write(out, row.finding.object);
         "test_case" name "the case of a conformance run that was under way" = |row, out| match &row.finding.case {
             Some(CaseName::Id(id)) => write_str(out, Some(id)),
             Some(CaseName::Numbered { group, case }) => write(out, Some(format_args!("{group}.{case}"))),

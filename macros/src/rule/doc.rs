@@ -13,7 +13,7 @@ pub struct Doc {
     pub advice: String,
 }
 
-/// The parts, told apart by the headings `# Why` and `# What to do`.
+/// The parts, distinguished by the headings `# Why` and `# What to do`.
 pub fn doc(attributes: &[Attribute], whole: Span) -> Result<Doc> {
     let mut parts: [String; 4] = Default::default();
     let mut at = 0;

@@ -8,7 +8,7 @@ use canvass_macros::rule;
 /// a frame is not as long as its service demands, or can't be read
 ///
 /// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT that has more or fewer bytes than the
-/// standard gives to that service, or whose bytes have no meaning in it. Findings are told apart by service and length.
+/// standard gives to that service, or whose bytes have no meaning in it. Findings are distinguished by service and length.
 /// An EMCY without bytes is the boot-up message of devices before CiA 301 V4.
 ///
 /// # Why

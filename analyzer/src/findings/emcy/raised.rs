@@ -11,7 +11,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a node reports an error
 ///
-/// An EMCY with an error code. Findings are told apart by code; each says how long the error lasted, where the end was
+/// An EMCY with an error code. Findings are distinguished by code; each says how long the error lasted, where the end was
 /// reported. Where the end (code 00xxh) comes with an error register that is not 0, the errors have ended whose bit is
 /// not in it any more. Some devices forget an error when 1001h is read: then the finding says so.
 ///

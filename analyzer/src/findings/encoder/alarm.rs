@@ -7,7 +7,7 @@ use canvass_macros::rule;
 
 /// an encoder shows an alarm
 ///
-/// 6503h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.
+/// 6503h, in a PDO or read by SDO, is not 0. Findings are distinguished by bit.
 ///
 /// # Why
 /// The position is not valid any more: a machine that goes on with it moves to wrong places.

@@ -7,7 +7,7 @@ use canvass_macros::rule;
 
 /// an encoder shows a warning
 ///
-/// 6505h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.
+/// 6505h, in a PDO or read by SDO, is not 0. Findings are distinguished by bit.
 ///
 /// # Why
 /// The position is still valid, but a limit is passed: speed, light, battery, temperature, or operating time.

@@ -9,9 +9,9 @@ use canvass_macros::rule;
 
 /// an SDO transfer was aborted
 ///
-/// Client or server aborts a transfer. Findings are told apart by object, code and side. A read that the server refuses
+/// Client or server aborts a transfer. Findings are distinguished by object, code and side. A read that the server refuses
 /// because it has no such object or sub-index, or because its error history (1003h) is empty, is only worth knowing:
-/// clients look so for what a device has.
+/// clients find out in this way what a device has.
 ///
 /// # Why
 /// A value was not written or not read: the device runs with another configuration than the master believes.

@@ -11,7 +11,7 @@ pub struct Encoder {
     pub kind: EncoderKind,
     /// The resolution of one revolution, in bits.
     pub single_turn_bits: u8,
-    /// The revolutions that can be told apart.
+    /// The revolutions that can be distinguished.
     pub revolutions: u32,
     /// Neither 6001h nor 6002h is smaller, but for the 0 of 6002h, which stands for 2^32.
     pub units_per_revolution_least: u32,

@@ -253,7 +253,7 @@ impl Pdos {
         let mut own = self.seen.iter_mut().filter(|seen| seen.has(id));
         if let Some(first) = own.next() {
             let Some(second) = own.next() else { return first.came(now, frame, nmt, knowledge) };
-            // Two PDOs with one identifier can't be told apart.
+            // Two PDOs with one identifier can't be distinguished.
             [first, second].into_iter().chain(own).for_each(|seen| seen.begin(now));
             return Ok(());
         }

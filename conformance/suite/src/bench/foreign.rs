@@ -13,7 +13,7 @@ pub(crate) struct Foreign {
 /// Where nobody knows the bit rate, the highest is taken: the load is then more than what is reckoned.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
-/// More identifiers than this are not told apart.
+/// More identifiers than this are not distinguished.
 const IDENTIFIERS: usize = 4_096;
 
 impl Foreign {
@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(Foreign::default().load(Duration::from_secs(1), None), 0);
     }
 
-    /// Of identifiers that are equally loud it is the one with the highest priority; those beyond 4096 are not told apart.
+    /// Of identifiers that are equally loud it is the one with the highest priority; those beyond 4096 are not distinguished.
     #[test]
     fn the_loudest_is_named() {
         let record = |id| Record::new(Timestamp::ZERO, ChannelId(0), Frame::full(CanId::extended(id).unwrap(), [0; 8]));

@@ -298,7 +298,7 @@ impl Tried {
     }
 }
 
-/// What a case is about, by the services that can't be told apart from outside: a device shows its NMT state by its
+/// What a case is about, by the services that can't be distinguished from outside: a device shows its NMT state by its
 /// heartbeats, and its objects by its SDO server. A fault of one of them shows in the cases of all.
 fn chapter(case: &'static Case) -> &'static str {
     match case.family() {

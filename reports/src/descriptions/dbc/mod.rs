@@ -83,12 +83,12 @@ fn message(
     node_name: &str,
 ) -> Result<Message, String> {
     let of = |node: &Node, sub| node.parameter(id, Multiplexer::new(pdo.communication_index(), sub));
-    let cob_id = CobId(of(node, 1).ok_or("its COB-ID is not told")?);
+    let cob_id = CobId(of(node, 1).ok_or("its COB-ID is not described")?);
     if !cob_id.is_valid() {
         return Err("it is switched off".to_owned());
     }
     let length = node.layout(id, pdo).map(canvass_analyzer::network::Layout::length);
-    let length = length.ok_or("nothing is mapped, or the mapping is not told")?;
+    let length = length.ok_or("nothing is mapped, or the mapping is not described")?;
     if length > LONGEST {
         return Err(format!("{length} bytes are mapped, and a CAN frame has {LONGEST}"));
     }

@@ -65,7 +65,7 @@ fn unusual_pdos_are_written_too() {
         [
             "TPDO 1: it is switched off",
             "TPDO 2: 12 bytes are mapped, and a CAN frame has 8",
-            "TPDO 3: nothing is mapped, or the mapping is not told"
+            "TPDO 3: nothing is mapped, or the mapping is not described"
         ]
     );
 }

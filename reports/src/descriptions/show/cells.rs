@@ -85,10 +85,10 @@ pub(super) fn standard(shown: &Shown, at: Multiplexer) -> String {
 /// `32 bits, CAN-ID $NODEID+180h, no remote frames`.
 pub(super) fn about(shown: &Shown, layout: &PdoLayout<'_>) -> String {
     let content = match &layout.fields {
-        None => "mapping not told".to_owned(),
+        None => "mapping not described".to_owned(),
         Some(_) => format!("{} bits", layout.bits()),
     };
-    let Some(cob_id) = layout.cob_id else { return format!("{content}, COB-ID not told") };
+    let Some(cob_id) = layout.cob_id else { return format!("{content}, COB-ID not described") };
     let (node, raw) = match (cob_id, shown.node) {
         (Setting::NodeIdPlus(offset), Some(node)) => ("", offset.wrapping_add(u32::from(node.raw()))),
         (Setting::NodeIdPlus(offset), None) => ("$NODEID+", *offset),

@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Row, Table};
 use std::collections::BTreeMap;
 
-/// So many are told apart: a device that sends with every identifier there is takes no more memory.
+/// So many are distinguished: a device that sends with every identifier there is takes no more memory.
 const MOST: usize = 4_096;
 /// So long a byte that has changed is marked.
 const MARKED: Duration = Duration::from_secs(1);

@@ -21,7 +21,7 @@ use pcap_file::{DataLink, Endianness};
 use std::borrow::Cow;
 use std::time::Duration;
 
-/// How many interfaces of a section are told apart.
+/// How many interfaces of a section are distinguished.
 const MOST_INTERFACES: usize = 65_536;
 
 /// A section, as far as it was read.
