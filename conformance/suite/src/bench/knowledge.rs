@@ -33,6 +33,8 @@ pub(crate) struct Knowledge {
     pub(super) fd_frames: u64,
     /// The longest that the device took to answer a request that it served at once.
     pub(super) slowest_answer: Duration,
+    /// 1000h as it was read first.
+    pub(super) device_type: Option<Vec<u8>>,
     /// How many transfers came to their right end, or to an abort in the right form.
     pub(super) served: u64,
     /// Other nodes were looked for.

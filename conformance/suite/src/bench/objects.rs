@@ -276,7 +276,8 @@ impl Bench<'_> {
 
     pub(crate) fn long_writable(&self) -> Option<Multiplexer> {
         let description = self.target.description.as_ref()?;
-        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
+        // Not a DOMAIN: that may be a program, or a block whose length never changes.
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING];
         let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
             // 1F50h and its like load programs.
             let is_own = matches!(multiplexer.index.0, 0x2000..=0x9FFF);

@@ -1,7 +1,7 @@
 //! The device is left as it was found.
 
 use super::Bench;
-use super::rewrite::{Original, companions, writes};
+use super::rewrite::{Original, companions, is_cob_id, writes};
 use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
@@ -34,13 +34,13 @@ pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
 
 impl Bench<'_> {
     /// Whether the device stores what is written without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13). A reset then brings
-    /// no earlier value back.
+    /// no earlier value back. Only a value whose other bits are 0 says how the device stores (table 51): some give back what
+    /// was written last.
     ///
     /// # Errors
     /// A breach if 1010h:01 can't be read though it is there.
     pub fn stores_by_itself(&mut self) -> Result<bool, Stop> {
-        const BY_ITSELF: u32 = 1 << 1;
-        Ok(self.has(STORE)? && self.read_number(STORE)? & BY_ITSELF != 0)
+        Ok(self.has(STORE)? && matches!(self.read_number(STORE)?, 0b10 | 0b11))
     }
 
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
@@ -168,7 +168,8 @@ impl Bench<'_> {
                 at.sub.0
             )
         };
-        let mut commands: Vec<String> = writes(&originals).into_iter().map(command).collect();
+        let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
+        let mut commands: Vec<String> = writes(&originals, &held).into_iter().map(command).collect();
         let has_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
         if !commands.is_empty() && self.stores() > 0 && has_store {
             // What is wrong may be what is stored.
@@ -185,6 +186,12 @@ impl Bench<'_> {
         }
         Ok(())
     }
+}
+
+/// The COB-IDs that the device has now, where a run has changed them.
+fn settings_now(changes: &[Change]) -> impl Iterator<Item = (Multiplexer, u32)> {
+    let cob_ids = changes.iter().filter(|change| is_cob_id(change.multiplexer));
+    cob_ids.filter_map(|change| Some((change.multiplexer, super::sdo::number(change.after.as_ref()?))))
 }
 
 /// A bus as it can be typed into a shell.

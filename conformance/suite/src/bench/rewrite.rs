@@ -35,7 +35,10 @@ struct RewriteStep {
 /// The order within a communication object.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Order {
+    /// With the identifier that it has: bits 0 to 29 of a valid COB-ID must not change (7.5.2.17, 7.5.2.37).
     SwitchOff,
+    /// With its own identifier, and still off: some devices take an identifier only so.
+    OwnIdentifier,
     Parameter,
     MappingOff,
     MappingEntry,
@@ -51,8 +54,10 @@ const SYNC_PERIOD: u16 = object::COMMUNICATION_CYCLE_PERIOD;
 const SYNC_OVERFLOW: u16 = object::SYNCHRONOUS_COUNTER_OVERFLOW;
 const TIME_ID: u16 = object::COB_ID_TIME;
 
-/// Bit 30 of 1005h: the device produces SYNC.
+/// Bit 30 of 1005h and 1012h: the device produces SYNC, TIME.
 const PRODUCES: u32 = 1 << 30;
+/// Bit 31 of 1012h: the device consumes TIME.
+const CONSUMES: u32 = 1 << 31;
 
 impl Bench<'_> {
     /// Writes values back; returns those that the device does not have again.
@@ -62,7 +67,15 @@ impl Bench<'_> {
         let needed: Vec<Multiplexer> =
             wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
         let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
-        for RewriteStep { multiplexer, value, .. } in steps(rewritten) {
+        let held: Vec<(Multiplexer, u32)> = needed
+            .iter()
+            .filter(|at| is_cob_id(**at))
+            .filter_map(|&at| match self.upload(at).ok()?.outcome {
+                Outcome::Uploaded(value) => Some((at, super::sdo::number(&value))),
+                _ => None,
+            })
+            .collect();
+        for RewriteStep { multiplexer, value, .. } in steps(rewritten, &held) {
             // What is refused shows when it is read back.
             let _ = self.download_as(multiplexer, &value, Mode::Shortest);
         }
@@ -78,13 +91,27 @@ impl Bench<'_> {
     }
 }
 
-/// What has to be written, in this order, so that objects have their values again.
-pub(super) fn writes(originals: &[Original]) -> Vec<(Multiplexer, Vec<u8>)> {
-    steps(originals).into_iter().map(|step| (step.multiplexer, step.value)).collect()
+/// What has to be written, in this order, so that objects have their values again. `held`: COB-IDs that the device has now.
+pub(super) fn writes(originals: &[Original], held: &[(Multiplexer, u32)]) -> Vec<(Multiplexer, Vec<u8>)> {
+    steps(originals, held).into_iter().map(|step| (step.multiplexer, step.value)).collect()
+}
+
+/// Whether an object holds a COB-ID that is switched off before it changes.
+pub(super) const fn is_cob_id(at: Multiplexer) -> bool {
+    matches!((at.index.0, at.sub.0), (0x1400..=0x15FF | 0x1800..=0x19FF, 1) | (EMCY_ID | TIME_ID | SYNC_ID, 0))
+}
+
+/// A COB-ID whose communication object is off.
+const fn switched_off(index: u16, cob_id: u32) -> u32 {
+    match index {
+        SYNC_ID => cob_id & !PRODUCES,
+        TIME_ID => cob_id & !(PRODUCES | CONSUMES),
+        _ => cob_id | CobId::INVALID,
+    }
 }
 
 /// The writes that give objects their values again, in their order.
-fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>) -> Vec<RewriteStep> {
+fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>, held: &[(Multiplexer, u32)]) -> Vec<RewriteStep> {
     let mut steps: Vec<RewriteStep> = Vec::new();
     for Original { multiplexer, value } in originals {
         let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
@@ -95,12 +122,14 @@ fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>) -> Vec<RewriteSt
             value,
         };
         match (index, sub) {
-            (0x1400..=0x15FF | 0x1800..=0x19FF, 1) | (EMCY_ID | TIME_ID, 0) => {
-                steps.push(step(Order::SwitchOff, with(value, CobId::INVALID)));
-                steps.push(step(Order::CobId, value.clone()));
-            }
-            (SYNC_ID, 0) => {
-                steps.push(step(Order::SwitchOff, without(value, PRODUCES)));
+            _ if is_cob_id(*multiplexer) => {
+                let own = switched_off(index, super::sdo::number(value));
+                let held = held.iter().find(|(at, _)| at == multiplexer);
+                let off = held.map_or(own, |&(_, held)| switched_off(index, held));
+                steps.push(step(Order::SwitchOff, off.to_le_bytes().to_vec()));
+                if own != off {
+                    steps.push(step(Order::OwnIdentifier, own.to_le_bytes().to_vec()));
+                }
                 steps.push(step(Order::CobId, value.clone()));
             }
             (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => {
@@ -123,14 +152,6 @@ const fn group_of(index: u16) -> u16 {
         SYNC_PERIOD | SYNC_OVERFLOW => SYNC_ID,
         _ => index,
     }
-}
-
-fn with(value: &[u8], bits: u32) -> Vec<u8> {
-    (super::sdo::number(value) | bits).to_le_bytes().to_vec()
-}
-
-fn without(value: &[u8], bits: u32) -> Vec<u8> {
-    (super::sdo::number(value) & !bits).to_le_bytes().to_vec()
 }
 
 /// What has to be written, too, when an object is: a PDO whose mapping changes is switched off and on again, and its mapping
@@ -160,10 +181,11 @@ mod tests {
             original(object::TPDO_COMMUNICATION_PARAMETER, 2, &[254]),
             original(object::PRODUCER_HEARTBEAT_TIME, 0, &[0, 0]),
         ];
-        let written: Vec<String> =
-            steps(&originals).iter().map(|step| format!("{} {:02X?}", step.multiplexer, step.value)).collect();
+        let written = |held: &[(Multiplexer, u32)]| -> Vec<String> {
+            steps(&originals, held).iter().map(|step| format!("{} {:02X?}", step.multiplexer, step.value)).collect()
+        };
         assert_eq!(
-            written,
+            written(&[]),
             [
                 "1017h:00 [00, 00]",
                 "1800h:01 [BF, 01, 00, C0]",
@@ -174,5 +196,18 @@ mod tests {
                 "1800h:01 [BF, 01, 00, 40]",
             ]
         );
+        // It is valid with another identifier: that stays until it is off.
+        let cob_id = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
+        let moved = written(&[(cob_id, 0x4000_06B0)]);
+        assert_eq!(moved[1..3], ["1800h:01 [B0, 06, 00, C0]", "1800h:01 [BF, 01, 00, C0]"]);
+        assert_eq!(moved[3..], written(&[])[2..]);
+    }
+
+    #[test]
+    fn sync_and_time_are_off_without_their_bits() {
+        let off = |index, cob_id| format!("{:08X}", switched_off(index, cob_id));
+        assert_eq!(off(SYNC_ID, 0x4000_0080), "00000080");
+        assert_eq!(off(TIME_ID, 0xC000_0100), "00000100");
+        assert_eq!(off(EMCY_ID, 0x85), "80000085");
     }
 }

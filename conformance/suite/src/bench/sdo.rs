@@ -10,7 +10,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
-use canvass_bus::client::sdo::{Mode, ServerLine, Transfer};
+use canvass_bus::client::sdo::{Mode, Outcome, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
@@ -145,8 +145,13 @@ impl Bench<'_> {
     /// # Errors
     /// A breach if it does not.
     pub fn expect_served(&mut self, circumstance: &str) -> Judged {
-        self.upload(DEVICE_TYPE)?.under(circumstance).value()?;
-        Ok(())
+        let usual = self.knowledge.device_type.clone();
+        let value = self.upload(DEVICE_TYPE)?.under(circumstance).value()?;
+        let is_right = usual.as_ref().is_none_or(|usual| value == *usual);
+        self.check(demand(is_right, || {
+            let breach = Breach::new(DEVICE_TYPE, format!("an upload {circumstance} gives the object's value"));
+            breach.expected(Observation::Value(usual.unwrap_or_default())).found(Observation::Value(value))
+        }))
     }
 
     fn transfer(&mut self, transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
@@ -160,6 +165,9 @@ impl Bench<'_> {
         let responses = line.responses;
         if outcome.own_abort().is_none() {
             self.knowledge.served += 1;
+        }
+        if let (DEVICE_TYPE, Outcome::Uploaded(value)) = (multiplexer, &outcome) {
+            self.knowledge.device_type.get_or_insert_with(|| value.clone());
         }
         Ok(Attempt { multiplexer, what, outcome, responses })
     }

@@ -94,12 +94,12 @@ fn values(rows: &[Row]) -> Values {
     Rc::new(RefCell::new(rows.iter().map(|(at, value, _)| (*at, value.clone())).collect()))
 }
 
-/// CiA 301, 7.5.2.37 and 7.5.2.38 for PDOs; an EMCY and a TIME are off, a SYNC is not produced, while they are changed.
+/// CiA 301, 7.5.2.37 and 7.5.2.38 for PDOs; an EMCY is off, a SYNC is not produced, a TIME neither produced nor consumed, while they are changed.
 #[test]
 fn each_communication_object_is_off_while_it_is_written() {
     let written = |originals: &[Original]| -> Vec<String> {
         let text = |(at, value): (Multiplexer, Vec<u8>)| format!("{at} {value:02X?}");
-        writes(originals).into_iter().map(text).collect()
+        writes(originals, &[]).into_iter().map(text).collect()
     };
     let emcy = [original(0x1014, 0, &[0xBF, 0, 0, 0]), original(0x1015, 0, &[5, 0])];
     assert_eq!(written(&emcy), ["1014h:00 [BF, 00, 00, 80]", "1015h:00 [05, 00]", "1014h:00 [BF, 00, 00, 00]"]);
@@ -111,7 +111,7 @@ fn each_communication_object_is_off_while_it_is_written() {
     );
     assert_eq!(
         written(&[original(0x1012, 0, &[0, 1, 0, 0xC0])]),
-        ["1012h:00 [00, 01, 00, C0]", "1012h:00 [00, 01, 00, C0]"]
+        ["1012h:00 [00, 01, 00, 00]", "1012h:00 [00, 01, 00, C0]"]
     );
     // The first and the last PDO of each direction.
     for (communication, mapping) in [(0x1400, 0x1600), (0x15FF, 0x17FF), (0x1800, 0x1A00), (0x19FF, 0x1BFF)] {
@@ -122,14 +122,14 @@ fn each_communication_object_is_off_while_it_is_written() {
             original(communication, 2, &[1]),
         ];
         let order: Vec<(Multiplexer, u8)> =
-            writes(&pdo).into_iter().map(|(at, value)| (at, value.last().copied().unwrap())).collect();
+            writes(&pdo, &[]).into_iter().map(|(at, value)| (at, value.last().copied().unwrap())).collect();
         let [id, kind] = [1, 2].map(|sub| Multiplexer::new(communication, sub));
         let [count, entry] = [0, 1].map(|sub| Multiplexer::new(mapping, sub));
         assert_eq!(order, [(id, 0x80), (kind, 1), (count, 0), (entry, 0x10), (count, 1), (id, 0)]);
     }
     // Neighbours of those are objects like any other.
     for index in [0x13FF, 0x1C00] {
-        assert_eq!(writes(&[original(index, 0, &[7]), original(index, 1, &[7])]).len(), 2, "{index:04X}h");
+        assert_eq!(writes(&[original(index, 0, &[7]), original(index, 1, &[7])], &[]).len(), 2, "{index:04X}h");
     }
 }
 
@@ -268,7 +268,7 @@ fn the_value_before_the_first_change_is_kept() {
 /// Bit 1 of 1010h:01 (CiA 301, 7.5.2.13).
 #[test]
 fn a_device_may_store_by_itself() {
-    for (value, by_itself) in [(0, false), (1, false), (2, true), (3, true), (4, false)] {
+    for (value, by_itself) in [(0, false), (1, false), (2, true), (3, true), (4, false), (6, false)] {
         let found = with_bench(dictionary(vec![row(0x1010, 1, &[value, 0, 0, 0])]), |bench| bench.stores_by_itself());
         assert_eq!(found, Ok(by_itself), "{value}");
     }

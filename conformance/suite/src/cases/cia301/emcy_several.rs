@@ -188,7 +188,8 @@ fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
 /// With another CAN-ID in 1014h EMCY comes on that one, in a data frame of eight bytes, and no longer on the old one. Reset
 /// communication brings the old one back.
 #[case(id = "301/emcy/moved", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
-       needs = [EmcyId, Monitoring], catches = [EmcyKeepsCanId, EmcyMovedIsRemote])]
+       needs = [EmcyId, Monitoring],
+       catches = [EmcyKeepsCanId, EmcyMovedIsRemote, NmtResetCommunicationKeepsParameters])]
 fn moved(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     reported_loss(bench)?;
@@ -209,6 +210,13 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     }))?;
     bench.reset(Command::RESET_COMMUNICATION)?;
     let now = bench.read_number(COB_ID)?;
+    let keeps = bench.stores_by_itself()?;
+    bench.check(demand(keeps || now & 0x7FF == own & 0x7FF, || {
+        let breach = Breach::new(COB_ID, "1014h:00 has its power-on value after reset communication");
+        breach
+            .expected(Observation::Value(own.to_le_bytes().into()))
+            .found(Observation::Value(now.to_le_bytes().into()))
+    }))?;
     let [new, _] = lost_on(bench, [FREE as u16, CobId(now).can_id() as u16])?;
     bench.check(demand(new.is_empty() || now & 0x7FF == FREE, || {
         let breach = Breach::new(COB_ID, "after reset communication no EMCY comes on the CAN-ID of before");

@@ -84,12 +84,19 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     let node = neighbour(bench)?;
     consequence(bench)?;
     let own = entry(node, 200);
+    let before = bench.read(WATCHED)?;
     bench.write(WATCHED, &own)?;
     bench.reset(Command::RESET_COMMUNICATION)?;
-    if bench.read(WATCHED)? == own {
+    let now = bench.read(WATCHED)?;
+    if now == own && bench.stores_by_itself()? {
         let reason = Reason::new("a reset brings the power-on value of 1016h:01", "another value", "the one written");
         return Err(Stop::NotApplicable(reason));
     }
+    demand(now != own, || {
+        let breach =
+            Breach::new(WATCHED, "an entry that was not stored has its power-on value after reset communication");
+        breach.expected(Observation::Value(before)).found(Observation::Value(now))
+    })?;
     consequence(bench)?;
     operational(bench)?;
     let begun = bench.now();

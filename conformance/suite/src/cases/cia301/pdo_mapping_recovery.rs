@@ -22,13 +22,22 @@ fn first_mapped(bench: &mut Bench<'_>) -> Result<Mapped, Stop> {
 
 /// Maps one entry and switches the mapping on; what the device answers to the first message that it refuses.
 fn try_entry(bench: &mut Bench<'_>, entry: u32) -> Result<Attempt, Stop> {
-    bench.open_mapping(TPDO)?;
-    let mut attempt = bench.download(TPDO.entry(1), &entry.to_le_bytes())?;
-    if attempt.outcome == Outcome::Downloaded {
-        attempt = bench.download(TPDO.entry(0), &[1])?;
-    }
+    let mut attempt = try_entries(bench, &[entry])?;
     attempt.what = format!("mapping of {entry:08X}h");
     Ok(attempt)
+}
+
+/// The same of several entries.
+fn try_entries(bench: &mut Bench<'_>, entries: &[u32]) -> Result<Attempt, Stop> {
+    bench.open_mapping(TPDO)?;
+    let count = u8::try_from(entries.len()).unwrap_or(u8::MAX);
+    for (sub, entry) in (1..=count).zip(entries) {
+        let attempt = bench.download(TPDO.entry(sub), &entry.to_le_bytes())?;
+        if attempt.outcome != Outcome::Downloaded {
+            return Ok(attempt);
+        }
+    }
+    bench.download(TPDO.entry(0), &[count])
 }
 
 /// An entry that takes more bits than its object has is refused. Whether one with fewer bits is accepted is noted.
@@ -52,13 +61,19 @@ fn other_length(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::UnsupportedMapping))
 }
 
-/// Sub-index 0 can't count an entry that is 0: that, or the entry, is refused.
+/// Sub-index 0 can't count an entry that is 0, alone, before or after another: that, or the entry, is refused.
 #[case(id = "301/pdo/mapping/empty-entry", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [EventTimer, DynamicMapping], catches = [EmptyEntryMapped])]
 fn empty_entry(bench: &mut Bench<'_>) -> Judged {
-    let mut attempt = try_entry(bench, 0)?;
-    attempt.what = "mapping of an empty entry".to_owned();
-    bench.check(attempt.refused(Situation::UnsupportedMapping))
+    let first = first_mapped(bench)?.entry();
+    let has_second = bench.has(TPDO.entry(2))?;
+    let mappings: [(&str, &[u32]); 3] =
+        [("alone", &[0]), ("after a right one", &[first, 0]), ("before a right one", &[0, first])];
+    bench.each(mappings.into_iter().take(if has_second { 3 } else { 1 }), |bench, (place, entries)| {
+        let mut attempt = try_entries(bench, entries)?;
+        attempt.what = format!("mapping of an empty entry {place}");
+        bench.check(attempt.refused(Situation::UnsupportedMapping))
+    })
 }
 
 /// A device whose description gives it a granularity of whole bytes refuses to map single bits of an object.

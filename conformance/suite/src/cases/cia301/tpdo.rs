@@ -131,9 +131,15 @@ fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Stop> {
     Ok(Trigger::Sync(can_id as u16, bench.sync_id()?))
 }
 
-/// Sets the transmission type; some devices of DS-301 V3.0 have a fixed one.
+/// Sets the transmission type, while the PDO is off where the device changes nothing of a PDO in use; some devices of DS-301
+/// V3.0 have a fixed one.
 fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Stop> {
-    let attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
+    let mut attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
+    if attempt.abort().is_some() && bench.can_write(TPDO_COB_ID)? {
+        let cob_id = bench.pdo_off(TPDO)?;
+        attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
+        bench.pdo_on(TPDO, cob_id)?;
+    }
     match attempt.abort() {
         Some(code) => {
             let duty = format!("TPDO 1 can have transmission type {transmission_type}");

@@ -4,44 +4,50 @@ use crate::bench::Bench;
 use crate::bench::objects::Scratch;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
-use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
 /// Reset communication brings communication parameters that were changed but not stored back to their power-on values.
 #[case(id = "301/nmt/reset-communication/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [NmtResetCommunicationKeepsParameters])]
+       needs = [ScratchObject], catches = [NmtResetCommunicationKeepsParameters, ParameterDriftsAtReset])]
 fn reset_communication(bench: &mut Bench<'_>) -> Judged {
     power_on_value(bench, Command::RESET_COMMUNICATION)
 }
 
 /// Reset node brings communication parameters that were changed but not stored back to their power-on values.
 #[case(id = "301/nmt/reset-node/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [NmtResetNodeKeepsParameters], cct = "9.1")]
+       needs = [ScratchObject], catches = [NmtResetNodeKeepsParameters, ParameterDriftsAtReset], cct = "9.1")]
 fn reset_node(bench: &mut Bench<'_>) -> Judged {
     power_on_value(bench, Command::RESET_NODE)
 }
 
 fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
-    let found = bench.scratch_objects()?.into_iter().find(|scratch| scratch.multiplexer.index.0 < 0x2000);
-    let Some(scratch) = found else {
+    let mut parameters = bench.scratch_objects()?;
+    parameters.retain(|scratch| scratch.multiplexer.index.0 < 0x2000);
+    if parameters.is_empty() {
         let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
         return Err(Stop::NotApplicable(reason));
-    };
+    }
     stores_on_command_only(bench)?;
-    // Prepared by a reset, the device holds its power-on values now.
-    let now = changed_and_reset(bench, &scratch, command)?;
-    let duty = format!("{} has its power-on value after {command}", scratch.multiplexer);
-    bench.check(has(&scratch, duty, &scratch.value, now))
+    // Prepared by a reset, the device holds its power-on values now. What it refuses meanwhile stays as it was.
+    let mut changed = Vec::new();
+    for scratch in parameters {
+        if bench.download(scratch.multiplexer, &scratch.other)?.outcome == Outcome::Downloaded {
+            changed.push(scratch);
+        }
+    }
+    bench.reset(command)?;
+    bench.each(changed, |bench, scratch| {
+        let now = bench.read(scratch.multiplexer)?;
+        let duty = format!("{} has its power-on value after {command}", scratch.multiplexer);
+        bench.check(has(&scratch, duty, &scratch.value, now))
+    })
 }
 
 /// What a device stores by itself is its power-on value as soon as it is written.
 fn stores_on_command_only(bench: &mut Bench<'_>) -> Judged {
-    const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
-    /// Bit 1 of 1010h: the device saves parameters autonomously.
-    const BY_ITSELF: u32 = 1 << 1;
-    if bench.has(STORE)? && bench.read_number(STORE)? & BY_ITSELF != 0 {
+    if bench.stores_by_itself()? {
         let reason = Reason::new("parameters are stored on command only", "bit 1 of 1010h:01 is 0", "1");
         return Err(Stop::NotApplicable(reason));
     }

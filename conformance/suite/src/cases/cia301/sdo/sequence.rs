@@ -86,15 +86,17 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A command that has no place in an upload under way is refused with abort 0504 0001h.
+/// A command that has no place in an upload under way is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     let name = long_object(bench)?;
+    let before = bench.read(name)?;
     begin_upload(bench, name)?;
     let Some(segment) = Segment::new(false, &[0; 7], false) else { return Ok(()) };
     let reply = bench.exchange(&Request::DownloadSegment(segment), "download segment in the middle of an upload")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
+    bench.expect_unchanged(name, &before)?;
     bench.expect_served("after a command that had no place")?;
     bench.expect_tidy()
 }
