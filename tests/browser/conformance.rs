@@ -1,7 +1,7 @@
 //! The page of `canvass test`.
 
 use crate::captures::Page;
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 
 #[test]
 fn it_renders_and_filters() {

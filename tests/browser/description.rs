@@ -1,6 +1,6 @@
 //! The page of `canvass eds show`.
 
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 use std::process::Command;
 
 #[test]

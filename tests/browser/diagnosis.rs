@@ -1,7 +1,7 @@
 //! The page of `canvass diagnose`.
 
 use crate::captures::{Page, faulty, machine};
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 
 fn open() -> (Browser, Page) {
     let page = Page::of(faulty().on("can0"), "machine.log");

@@ -1,6 +1,6 @@
 //! The page of `canvass history`.
 
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 use std::process::Command;
 
 /// Six releases of a simulated device, in which faults come and go.

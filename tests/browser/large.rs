@@ -1,7 +1,7 @@
 //! A page of a million frames.
 
 use crate::captures::{Log, Page, machine};
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 1_000_000;

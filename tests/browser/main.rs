@@ -14,7 +14,3 @@ mod diagnosis;
 mod history;
 #[cfg(test)]
 mod large;
-// Shared with the tests of the page.
-#[cfg(test)]
-#[allow(dead_code)]
-mod webdriver;

@@ -2,7 +2,7 @@
 
 use crate::captures::machine;
 use crate::opened::Opened;
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 use serde_json::json;
 
 const EDS: &str = include_str!("../../conformance/device/models/kuebler-sendix-58x8.eds");

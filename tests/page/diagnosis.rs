@@ -2,7 +2,7 @@
 
 use crate::captures::machine;
 use crate::opened::Opened;
-use crate::webdriver::Screen;
+use canvass_webdriver::Screen;
 
 #[test]
 fn a_capture_is_diagnosed_without_a_request() {

@@ -1,7 +1,7 @@
 //! Captures, descriptions and names that want to be more than text.
 
 use crate::opened::Opened;
-use crate::webdriver::Screen;
+use canvass_webdriver::Screen;
 
 const MARKUP: &str = "<img src=x onerror=alert(1)>";
 

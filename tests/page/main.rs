@@ -22,7 +22,3 @@ mod opened;
 mod trace;
 #[cfg(test)]
 mod views;
-#[cfg(test)]
-#[path = "../browser/webdriver.rs"]
-#[allow(dead_code)]
-mod webdriver;

@@ -1,7 +1,7 @@
 //! Nothing leaves the page, whoever tries; and without a network it works all the same.
 
 use crate::opened::Opened;
-use crate::webdriver::{Browser, Screen};
+use canvass_webdriver::{Browser, Screen};
 use serde_json::json;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};

@@ -1,6 +1,6 @@
 //! The page with files in it.
 
-use crate::webdriver::{Browser, Screen, url};
+use canvass_webdriver::{Browser, Screen, url};
 use std::path::{Path, PathBuf};
 
 /// The page, and a folder for the files that it is given.

@@ -2,7 +2,7 @@
 
 use crate::captures::{faulty, machine};
 use crate::opened::Opened;
-use crate::webdriver::Screen;
+use canvass_webdriver::Screen;
 
 const DOWN: &str = "\u{E015}";
 const END: &str = "\u{E010}";

@@ -2,7 +2,7 @@
 
 use crate::captures::machine;
 use crate::opened::Opened;
-use crate::webdriver::Screen;
+use canvass_webdriver::Screen;
 use std::path::Path;
 use std::process::Command;
 

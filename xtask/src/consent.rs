@@ -18,6 +18,12 @@ fn is_given() -> bool {
     GIVEN.load(Ordering::Relaxed) || std::env::var("CI").is_ok_and(|value| value == "true")
 }
 
+/// What passes it on to another xtask, where it was given by the option.
+#[cfg(not(feature = "web"))]
+pub fn words() -> &'static [&'static str] {
+    if GIVEN.load(Ordering::Relaxed) { &[OPTION] } else { &[] }
+}
+
 /// An error that says what would be installed, and how, unless that may be done.
 pub fn ask(what: &str, how: &str) -> Result<()> {
     if !is_given() {

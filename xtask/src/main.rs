@@ -89,7 +89,7 @@ fn main() -> Result<()> {
         Some("windows") if more.first().is_some_and(|word| word == "--build") => windows::step(),
         Some("windows") => windows::test(),
         Some("web") => web::build(),
-        Some("web-bench") => web::bench::bench(),
+        Some("web-bench") => web::bench(),
         Some("web-test") => web::test(),
         Some("web-bind") => web::bind(more),
         Some("worst") => worst::worst(),

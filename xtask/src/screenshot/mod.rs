@@ -4,6 +4,7 @@
 mod descriptions;
 mod machine;
 mod terminal;
+#[cfg(feature = "web")]
 mod views;
 
 use crate::browser;
@@ -13,6 +14,8 @@ use anyhow::{Context, Result, bail, ensure};
 use machine::machine;
 use std::fs;
 use std::process::{Command, Stdio};
+#[cfg(feature = "web")]
+use views::views;
 
 const FOLDER: &str = "target/screenshot";
 /// A picture that is looked at in a document.
@@ -34,7 +37,7 @@ const MAKERS: [(&str, Maker); 5] = [
     ("conformance", conformance),
     ("history", history),
     ("descriptions", descriptions::descriptions),
-    ("views", views::views),
+    ("views", views),
 ];
 
 /// Takes the pictures: those of these names, or all.
@@ -93,6 +96,12 @@ fn releases() -> Result<Vec<String>> {
         files.push(file);
     }
     Ok(files)
+}
+
+/// The views of the page with the decoder as WebAssembly, by an xtask that can drive a browser.
+#[cfg(not(feature = "web"))]
+fn views() -> Result<()> {
+    crate::web::by_another(&["screenshot", "views"])
 }
 
 /// Runs canvass where it may find something.

@@ -4,9 +4,7 @@ use super::machine::machine;
 use super::{FOLDER, ensure_small, releases};
 use crate::web;
 use crate::web::browser::{Opened, Screen};
-use anyhow::{Context, Result};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD as BASE64;
+use anyhow::Result;
 use std::fs;
 
 const PICTURES: &str = "docs/web";
@@ -117,7 +115,6 @@ fn tried(opened: &Opened, _: Screen) -> Result<()> {
 }
 
 fn photograph(opened: &Opened, picture: &str) -> Result<()> {
-    let png = BASE64.decode(opened.0.picture()).context("a picture is base64")?;
-    fs::write(picture, png)?;
+    fs::write(picture, opened.0.picture())?;
     ensure_small(picture)
 }

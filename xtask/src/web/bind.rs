@@ -20,6 +20,5 @@ pub fn bind(wasm: &str, folder: &str) -> Result<()> {
 /// The same, by an xtask that can.
 #[cfg(not(feature = "web"))]
 pub fn bind(wasm: &str, folder: &str) -> Result<()> {
-    let xtask = ["run", "--quiet", "--package", "xtask", "--features", "web", "--locked", "--", "web-bind"];
-    crate::run::run("cargo", &[&xtask[..], &[wasm, folder]].concat())
+    super::by_another(&["web-bind", wasm, folder])
 }

@@ -1,10 +1,6 @@
 //! The page in Chromium, for what is measured and photographed.
 
-#[path = "../../../tests/browser/webdriver.rs"]
-#[allow(dead_code)]
-mod webdriver;
-
-pub use webdriver::{Browser, Screen};
+pub use canvass_webdriver::{Browser, Screen};
 
 use anyhow::Result;
 use std::path::Path;

@@ -1,8 +1,13 @@
 //! The page: the libraries as WebAssembly with what shows them, as a folder and as one file, in `target/page`.
 
-pub mod bench;
+#[cfg(feature = "web")]
+mod bench;
 mod bind;
+#[cfg(feature = "web")]
 pub mod browser;
+
+#[cfg(feature = "web")]
+pub use bench::bench;
 
 use crate::browser as chromium;
 use crate::consent;
@@ -54,7 +59,27 @@ pub fn bind(words: &[String]) -> Result<()> {
     bind::bind(wasm, folder)
 }
 
+/// Measures the page.
+///
+/// # Errors
+/// If an xtask that can drive a browser can't be built, or what it does fails.
+#[cfg(not(feature = "web"))]
+pub fn bench() -> Result<()> {
+    by_another(&["web-bench"])
+}
+
+/// Runs a command by an xtask with the feature `web`, which only what needs it waits for.
+///
+/// # Errors
+/// If that xtask can't be built, or the command fails.
+#[cfg(not(feature = "web"))]
+pub fn by_another(words: &[&str]) -> Result<()> {
+    let xtask = ["run", "--quiet", "--package", "xtask", "--features", "web", "--locked", "--"];
+    run("cargo", &[&xtask[..], consent::words(), words].concat())
+}
+
 /// The page as one file.
+#[cfg(feature = "web")]
 pub fn file() -> Result<std::path::PathBuf> {
     Ok(std::fs::canonicalize(format!("{FOLDER}/canvass.html"))?)
 }

@@ -1,0 +1,42 @@
+//! JavaScript in the page, and waiting for what it says.
+
+use crate::browser::Browser;
+use serde_json::Value;
+use std::time::{Duration, Instant};
+
+impl Browser {
+    /// Runs a function's body in the page, and gives what it returns.
+    #[track_caller]
+    pub fn run(&self, script: &str) -> Value {
+        self.ask(script, self.client.execute(script, Vec::new()))
+    }
+
+    /// The same where it returns a number.
+    #[track_caller]
+    pub fn number(&self, script: &str) -> f64 {
+        let value = self.run(script);
+        value.as_f64().unwrap_or_else(|| panic!("{script}: {value}"))
+    }
+
+    /// The same where it returns a text.
+    #[track_caller]
+    pub fn text(&self, script: &str) -> String {
+        let value = self.run(script);
+        value.as_str().unwrap_or_else(|| panic!("{script}: {value}")).to_owned()
+    }
+
+    /// Waits until an expression holds: what a page does next, it does soon.
+    #[track_caller]
+    pub fn wait(&self, expression: &str) {
+        self.wait_for(expression, Duration::from_secs(20));
+    }
+
+    /// The same of what takes longer.
+    #[track_caller]
+    pub fn wait_for(&self, expression: &str, longest: Duration) {
+        let begin = Instant::now();
+        while self.run(&format!("return Boolean({expression})")) != Value::Bool(true) {
+            assert!(begin.elapsed() < longest, "{expression} does not come true");
+        }
+    }
+}
