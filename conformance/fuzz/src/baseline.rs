@@ -26,19 +26,22 @@ pub struct Kept {
 }
 
 /// Reads what those frames may have changed, and writes back what the reset has not. What can't be written back is reported.
-/// `observe` sees every frame of it.
+/// `earlier`: what could not be written back before, and is looked at again. `observe` sees every frame of it.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
 pub(super) fn restore(
     bus: &mut dyn Bus,
     sent: &[Stimulus],
+    earlier: &[Kept],
     knowledge: &Knowledge,
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Vec<Kept>, BusError> {
     let mut client = Client { exchange: Exchange { bus, observe, ends: Timestamp::MAX }, knowledge };
     let mut changed = Vec::new();
-    for entry in touched(sent, knowledge) {
+    let mut entries = touched(sent, knowledge);
+    entries.extend(earlier.iter().filter_map(|kept| knowledge.position(kept.at)));
+    for entry in entries {
         let Some((known, power_on)) = restorable(knowledge, entry) else { continue };
         let value = client.read(known.at)?;
         if value.is_some_and(|value| value != power_on) {
@@ -95,6 +98,10 @@ impl Client<'_> {
     /// mapping are written, the number of mapped objects, and last what makes it valid again.
     fn write_back(&mut self, changed: &mut [(&Known, u64)]) -> Result<(), BusError> {
         for (known, power_on) in changed.iter().filter(|(known, _)| is_cob_id(known.at)) {
+            // Off with the identifier that it has, as a valid one must not change; then with its own.
+            if let Some(now) = self.read(known.at)? {
+                self.write(known, now | u64::from(CobId::INVALID))?;
+            }
             self.write(known, power_on | u64::from(CobId::INVALID))?;
         }
         changed.sort_by_key(|(known, _)| (is_cob_id(known.at), is_mapping(known.at) && known.at.sub.0 == 0, known.at));

@@ -365,9 +365,10 @@ impl Executor {
             };
             return Err(Stop::Lost { violation, dead });
         }
-        self.kept.clear();
+        let earlier = std::mem::take(&mut self.kept);
         if !is_repeatable {
-            self.kept = baseline::restore(stand.bus(), &self.before.0.stimuli, &self.knowledge, &mut |_| ())?;
+            let sent = &self.before.0.stimuli;
+            self.kept = baseline::restore(stand.bus(), sent, &earlier, &self.knowledge, &mut |_| ())?;
         }
         self.trusts.awaits_lss = false;
         self.oracle.start(stand.bus().now(), start);

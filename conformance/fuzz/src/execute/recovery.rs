@@ -77,7 +77,7 @@ impl Executor {
         }
         let unsettled = self.sent.get(self.settled..).unwrap_or_default().to_vec();
         let (sent, evidence, keep) = (&mut self.sent, &mut self.evidence, self.keep);
-        let kept = baseline::restore(stand.bus(), &unsettled, &self.knowledge, &mut |record| {
+        let kept = baseline::restore(stand.bus(), &unsettled, &[], &self.knowledge, &mut |record| {
             if record.direction == Direction::Tx {
                 sent.push(Stimulus::settle(record.frame));
             }

@@ -16,13 +16,17 @@ const STORM: u32 = 100;
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     last: Option<(Timestamp, [u8; 8])>,
+    /// Frames since the last EMCY that may each have been an error: not those that an SDO server answers.
+    causes: u32,
+    /// So often the last EMCY may come again: once for each further cause.
+    again: u32,
     second: Timestamp,
     count: u32,
 }
 
 impl Watch {
     pub const fn new() -> Self {
-        Self { last: None, second: Timestamp::ZERO, count: 0 }
+        Self { last: None, causes: 0, again: 0, second: Timestamp::ZERO, count: 0 }
     }
 
     pub fn reset(&mut self) {
@@ -30,8 +34,9 @@ impl Watch {
     }
 
     /// The fuzzer has sent something: an error that is reported from now on may be another one.
-    pub const fn provoked(&mut self) {
+    pub const fn provoked(&mut self, is_sdo: bool) {
         self.last = None;
+        self.causes = if is_sdo { self.causes } else { self.causes.saturating_add(1) };
     }
 
     /// An EMCY came.
@@ -59,8 +64,13 @@ impl Watch {
         let repeated = !is_reset
             && !is_generic
             && self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);
-        self.last = Some((now, bytes));
-        if repeated {
+        if self.last.is_none() {
+            self.again = self.causes.saturating_sub(1);
+        }
+        (self.last, self.causes) = (Some((now, bytes)), 0);
+        if repeated && self.again > 0 {
+            self.again -= 1;
+        } else if repeated {
             let expected = "one EMCY for one event";
             return Err(violation(Property::EmcyRate, "EMCY repeated", expected, format!("{frame} again"), now));
         }
@@ -73,5 +83,32 @@ impl Watch {
             return Err(violation(Property::EmcyRate, "EMCY storm", expected, format!("{}", self.count), now));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::parse_frame;
+
+    /// 8240h, unexpected length of SYNC, so often after so many causes; whether all may come.
+    fn come(causes: u32, times: u32) -> bool {
+        let (mut watch, nmt) = (Watch::new(), nmt::Slave::new(Duration::ZERO, true));
+        let frame = parse_frame("08A#4082110000000000").unwrap().frame;
+        (0..causes).for_each(|_| watch.provoked(false));
+        (0..times).all(|n| watch.came(Timestamp(u64::from(n) * 1_000_000), &frame, &nmt).is_ok())
+    }
+
+    #[test]
+    fn each_cause_may_be_reported_once() {
+        assert!(come(1, 1) && come(2, 2) && come(5, 3));
+        assert!(!come(1, 2) && !come(2, 3));
+    }
+
+    #[test]
+    fn a_request_to_the_sdo_server_is_no_cause() {
+        let mut watch = Watch::new();
+        (0..9).for_each(|_| watch.provoked(true));
+        assert_eq!(watch.causes, 0);
     }
 }

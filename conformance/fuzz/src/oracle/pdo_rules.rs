@@ -28,7 +28,7 @@ pub(super) fn refusal(
         (0x1800..=0x19FF, 2) if (241..=251).contains(&raw) => Some((codes::REFUSED, "a reserved transmission type")),
         (0x1800..=0x19FF, 6) => sync_start(at, raw, knowledge, expected_values),
         (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => mapping_count(at, raw, knowledge, expected_values),
-        (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, knowledge, expected_values),
+        (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, raw, knowledge, expected_values),
         (object::COB_ID_SYNC | object::COB_ID_TIME, 0)
             if CobId(raw as u32 & 0x7FF).is_restricted() && at.index.0 == object::COB_ID_SYNC =>
         {
@@ -159,10 +159,17 @@ fn mapping_count(
     (bits > LONGEST_PDO).then_some((MAPPING, "mapped objects of more than 64 bits"))
 }
 
-fn mapping_entry(at: Multiplexer, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
+fn mapping_entry(
+    at: Multiplexer,
+    raw: u64,
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Option<Refusal> {
     let count = expected_values.number(knowledge, at.index.0, 0)?;
     let in_use = (1..=64).contains(&count) && u64::from(at.sub.0) <= count;
-    in_use.then_some((MAPPING, "mapping entries change only while sub-index 0 is 0"))
+    // Its own value changes nothing.
+    let changes = expected_values.number(knowledge, at.index.0, at.sub.0) != Some(raw);
+    (in_use && changes).then_some((MAPPING, "mapping entries change only while sub-index 0 is 0"))
 }
 
 /// Two times for one node (abort 0604 0043h).

@@ -240,13 +240,14 @@ fn a_string_that_can_be_written() {
             found.is_some()
         })
     };
-    for data_type in ["0x0009", "0x000A", "0x000F"] {
+    for data_type in ["0x0009", "0x000A"] {
         assert!(serves("2000", &format!("DataType={data_type}")), "{data_type}");
     }
     assert!(serves("9FFF", "DataType=0x0009"));
     for (index, lines) in [
         ("2000", "DataType=0x0007"),
         ("2000", "DataType=0x000B"),
+        ("2000", "DataType=0x000F"),
         ("1F50", "DataType=0x000F"),
         ("1FFF", "DataType=0x0009"),
         ("A000", "DataType=0x0009"),
