@@ -16,7 +16,9 @@ const STORM: u32 = 100;
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     last: Option<(Timestamp, [u8; 8])>,
-    /// Frames since the last EMCY that may each have been an error: not those that an SDO server answers.
+    /// The last frame that may have been an error: not one that an SDO server answers.
+    cause: Option<Frame>,
+    /// So often it came since the last EMCY, with no other between them that may have ended the error.
     causes: u32,
     /// So often the last EMCY may come again: once for each further cause.
     again: u32,
@@ -26,7 +28,7 @@ pub(super) struct Watch {
 
 impl Watch {
     pub const fn new() -> Self {
-        Self { last: None, causes: 0, again: 0, second: Timestamp::ZERO, count: 0 }
+        Self { last: None, cause: None, causes: 0, again: 0, second: Timestamp::ZERO, count: 0 }
     }
 
     pub fn reset(&mut self) {
@@ -34,9 +36,12 @@ impl Watch {
     }
 
     /// The fuzzer has sent something: an error that is reported from now on may be another one.
-    pub const fn provoked(&mut self, is_sdo: bool) {
+    pub fn provoked(&mut self, frame: &Frame, is_sdo: bool) {
         self.last = None;
-        self.causes = if is_sdo { self.causes } else { self.causes.saturating_add(1) };
+        if !is_sdo {
+            self.causes = if self.cause == Some(*frame) { self.causes.saturating_add(1) } else { 1 };
+            self.cause = Some(*frame);
+        }
     }
 
     /// An EMCY came.
@@ -93,10 +98,19 @@ mod tests {
 
     /// 8240h, unexpected length of SYNC, so often after so many causes; whether all may come.
     fn come(causes: u32, times: u32) -> bool {
-        let (mut watch, nmt) = (Watch::new(), nmt::Slave::new(Duration::ZERO, true));
-        let frame = parse_frame("08A#4082110000000000").unwrap().frame;
-        (0..causes).for_each(|_| watch.provoked(false));
-        (0..times).all(|n| watch.came(Timestamp(u64::from(n) * 1_000_000), &frame, &nmt).is_ok())
+        let sync = frame("080#010203");
+        let mut watch = Watch::new();
+        (0..causes).for_each(|_| watch.provoked(&sync, false));
+        reported(&mut watch, times)
+    }
+
+    fn reported(watch: &mut Watch, times: u32) -> bool {
+        let (emcy, nmt) = (frame("08A#4082110000000000"), nmt::Slave::new(Duration::ZERO, true));
+        (0..times).all(|n| watch.came(Timestamp(u64::from(n) * 1_000_000), &emcy, &nmt).is_ok())
+    }
+
+    fn frame(text: &str) -> Frame {
+        parse_frame(text).unwrap().frame
     }
 
     #[test]
@@ -106,9 +120,16 @@ mod tests {
     }
 
     #[test]
+    fn after_a_right_frame_the_end_of_the_error_comes_first() {
+        let mut watch = Watch::new();
+        ["080#010203", "080#", "080#010203"].iter().for_each(|text| watch.provoked(&frame(text), false));
+        assert!(!reported(&mut watch, 2));
+    }
+
+    #[test]
     fn a_request_to_the_sdo_server_is_no_cause() {
         let mut watch = Watch::new();
-        (0..9).for_each(|_| watch.provoked(true));
-        assert_eq!(watch.causes, 0);
+        (0..9).for_each(|_| watch.provoked(&frame("60A#4000100000000000"), true));
+        assert!(!reported(&mut watch, 2));
     }
 }

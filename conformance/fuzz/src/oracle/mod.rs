@@ -108,7 +108,8 @@ impl Oracle {
         }
         self.expire(now)?;
         self.nmt.passed(now);
-        self.emcy.provoked(frame.cob_id() == Some(sdo_wire::REQUEST_BASE + u16::from(self.knowledge.node.raw())));
+        self.emcy
+            .provoked(frame, frame.cob_id() == Some(sdo_wire::REQUEST_BASE + u16::from(self.knowledge.node.raw())));
         let Some(can_id) = frame.id().as_standard() else {
             coverage.sdo_frame(self.sdo.class(), super::coverage::Command::Extended, frame, &self.knowledge);
             return Ok(());
