@@ -37,6 +37,10 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
             changed.push(scratch);
         }
     }
+    if changed.is_empty() {
+        let reason = Reason::new("a communication parameter takes another value", "a confirmation", "none");
+        return Err(Stop::Inconclusive(reason));
+    }
     bench.reset(command)?;
     bench.each(changed, |bench, scratch| {
         let now = bench.read(scratch.multiplexer)?;
