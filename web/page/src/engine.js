@@ -51,11 +51,12 @@ class Engine {
     await this.begin();
   }
 
-  call(call, args = {}, progress = () => {}) {
+  /** Calls it with those arguments; what is in `moved` is not copied. */
+  call(call, args = {}, progress = () => {}, moved = []) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject, progress });
-      this.#worker.postMessage({ id, call, args });
+      this.#worker.postMessage({ id, call, args }, moved);
     });
   }
 

@@ -12,8 +12,6 @@ import { trialView } from "./views/trial.js";
 /** All that the views share. */
 const app = {
   engine: null,
-  /** A worker that hashes captures while that of the engine reads them; null while it is not there. */
-  hasher: null,
   captures: [],
   /** What the captures are; null while none is open. */
   summary: null,
@@ -48,9 +46,8 @@ const views = new Map();
 /** How files are called that describe devices. */
 const DESCRIPTION = /\.(eds|dcf|xdd|xdc)$/i;
 
-let stopHasher;
-/** Nobody waits for hashes that will not come. */
-const hasherStopped = new Promise((resolve) => (stopHasher = resolve));
+/** How many times captures were opened or forgotten. */
+let openings = 0;
 
 function say(text, bad = false) {
   const status = byId("status");
@@ -132,18 +129,11 @@ async function reopen() {
   opened();
   refresh();
   performance.mark("canvass-open");
-  const captures = app.captures;
-  const elsewhere = app.hasher !== null;
-  const hashing = elsewhere ? Promise.race([app.hasher.call("hash", { captures }), hasherStopped]) : null;
-  const summary = await run("open", "open", { captures, options: app.options, elsewhere }, "Reading");
-  // Others were opened meanwhile.
-  if (captures !== app.captures) return;
+  const opening = ++openings;
+  const summary = await run("open", "open", { captures: app.captures, options: app.options }, "Reading");
+  // Others were opened meanwhile, or the same in another way.
+  if (opening !== openings) return;
   if (!summary) return close(false);
-  if (elsewhere) {
-    const { hashes } = await hashing;
-    if (captures !== app.captures) return;
-    await app.engine.call("hashed", { hashes: hashes ?? captures.map(() => null) });
-  }
   performance.measure("canvass-read", "canvass-open");
   app.summary = summary;
   const { errors, warnings, damages } = summary;
@@ -154,10 +144,10 @@ async function reopen() {
 
 /** Forgets the captures. */
 function close(quietly = true) {
+  openings++;
   app.captures = [];
   app.summary = app.cursor = null;
   app.engine.call("close");
-  app.hasher?.call("cancel", { kind: "hash" });
   opened();
   if (quietly) say("");
   refresh();
@@ -261,6 +251,15 @@ function theme() {
   setColours(choice.value);
 }
 
+/** What the engine reads is hashed by that worker. */
+function hashBy(hasher) {
+  const { port1, port2 } = new MessageChannel();
+  hasher.call("hashFor", { port: port1 }, undefined, [port1]);
+  app.engine.call("hashBy", { port: port2 }, undefined, [port2]);
+  // All workers have the same compiled code.
+  hasher.call("warm").then(() => performance.mark("canvass-warm"), () => {});
+}
+
 async function begin() {
   theme();
   tabs();
@@ -272,11 +271,7 @@ async function begin() {
   reading();
   drops();
   // Without it the engine does that, too.
-  const stopped = () => {
-    app.hasher = null;
-    stopHasher({});
-  };
-  app.engine.sibling(stopped).then((hasher) => (app.hasher = hasher), () => {});
+  app.engine.sibling(() => app.engine.call("hashBy")).then(hashBy, () => {});
   window.addEventListener("hashchange", () => show(state.get("view")));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.painted?.()));
   refresh();

@@ -1,35 +1,11 @@
 // All work is done here, off the page's thread: the captures are read where they lie, a piece at a time.
-import { Hasher, initSync, Page } from "canvass-wasm";
-
-const files = new Map();
-const reader = new FileReaderSync();
-/** What is read of a file at once. */
-const PIECE = 4 << 20;
-/** What is hashed of a file at once. */
-const HASHED = 1 << 20;
-
-/** Takes the piece of a file from `at` on, and has the one after it fetched while this one is worked on. */
-function turn(known, at) {
-  const { ahead } = known;
-  known.from = at;
-  known.piece = ahead?.from === at && ahead.piece ? ahead.piece : new Uint8Array(reader.readAsArrayBuffer(known.file.slice(at, at + PIECE)));
-  const next = { from: at + known.piece.length, piece: null };
-  known.ahead = next;
-  if (next.from >= known.file.size) return;
-  const came = (bytes) => (next.piece = new Uint8Array(bytes));
-  // Who needs it finds out that it can't be read.
-  known.file.slice(next.from, next.from + PIECE).arrayBuffer().then(came, () => {});
-}
+import { initSync, Page } from "canvass-wasm";
+import * as files from "./files.js";
+import { hashFor } from "./hashing.js";
+import { warm } from "./warm.js";
 
 globalThis.canvassHost = {
-  read(number, at, buffer) {
-    const known = files.get(number);
-    if (!known.piece || at < known.from || at >= known.from + known.piece.length) turn(known, at);
-    const begin = at - known.from;
-    const part = known.piece.subarray(begin, begin + buffer.length);
-    buffer.set(part);
-    return part.length;
-  },
+  read: files.read,
   progress(done, all, what) {
     if (performance.now() - shown < 50) return;
     shown = performance.now();
@@ -59,8 +35,8 @@ function breathe() {
   });
 }
 
-/** Calls `step` until it says that there is no more, or another job of the kind begins. */
-async function job(kind, step, tell) {
+/** Calls `step` until it says that there is no more, or another job of the kind begins; each time when `ready` is. */
+async function job(kind, step, tell, ready = () => {}) {
   const own = Symbol(kind);
   latest.set(kind, own);
   let told = performance.now();
@@ -72,6 +48,7 @@ async function job(kind, step, tell) {
       tell(state);
     }
     await breathe();
+    await ready();
     if (latest.get(kind) !== own) return { ...state, cancelled: true };
   }
 }
@@ -107,48 +84,33 @@ const calls = {
     page = new Page(JSON.stringify(surroundings));
     return { formats: JSON.parse(Page.formats()) };
   },
-  async open({ captures, options, elsewhere }, tell) {
+  /** What this worker reads is hashed by the one at the other end of that port; by itself, if there is none. */
+  hashBy: ({ port }) => files.hashBy(port ?? null),
+  /** What the worker at the other end of that port reads is hashed. */
+  hashFor: ({ port }) => hashFor(port, () => latest.delete("warm")),
+  /** Until there is something better to do. */
+  warm: () => job("warm", warm(), () => {}),
+  async open({ captures, options }, tell) {
     calls.close();
-    files.clear();
-    captures.forEach((file, number) => {
-      files.set(number, { file });
-      page.addCapture(number, file.name, file.size);
-    });
+    const choice = files.choose(captures);
+    captures.forEach((file, number) => page.addCapture(number, file.name, file.size));
     page.options(JSON.stringify(options));
-    page.open(elsewhere);
-    const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell);
-    files.forEach((known) => {
-      delete known.piece;
-      delete known.ahead;
-    });
-    return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
-  },
-  hashed: ({ hashes }) => page.hashed(JSON.stringify(hashes)),
-  /** The hashes of files, while another worker reads them; null of one that can't be read. */
-  async hash({ captures }) {
-    const hashes = [];
-    for (const file of captures) {
-      const hasher = new Hasher();
-      let at = 0;
-      const step = () => {
-        const piece = new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + HASHED)));
-        hasher.update(piece);
-        at += piece.length;
-        return { more: at < file.size && piece.length > 0 };
-      };
-      try {
-        if ((await job("hash", step, () => {})).cancelled) return { cancelled: true };
-        hashes.push(at === file.size ? hasher.digest() : null);
-      } catch {
-        hashes.push(null);
-      }
-    }
-    return { hashes };
+    await files.ready();
+    if (files.gone(choice)) return { cancelled: true };
+    const hashed = files.areHashed();
+    page.open(hashed);
+    const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell, files.ready);
+    if (end.cancelled) return { cancelled: true };
+    const hashes = await files.hashes();
+    if (files.gone(choice)) return { cancelled: true };
+    if (hashed) page.hashed(JSON.stringify(hashes ?? captures.map(() => null)));
+    return JSON.parse(page.summary());
   },
   /** Whatever is under way is of captures that are gone. */
   close() {
     latest.clear();
     indexed = null;
+    files.choose([]);
     page.close();
   },
   cancel({ kind }) {

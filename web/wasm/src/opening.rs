@@ -42,9 +42,6 @@ pub struct Opened {
 }
 
 impl Opening {
-    /// So much memory the frames of a byte of a usual log take, in hundredths.
-    const PACKED: u64 = 28;
-
     /// Begins to read them; with the hashes of the files, or without.
     ///
     /// # Errors
@@ -56,7 +53,7 @@ impl Opening {
         hashed: bool,
     ) -> Result<Self, OpenError> {
         let length: u64 = files.iter().map(|file| file.length).sum();
-        make_room((length / 100).saturating_mul(Self::PACKED));
+        make_room(Store::room(length));
         let input = Input::open(files, options, hashed)?;
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         diagnosis.offer(Model::candidates());
@@ -130,10 +127,9 @@ impl Opening {
 /// Memory of a page grows in steps of 64 KiB, each of which costs as much as a large one: what will be needed is made in
 /// one. It is not touched, so that no more of it is used than is written.
 fn make_room(bytes: u64) {
-    let most = Store::MOST_BYTES as u64;
     let mut room: Vec<u8> = Vec::new();
     // Where there is not so much, it is found step by step as far as there is.
-    let _ = room.try_reserve_exact(usize::try_from(bytes.min(most)).unwrap_or(0));
+    let _ = room.try_reserve_exact(usize::try_from(bytes).unwrap_or(0));
     std::hint::black_box(&mut room);
 }
 

@@ -9,7 +9,7 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 use wasm_bindgen::prelude::*;
 
-/// Works out the hash of a file, beside who reads it.
+/// Works out the hash of a file.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Hasher(Sha256);
@@ -27,9 +27,9 @@ impl Hasher {
         self.0.update(bytes);
     }
 
-    /// The hash of all of them, in hexadecimal.
-    pub fn digest(self) -> String {
-        hexadecimal(&self.0.finalize())
+    /// The hash of all so far, in hexadecimal.
+    pub fn digest(&self) -> String {
+        hexadecimal(&self.0.clone().finalize())
     }
 }
 

@@ -45,28 +45,33 @@ pub fn push(record: &Record, before: &mut Before, out: &mut Vec<u8>) {
     let xl = record.xl_header();
     let (same, next) = (now.channel == before.channel, now.number == before.number.wrapping_add(1));
     let flag = |set: bool, flag: u8| if set { flag } else { 0 };
-    out.push(
+    let mut begin = Begin::EMPTY;
+    begin.push(
         flag(usual, USUAL)
             | flag(same, SAME_CHANNEL)
             | flag(next, NEXT_NUMBER)
             | direction << 4
             | flag(xl.is_some(), XL),
     );
-    push_signed(out, now.time.wrapping_sub(before.time).cast_signed());
+    begin.push_signed(now.time.wrapping_sub(before.time).cast_signed());
     if !same {
-        push_number(out, u64::from(now.channel));
+        begin.push_number(u64::from(now.channel));
     }
     if !next {
-        push_signed(out, now.number.wrapping_sub(before.number).cast_signed());
+        begin.push_signed(now.number.wrapping_sub(before.number).cast_signed());
     }
     *before = now;
     let data = record.data();
+    if usual {
+        let head = record.frame.id().raw() as u16 | (data.len() as u16) << 11;
+        head.to_le_bytes().iter().for_each(|byte| begin.push(*byte));
+        // With what fills it up: that is cut off again.
+        record.frame.bytes().iter().for_each(|byte| begin.push(*byte));
+        begin.len -= 8 - data.len().min(8);
+    }
+    out.extend_from_slice(begin.written());
     match xl {
-        _ if usual => {
-            let head = record.frame.id().raw() as u16 | (data.len() as u16) << 11;
-            out.extend_from_slice(&head.to_le_bytes());
-            out.extend_from_slice(data);
-        }
+        _ if usual => {}
         Some(xl) => push_xl(record.frame.id(), xl, data, out),
         None => {
             let mut packet = Vec::new();
@@ -135,16 +140,49 @@ fn take_xl(bytes: &mut &[u8]) -> Option<Record> {
     Record::xl(Timestamp::ZERO, ChannelId(0), CanId::standard_masked(priority), xl, data)
 }
 
-fn push_number(out: &mut Vec<u8>, mut number: u64) {
-    while number >= 0x80 {
-        out.push(number as u8 | 0x80);
-        number >>= 7;
-    }
-    out.push(number as u8);
+fn push_number(out: &mut Vec<u8>, number: u64) {
+    let mut begin = Begin::EMPTY;
+    begin.push_number(number);
+    out.extend_from_slice(begin.written());
 }
 
-fn push_signed(out: &mut Vec<u8>, number: i64) {
-    push_number(out, ((number << 1) ^ (number >> 63)).cast_unsigned());
+/// What a record begins with, and a usual one as a whole, until it is appended at once.
+struct Begin {
+    bytes: [u8; Self::LONGEST],
+    len: usize,
+}
+
+impl Begin {
+    const EMPTY: Self = Self { bytes: [0; Self::LONGEST], len: 0 };
+    /// Head, time, channel, number, CAN-ID and length, data.
+    const LONGEST: usize = 1 + 10 + 3 + 10 + 2 + 8;
+
+    #[inline(always)]
+    fn push(&mut self, byte: u8) {
+        if let Some(place) = self.bytes.get_mut(self.len) {
+            *place = byte;
+        }
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn push_number(&mut self, mut number: u64) {
+        while number >= 0x80 {
+            self.push(number as u8 | 0x80);
+            number >>= 7;
+        }
+        self.push(number as u8);
+    }
+
+    #[inline(always)]
+    fn push_signed(&mut self, number: i64) {
+        self.push_number(((number << 1) ^ (number >> 63)).cast_unsigned());
+    }
+
+    #[inline(always)]
+    fn written(&self) -> &[u8] {
+        self.bytes.get(..self.len).unwrap_or_default()
+    }
 }
 
 #[inline]

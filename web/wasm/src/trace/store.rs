@@ -1,4 +1,4 @@
-//! All records, in compressed blocks; and the network as it was at the begin of some of them, so that what any record
+//! All records, in blocks, which are compressed when there are many; and the network as it was at the begin of some of them, so that what any record
 //! means is worked out from the nearest one on. While records come, they are only kept: the network is asked when all are
 //! there, by [`Indexing`].
 
@@ -6,6 +6,7 @@ use super::overview::Overview;
 use super::pack::{self, Before};
 use canvass_analyzer::network::{Decoded, Network};
 use canvass_traces::{Record, Timestamp};
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 /// Records of a block.
@@ -21,6 +22,9 @@ pub struct Store {
     before: Before,
     len: usize,
     bytes: usize,
+    /// The blocks before that one are compressed, and the bytes of those that are not.
+    compressed: usize,
+    plain_bytes: usize,
     /// Records that there was no more room for.
     left_out: u64,
     snapshots: Vec<Network>,
@@ -29,17 +33,30 @@ pub struct Store {
 }
 
 struct Block {
-    packed: Box<[u8]>,
+    packed: Packed,
     first: Timestamp,
     /// The latest time of this block and those before it.
     latest: Timestamp,
 }
 
+enum Packed {
+    Plain(Box<[u8]>),
+    Compressed(Box<[u8]>),
+}
+
 impl Store {
+    /// So many bytes are kept as they are: who waits for a usual capture does not wait for its compression.
+    const PLAIN_BYTES: usize = 32 << 20;
     /// The memory that records may take: those of a capture of about a gigabyte.
     pub const MOST_BYTES: usize = 256 << 20;
     /// So many snapshots of one bus; of several buses fewer.
     const SNAPSHOTS: usize = 256;
+
+    /// About the memory that the records of a usual log of so many bytes take.
+    pub fn room(log: u64) -> u64 {
+        let (plain, compressed) = (log / 100 * 40, log / 100 * 28);
+        plain.min(Self::PLAIN_BYTES as u64).max(compressed).min(Self::MOST_BYTES as u64)
+    }
 
     /// How many records there are.
     pub const fn len(&self) -> usize {
@@ -105,20 +122,38 @@ impl Store {
 
     fn close_block(&mut self) {
         if let Some(first) = self.open_first.take() {
-            let packed = lz4_flex::block::compress_prepend_size(&self.open).into_boxed_slice();
+            let packed: Box<[u8]> = self.open.as_slice().into();
             self.bytes += packed.len();
+            self.plain_bytes += packed.len();
             let latest = self.blocks.last().map_or(first, |block| block.latest.max(first));
-            self.blocks.push(Block { packed, first, latest });
+            self.blocks.push(Block { packed: Packed::Plain(packed), first, latest });
         }
         self.open.clear();
         self.before = Before::default();
+        while self.plain_bytes > Self::PLAIN_BYTES && self.compress_next() {}
+    }
+
+    /// Compresses the first block that is not yet.
+    fn compress_next(&mut self) -> bool {
+        let Some(block) = self.blocks.get_mut(self.compressed) else { return false };
+        if let Packed::Plain(plain) = &block.packed {
+            let packed = lz4_flex::block::compress_prepend_size(plain).into_boxed_slice();
+            self.plain_bytes -= plain.len();
+            self.bytes = self.bytes - plain.len() + packed.len();
+            block.packed = Packed::Compressed(packed);
+        }
+        self.compressed += 1;
+        true
     }
 
     /// The records of a block.
-    fn block(&self, at: usize) -> Option<Vec<u8>> {
-        match self.blocks.get(at) {
-            Some(block) => lz4_flex::block::decompress_size_prepended(&block.packed).ok(),
-            None if at == self.blocks.len() => Some(self.open.clone()),
+    fn block(&self, at: usize) -> Option<Cow<'_, [u8]>> {
+        match self.blocks.get(at).map(|block| &block.packed) {
+            Some(Packed::Plain(plain)) => Some(Cow::Borrowed(plain)),
+            Some(Packed::Compressed(packed)) => {
+                lz4_flex::block::decompress_size_prepended(packed).ok().map(Cow::Owned)
+            }
+            None if at == self.blocks.len() => Some(Cow::Borrowed(&self.open)),
             None => None,
         }
     }
@@ -272,6 +307,17 @@ mod tests {
         assert_eq!((store.snapshots.len(), store.spacing), (10, 1));
         assert_eq!(indexing.looked_at(store.len()), store.len());
         for row in [0, 1, BLOCK - 1, BLOCK, 3 * BLOCK + 5, 9 * BLOCK, store.len() - 1] {
+            assert_eq!(from(&store, row), from(&plain, row), "{row}");
+        }
+    }
+
+    #[test]
+    fn rows_mean_the_same_whether_their_blocks_are_compressed_or_not() {
+        let (plain, mut store) = (filled(3), filled(3));
+        while store.compress_next() {}
+        assert_eq!((store.compressed, store.plain_bytes), (3, 0));
+        assert!(store.bytes < plain.bytes, "{} {}", store.bytes, plain.bytes);
+        for row in [0, 2 * BLOCK - 3, 3 * BLOCK - 1, store.len() - 1] {
             assert_eq!(from(&store, row), from(&plain, row), "{row}");
         }
     }

@@ -1,0 +1,170 @@
+// The captures as the decoder reads them: piece by piece, where they lie, and the next pieces while it works on one. The
+// memory of a piece is used again: what is left to be tidied up would soon be more than all the rest of the page.
+
+const reader = new FileReaderSync();
+/** Pieces of one file; and the bytes of those of all files. */
+const PIECES = 4;
+const MOST = 16 << 20;
+/** The bytes of a piece. */
+const LONGEST = 1 << 20;
+const SHORTEST = 64 << 10;
+
+let files = [];
+/** Bytes that are read as if they were files. */
+const lent = new Map();
+/** The worker that hashes what was read; null while there is none. */
+let hasher = null;
+let choice = 0;
+let hashed = () => {};
+
+/** Pieces that were read go there from now on, and come back; to nobody, if there is no port. */
+export function hashBy(port) {
+  hasher = port;
+  if (!port) {
+    files.forEach((file) => file.lost());
+    return hashed(null);
+  }
+  port.onmessage = ({ data }) => {
+    if (data.choice !== choice) return;
+    if (data.hashes) hashed(data.hashes);
+    else files[data.number].back(data.buffer);
+  };
+}
+
+/** Other files are read from now on; the number of that choice. */
+export function choose(captures) {
+  files.forEach((file) => file.close());
+  choice++;
+  hashed(null);
+  hasher?.postMessage({ choice, captures });
+  const fair = MOST / PIECES / Math.max(1, captures.length);
+  const length = Math.min(LONGEST, Math.max(SHORTEST, 2 ** Math.floor(Math.log2(fair))));
+  files = captures.map((file, number) => new Chosen(file, number, length));
+  return choice;
+}
+
+/** Whether others are read than those that were chosen with that number. */
+export const gone = (number) => number !== choice;
+
+/** Whether another worker hashes what is read. */
+export const areHashed = () => hasher !== null;
+
+/** Resolves when the decoder can go on. */
+export const ready = () => Promise.all(files.map((file) => file.ready()));
+
+/** The decoder has read all that it wants: the hashes of the files, null of one that can't be read; null without a hasher. */
+export function hashes() {
+  files.forEach((file) => file.close());
+  hasher?.postMessage({ choice });
+  return hasher ? new Promise((resolve) => (hashed = resolve)) : null;
+}
+
+/** Bytes are read as if they were the file of that number. */
+export function lend(number, bytes) {
+  lent.set(number, bytes);
+}
+
+/** Puts bytes of a file into a buffer; how many. */
+export function read(number, at, buffer) {
+  const part = lent.get(number)?.subarray(at, at + buffer.length) ?? files[number].part(at, buffer.length);
+  buffer.set(part);
+  return part.length;
+}
+
+/** A piece of a file at once. */
+export const pieceOf = (file, at, length) => new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + length)));
+
+/** A file that is read ahead. */
+class Chosen {
+  #pieces = [];
+  /** What was not there when it was needed. */
+  #missed = null;
+  #free;
+  #ended = false;
+  #freed = () => {};
+  #came = () => {};
+
+  constructor(file, number, length) {
+    Object.assign(this, { file, number, length });
+    this.#free = Array.from({ length: PIECES }, () => new ArrayBuffer(length));
+    // Where it can't be read ahead, the decoder reads at once, and finds out why.
+    this.#fill().catch(() => {}).then(() => this.#end());
+  }
+
+  /** Reads it to its end, as far as there is memory free. */
+  async #fill() {
+    const stream = this.file.stream().getReader({ mode: "byob" });
+    try {
+      for (let from = 0; from < this.file.size; ) {
+        while (this.#free.length === 0 && !this.#ended) await new Promise((resolve) => (this.#freed = resolve));
+        if (this.#ended) return;
+        const bytes = await filled(this.#free.pop(), stream);
+        if (this.#ended || bytes.length === 0) return;
+        this.#pieces.push({ from, bytes });
+        from += bytes.length;
+        this.#came();
+      }
+    } finally {
+      stream.cancel().catch(() => {});
+    }
+  }
+
+  /** Resolves when half of the pieces are there, or all that come: enough for a step of the decoder. */
+  async ready() {
+    while (!this.#ended && this.#pieces.length < PIECES / 2) await new Promise((resolve) => (this.#came = resolve));
+  }
+
+  part(at, length) {
+    while (this.#pieces.length > 0 && at >= end(this.#pieces[0])) this.#done(this.#pieces.shift());
+    let [piece] = this.#pieces;
+    if (!piece || at < piece.from) {
+      piece = this.#missed;
+      if (!piece || at < piece.from || at >= end(piece)) piece = this.#missed = { from: at, bytes: pieceOf(this.file, at, LONGEST) };
+    }
+    return piece.bytes.subarray(at - piece.from, at - piece.from + length);
+  }
+
+  /** A piece need not be read a second time to be hashed. */
+  #done({ from, bytes }) {
+    if (hasher) hasher.postMessage({ choice, number: this.number, from, bytes }, [bytes.buffer]);
+    else this.back(bytes.buffer);
+  }
+
+  /** That memory is free again. */
+  back(buffer) {
+    this.#free.push(buffer);
+    this.#freed();
+  }
+
+  /** What was handed over does not come back. */
+  lost() {
+    for (let more = this.#free.length + this.#pieces.length + 1; more < PIECES; more++) this.back(new ArrayBuffer(this.length));
+  }
+
+  #end() {
+    this.#ended = true;
+    this.#freed();
+    this.#came();
+  }
+
+  /** Nothing more is read of it. */
+  close() {
+    this.#end();
+    this.#pieces.splice(0).forEach((piece) => this.#done(piece));
+    this.#missed = null;
+  }
+}
+
+const end = ({ from, bytes }) => from + bytes.length;
+
+/** Fills a buffer with what comes next of a stream. */
+async function filled(buffer, stream) {
+  const { byteLength } = buffer;
+  for (let length = 0; ; ) {
+    // The buffer moves on with each part of it that is filled.
+    const { value, done } = await stream.read(new Uint8Array(buffer, length));
+    buffer = value.buffer;
+    length += value.length;
+    if (done || length === byteLength) return new Uint8Array(buffer, 0, length);
+  }
+}

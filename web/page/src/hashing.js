@@ -1,0 +1,52 @@
+// The hashes of captures, worked out while another worker reads them: of the pieces that it has read.
+import { Hasher } from "canvass-wasm";
+import { pieceOf } from "./files.js";
+
+/** What is read at once of what the other has left out. */
+const PIECE = 1 << 20;
+
+let chosen = { choice: null, files: [] };
+
+/**
+ * Hashes what comes at that port, and gives the memory back: `captures`, then pieces, then a message without either, which
+ * the hashes answer. `asked` is called with each choice of captures.
+ */
+export function hashFor(port, asked) {
+  port.onmessage = ({ data: { choice, captures, number, from, bytes } }) => {
+    if (captures) {
+      asked();
+      begin(choice, captures);
+    } else if (choice !== chosen.choice) return;
+    else if (bytes) {
+      const file = chosen.files[number];
+      // What is missing before it is read at the end, and all that follows with it.
+      if (file.at === from) take(file, bytes);
+      port.postMessage({ choice, number, buffer: bytes.buffer }, [bytes.buffer]);
+    } else port.postMessage({ choice, hashes: chosen.files.map(finished) });
+  };
+}
+
+function begin(choice, captures) {
+  chosen.files.forEach(({ hasher }) => hasher.free());
+  chosen = { choice, files: captures.map((file) => ({ file, hasher: new Hasher(), at: 0 })) };
+}
+
+function take(file, bytes) {
+  file.hasher.update(bytes);
+  file.at += bytes.length;
+}
+
+/** The hash of a whole file; null of one that can't be read. */
+function finished(one) {
+  const { file, hasher } = one;
+  try {
+    while (one.at < file.size) {
+      const piece = pieceOf(file, one.at, PIECE);
+      if (piece.length === 0) return null;
+      take(one, piece);
+    }
+    return hasher.digest();
+  } catch {
+    return null;
+  }
+}
