@@ -23,17 +23,51 @@ pub(crate) const fn four_decimal(text: [u8; 4]) -> Option<u32> {
     Some((pairs & 0xFF) * 100 + (pairs >> 16 & 0xFF))
 }
 
+/// Whether all are decimal digits.
+#[inline]
+pub(crate) const fn all_decimal(text: [u8; 8]) -> bool {
+    let word = u64::from_le_bytes(text);
+    (word.wrapping_sub(each(b'0')) | word.wrapping_add(each(0x7F - b'9'))) & each(0x80) == 0
+}
+
 /// The number of eight decimal digits.
 #[inline]
 pub(crate) const fn eight_decimal(text: [u8; 8]) -> Option<u32> {
-    let word = u64::from_le_bytes(text);
-    let values = word.wrapping_sub(each(b'0'));
-    if (values | word.wrapping_add(each(0x7F - b'9'))) & each(0x80) != 0 {
+    if !all_decimal(text) {
         return None;
     }
+    let values = u64::from_le_bytes(text).wrapping_sub(each(b'0'));
     let pairs = values.wrapping_mul(10).wrapping_add(values >> 8) & 0x00FF_00FF_00FF_00FF;
     let fours = pairs.wrapping_mul(100).wrapping_add(pairs >> 16) & 0x0000_FFFF_0000_FFFF;
     Some((fours.wrapping_mul(10_000).wrapping_add(fours >> 32)) as u32)
+}
+
+/// The number of three hexadecimal digits.
+#[inline]
+pub(crate) const fn three_hex(text: [u8; 3]) -> Option<u32> {
+    let [a, b, c] = [HEX[text[0] as usize], HEX[text[1] as usize], HEX[text[2] as usize]];
+    if (a | b | c) > 0xF {
+        return None;
+    }
+    Some((a as u32) << 8 | (b as u32) << 4 | c as u32)
+}
+
+/// The value of each hexadecimal digit, FFh of other characters.
+const HEX: [u8; 256] = {
+    let mut values = [0xFF; 256];
+    let mut value = 0;
+    while value < 16 {
+        values[b"0123456789abcdef"[value] as usize] = value as u8;
+        values[b"0123456789ABCDEF"[value] as usize] = value as u8;
+        value += 1;
+    }
+    values
+};
+
+/// How many of these characters, from the first on, are hexadecimal digits.
+#[inline]
+pub(crate) const fn hex_count(text: [u8; 16]) -> usize {
+    hex_values(u128::from_le_bytes(text)).0
 }
 
 /// How many of these characters, from the first on, are hexadecimal digits, and the bytes that each two of them are.
@@ -117,6 +151,11 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn three_digits_are_read_as_the_library_reads_them(text in "[0-9a-fA-F]{2}[0-9a-gA-G/:@`]") {
+            prop_assert_eq!(three_hex(text.as_bytes().try_into().unwrap()), u32::from_str_radix(&text, 16).ok());
+        }
+
         #[test]
         fn numbers_are_read_as_the_library_reads_them(text in "[0-9]{8}") {
             prop_assert_eq!(eight_decimal(text.as_bytes().try_into().unwrap()), text.parse().ok());

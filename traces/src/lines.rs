@@ -69,19 +69,26 @@ impl Lines {
         Some(content)
     }
 
-    /// Passes over lines as long as `skipped` gives their length with their end, but not over too many; says how many.
+    /// Passes over lines as long as `skipped` gives their length with their end, but not over too many; says how many, and the
+    /// time of the last.
     #[inline]
-    fn skip_usual(&mut self, mut skipped: impl FnMut(&[u8]) -> Option<usize>) -> usize {
+    fn skip_usual<F>(
+        &mut self,
+        format: &mut F,
+        skipped: impl Fn(&mut F, &[u8]) -> Option<usize>,
+        time: impl FnOnce(&F, &[u8]) -> Option<Timestamp>,
+    ) -> (usize, Option<Timestamp>) {
         self.source.consume(std::mem::take(&mut self.given));
-        let (window, mut at, mut count) = (self.source.window(), 0, 0);
+        let (window, mut at, mut last, mut count) = (self.source.window(), 0, 0, 0);
         while count < SkipSet::IN_A_ROW
-            && let Some(len) = skipped(window.get(at..).unwrap_or_default())
+            && let Some(len) = skipped(format, window.get(at..).unwrap_or_default())
         {
-            (at, count) = (at + len, count + 1);
+            (at, last, count) = (at + len, at, count + 1);
         }
+        let time = if count > 0 { window.get(last..).and_then(|line| time(format, line)) } else { None };
         self.number += count as u64;
         self.source.consume(at);
-        count
+        (count, time)
     }
 
     /// The next line; `None` at the end.
@@ -236,10 +243,15 @@ pub(crate) trait LineFormat {
         None
     }
 
-    /// The time of the line that begins here, and its length with its end, if it is a usual line with a frame that is skipped.
+    /// The length with its end of the line that begins here, if it is a usual line with a frame that is skipped.
     /// A format that has this owes no damages.
     #[inline]
-    fn skipped_line(&mut self, _window: &[u8], _skip: &SkipSet) -> Option<(Timestamp, usize)> {
+    fn skipped_line(&mut self, _window: &[u8], _skip: &SkipSet) -> Option<usize> {
+        None
+    }
+
+    /// The time of such a line.
+    fn skipped_time(&self, _window: &[u8]) -> Option<Timestamp> {
         None
     }
 
@@ -357,12 +369,11 @@ impl<F: LineFormat> Reader for TextReader<F> {
     fn next_kept(&mut self, skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
         // What stands before a frame is given with it.
         if self.begun && self.notes.is_empty() && !skip.is_empty() {
-            let (format, mut last) = (&mut self.format, None);
-            let skipped = self.lines.skip_usual(|window| {
-                let (time, len) = format.skipped_line(window, skip)?;
-                last = Some(time);
-                Some(len)
-            });
+            let (skipped, last) = self.lines.skip_usual(
+                &mut self.format,
+                |format, window| format.skipped_line(window, skip),
+                |format, window| format.skipped_time(window),
+            );
             if let Some(last) = last {
                 skip.skipped_at(last, skipped);
             }

@@ -45,10 +45,10 @@ enum Which {
 
 impl Which {
     #[inline]
-    fn has(self, payload: &[u8]) -> bool {
+    fn has(self, data: impl FnOnce() -> [u8; 8], len: usize) -> bool {
         match self {
             Self::None => false,
-            Self::Byte(byte) => payload == [byte],
+            Self::Byte(byte) => len == 1 && data()[0] == byte,
             Self::All => true,
         }
     }
@@ -122,10 +122,16 @@ impl SkipSet {
         self.which(channel, id) != Which::None
     }
 
-    /// Whether a classical data frame is skipped.
+    /// Whether a classical data frame with so many bytes is skipped; what they are is asked only where it counts.
     #[inline]
-    pub(crate) fn skips_data(&self, channel: ChannelId, id: crate::CanId, payload: &[u8]) -> bool {
-        self.which(channel, id).has(payload)
+    pub(crate) fn skips_data(
+        &self,
+        channel: ChannelId,
+        id: crate::CanId,
+        data: impl FnOnce() -> [u8; 8],
+        len: usize,
+    ) -> bool {
+        self.which(channel, id).has(data, len)
     }
 
     /// Notes that so many frames were skipped, the last one of that time.
@@ -137,7 +143,7 @@ impl SkipSet {
     #[inline]
     fn has(&self, channel: ChannelId, frame: &Frame) -> bool {
         let is_classical_data = frame.kind() == FrameKind::Data && !frame.is_fd() && !frame.is_xl();
-        is_classical_data && self.skips_data(channel, frame.id(), frame.data())
+        is_classical_data && self.skips_data(channel, frame.id(), || frame.bytes(), frame.len())
     }
 
     #[inline]

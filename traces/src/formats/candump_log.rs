@@ -83,11 +83,15 @@ impl LineFormat for CandumpLog {
     }
 
     #[inline]
-    fn skipped_line(&mut self, window: &[u8], skip: &SkipSet) -> Option<(Timestamp, usize)> {
-        let usual = candump_usual::skipped(window, &self.names, skip)?;
+    fn skipped_line(&mut self, window: &[u8], skip: &SkipSet) -> Option<usize> {
+        let (direction, end) = candump_usual::skipped(window, &self.names, skip)?;
         self.explained = false;
-        self.habits.direction |= usual.direction != Direction::Unknown;
-        Some((usual.time, usual.end))
+        self.habits.direction |= direction != Direction::Unknown;
+        Some(end)
+    }
+
+    fn skipped_time(&self, window: &[u8]) -> Option<Timestamp> {
+        candump_usual::time_of(window)
     }
 
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {

@@ -7,7 +7,7 @@
 //! The name is one that was met before, padded as then. Everything else, and everything that is wrong, is left to
 //! the grammar: this is never another truth, only a faster way to the same one.
 
-use crate::digits::{eight_decimal, hex_prefix};
+use crate::digits::{all_decimal, eight_decimal, hex_count, hex_prefix, three_hex};
 use crate::{CanId, ChannelId, Direction, Frame, Place, Record, SkipSet, Timestamp};
 
 /// The names that were met, each as its line has it between the time and the id.
@@ -50,11 +50,11 @@ impl Names {
 }
 
 /// A usual line, taken apart.
-pub(crate) struct UsualLine {
-    pub(crate) time: Timestamp,
-    pub(crate) direction: Direction,
+struct UsualLine {
+    time: Timestamp,
+    direction: Direction,
     /// Its length with its end.
-    pub(crate) end: usize,
+    end: usize,
     channel: ChannelId,
     id: CanId,
     data: [u8; 8],
@@ -64,28 +64,41 @@ pub(crate) struct UsualLine {
 /// The frame of the line at the window's start and the length of that line with its end, if it is usual.
 #[inline]
 pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record, usize)> {
-    let UsualLine { time, direction, end, channel, id, data, len } = usual(window, names, |_, _| true)?;
+    let UsualLine { time, direction, end, channel, id, data, len } = usual(window, names)?;
     let frame = Frame::short(id, data, len);
     Some((Record::new(Timestamp::ZERO, channel, frame).seen(time, channel, direction, place), end))
 }
 
-/// The line at the window's start, if it is usual and its frame is skipped.
+/// The direction and the length of the line at the window's start, if it is usual and its frame is skipped. Of what is
+/// skipped nothing is worked out that nobody asks for.
 #[inline]
-pub(crate) fn skipped(window: &[u8], names: &Names, skip: &SkipSet) -> Option<UsualLine> {
-    let usual = usual(window, names, |channel, id| skip.may_skip(channel, id))?;
-    let payload = usual.data.get(..usual.len)?;
-    skip.skips_data(usual.channel, usual.id, payload).then_some(usual)
+pub(crate) fn skipped(window: &[u8], names: &Names, skip: &SkipSet) -> Option<(Direction, usize)> {
+    let at = after_time(window)?;
+    let name = names.find(chunk(window, at)?)?;
+    let (id, at) = identifier(window, at + name.len)?;
+    if !skip.may_skip(name.channel, id) {
+        return None;
+    }
+    let text = *chunk(window, at)?;
+    let digits = hex_count(text);
+    if !digits.is_multiple_of(2) {
+        return None;
+    }
+    let skips = skip.skips_data(name.channel, id, || hex_prefix(text).1, digits / 2);
+    line_end(window, at + digits).filter(|_| skips)
 }
 
-/// The line at the window's start, if it is usual and its frame is wanted, as far as its identifier tells.
+/// The time of the line at the window's start, if it is usual.
+pub(crate) fn time_of(window: &[u8]) -> Option<Timestamp> {
+    time(window).map(|(nanos, _)| Timestamp(nanos))
+}
+
+/// The line at the window's start, if it is usual.
 #[inline]
-fn usual(window: &[u8], names: &Names, is_wanted: impl FnOnce(ChannelId, CanId) -> bool) -> Option<UsualLine> {
+fn usual(window: &[u8], names: &Names) -> Option<UsualLine> {
     let (nanos, at) = time(window)?;
     let name = names.find(chunk(window, at)?)?;
     let (id, at) = identifier(window, at + name.len)?;
-    if !is_wanted(name.channel, id) {
-        return None;
-    }
     let (digits, data) = hex_prefix(*chunk(window, at)?);
     if !digits.is_multiple_of(2) {
         return None;
@@ -117,6 +130,22 @@ fn time(window: &[u8]) -> Option<(u64, usize)> {
     Some((seconds * 1_000_000_000 + fraction, at))
 }
 
+/// Where the text after the time begins: exactly where [`time`] says so.
+#[inline]
+fn after_time(window: &[u8]) -> Option<usize> {
+    let head: &[u8; 24] = window.first_chunk()?;
+    let [b'(', s0, s1, s2, s3, s4, s5, s6, s7, s8, s9, b'.', fraction @ ..] = *head else { return None };
+    let [f0, f1, f2, f3, f4, f5, f6, f7, f8, after, space, _] = fraction;
+    if !(all_decimal([s0, s1, s2, s3, s4, s5, s6, s7]) && s8.is_ascii_digit() && s9.is_ascii_digit()) {
+        return None;
+    }
+    if f6 == b')' && f7 == b' ' {
+        return all_decimal([f0, f1, f2, f3, f4, f5, b'0', b'0']).then_some(20);
+    }
+    let nine = all_decimal([f0, f1, f2, f3, f4, f5, f6, f7]) && f8.is_ascii_digit();
+    (nine && after == b')' && space == b' ').then_some(23)
+}
+
 #[inline]
 fn two_decimal(tens: u8, ones: u8) -> Option<u64> {
     let (tens, ones) = (tens.wrapping_sub(b'0'), ones.wrapping_sub(b'0'));
@@ -129,10 +158,7 @@ fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     let text: &[u8; 9] = chunk(window, at)?;
     let [i0, i1, i2, i3, i4, i5, i6, i7, i8] = *text;
     if i3 == b'#' {
-        let (4, [high, low, ..]) = hex_prefix([b'0', i0, i1, i2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]) else {
-            return None;
-        };
-        return Some((CanId::standard(u32::from(high) << 8 | u32::from(low))?, at + 4));
+        return Some((CanId::standard(three_hex([i0, i1, i2])?)?, at + 4));
     }
     let (8, [a, b, c, d, ..]) = hex_prefix([i0, i1, i2, i3, i4, i5, i6, i7, 0, 0, 0, 0, 0, 0, 0, 0]) else {
         return None;
@@ -181,6 +207,19 @@ mod tests {
         let source = Source::from_bytes(format!("{FIRST} {line}"));
         let reader = Format::Candump.open(source, &ReadOptions::default());
         reader.skip(2).map(|item| item.ok().map(|record| record.at(0, 0))).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn a_line_is_passed_over_where_it_is_read(line in "\\([0-9]{9,11}\\.[0-9:]{5,10}\\) {1,2}can0 [0-9A-G]{3}#[0-9a-g]{0,17}( [RTX])?\r?\n{0,2}") {
+            let text = format!("{line}(1700000000.123456) can0 181#00\n");
+            let mut skip = SkipSet::default();
+            (0..0x800).for_each(|id| skip.all(ChannelId(0), id));
+            let read = at_a_glance(&text);
+            let passed = skipped(text.as_bytes(), &names(), &skip);
+            prop_assert_eq!(passed, read.as_ref().map(|(record, len)| (record.direction, *len)));
+            prop_assert_eq!(passed.and_then(|_| time_of(text.as_bytes())), read.map(|(record, _)| record.timestamp));
+        }
     }
 
     fn at_a_glance(line: &str) -> Option<(Record, usize)> {
