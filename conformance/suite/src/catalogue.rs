@@ -66,7 +66,7 @@ impl FromStr for Selector {
             }
             Some(_) => Err(BadSelector(text.to_owned())),
             None if is_section(text) => Ok(Self::Section { standard: None, section: text.to_owned() }),
-            None => Ok(Self::Prefix(text.trim_end_matches('/').to_owned())),
+            None => Ok(Self::of_id(text.trim_end_matches('/'))),
         }
     }
 }
@@ -84,6 +84,13 @@ impl fmt::Display for Selector {
 }
 
 impl Selector {
+    /// The cases below an id; where there are none, those whose last word begins with its last one: `301/nmt/reset` selects
+    /// `301/nmt/reset-node`, but `301/heartbeat` not `301/heartbeat-consumer`.
+    fn of_id(id: &str) -> Self {
+        let any = |separator| cases().iter().any(|case| is_prefix(id, case.id, separator));
+        if !any('/') && any('-') { Self::Glob(format!("{id}-*")) } else { Self::Prefix(id.to_owned()) }
+    }
+
     /// Whether it selects the case.
     pub fn selects(&self, case: &Case) -> bool {
         match self {
@@ -172,6 +179,9 @@ mod tests {
     fn selectors() {
         assert!(selected("301/sdo").iter().all(|id| id.starts_with("301/sdo/")));
         assert!(selected("301/sd").is_empty(), "whole words only");
+        assert!(selected("301/nmt/reset").len() > 1);
+        assert!(selected("301/nmt/reset").iter().all(|id| id.starts_with("301/nmt/reset-")));
+        assert!(selected("301/heartbeat").iter().all(|id| id.starts_with("301/heartbeat/")));
         assert_eq!(selected("301/sdo/download/read-only"), ["301/sdo/download/read-only"]);
         assert_eq!(selected("301/sdo/*load/read-only").len(), 2);
         assert!(!selected("7.2.8").is_empty());

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 /// A run that does not end by itself in that time.
 const RUN: [&str; 6] = ["test", "sim:reference-301", "--exhaustive", "--repeat", "1000", "--report"];
-/// What the console shows once cases run: the begin of their ids.
-const RUNNING: &str = "301/";
+/// What the console shows once a case has passed: of a run in which none was decided the status is another.
+const RUNNING: &str = "301/cob-id/";
 /// How long a busy machine may need until they do.
 const BEGIN: Duration = Duration::from_secs(180);
 /// How long what follows may take.
@@ -54,7 +54,7 @@ fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrup
     let terminal = openpty(None, None).context("a pseudo-terminal")?;
     let side = || terminal.slave.try_clone().map(Stdio::from);
     let report = format!("json={}", report.display());
-    let mut wine = prefix.wine(&[&[program], &RUN[..], &[&report]].concat());
+    let mut wine = prefix.wine_on_terminal(&[&[program], &RUN[..], &[&report]].concat());
     let mut running = wine.stdin(side()?).stdout(side()?).stderr(side()?).spawn().context("wine")?;
     let mut keys = File::from(terminal.master);
     let shown = Arc::new(Mutex::new(String::new()));

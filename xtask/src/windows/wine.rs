@@ -75,7 +75,17 @@ impl Prefix {
 
     /// A program of Windows, or a name that Wine knows, with its arguments.
     pub fn wine(&self, args: &[&str]) -> Command {
-        let mut wine = Command::new("wine");
+        self.with_surroundings(Command::new("wine"), args)
+    }
+
+    /// The same, on the terminal that is its standard input: Ctrl-C is heard only by who has that as its own.
+    pub fn wine_on_terminal(&self, args: &[&str]) -> Command {
+        let mut setsid = Command::new("setsid");
+        setsid.args(["--ctty", "wine"]);
+        self.with_surroundings(setsid, args)
+    }
+
+    fn with_surroundings(&self, mut wine: Command, args: &[&str]) -> Command {
         wine.args(args).env("WINEPREFIX", &self.folder).stdin(Stdio::null());
         // Neither what is not implemented is reported, nor is anything offered for installation; the library made here goes
         // before Wine's own.

@@ -331,7 +331,10 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
         let attempt = bench.download(multiplexer, &value)?;
         if let Some(code) = attempt.abort() {
             bench.check(attempt.refused(Situation::InvalidValue))?;
-            let duty = format!("TPDO 1 can have type {transmission_type}");
+            let duty = match multiplexer.sub.0 {
+                2 => format!("TPDO 1 can have type {transmission_type}"),
+                _ => "TPDO 1 can answer remote frames".to_owned(),
+            };
             return Err(Stop::NotApplicable(Reason::new(duty, "remote frames", format!("abort {code}"))));
         }
     }
