@@ -19,6 +19,8 @@ mod network;
 #[cfg(test)]
 mod opened;
 #[cfg(test)]
+mod reading;
+#[cfg(test)]
 mod trace;
 #[cfg(test)]
 mod views;

@@ -12,15 +12,18 @@ const SHORTEST = 64 << 10;
 let files = [];
 /** Bytes that are read as if they were files. */
 const lent = new Map();
-/** The worker that hashes what was read; null while there is none. */
+/** The worker that hashes what is read of the present choice; null while there is none. */
 let hasher = null;
+/** The one that will hash the next. */
+let offered = null;
 let choice = 0;
 let hashed = () => {};
 
-/** Pieces that were read go there from now on, and come back; to nobody, if there is no port. */
+/** Of the next choice on, pieces that were read go there, and come back; if there is no port, from now on to nobody. */
 export function hashBy(port) {
-  hasher = port;
+  offered = port;
   if (!port) {
+    hasher = null;
     files.forEach((file) => file.lost());
     return hashed(null);
   }
@@ -35,6 +38,7 @@ export function hashBy(port) {
 export function choose(captures) {
   files.forEach((file) => file.close());
   choice++;
+  hasher = offered;
   hashed(null);
   hasher?.postMessage({ choice, captures });
   const fair = MOST / PIECES / Math.max(1, captures.length);
@@ -59,9 +63,10 @@ export function hashes() {
   return hasher ? new Promise((resolve) => (hashed = resolve)) : null;
 }
 
-/** Bytes are read as if they were the file of that number. */
+/** Bytes are read as if they were the file of that number; without bytes, no more. */
 export function lend(number, bytes) {
-  lent.set(number, bytes);
+  if (bytes) lent.set(number, bytes);
+  else lent.delete(number);
 }
 
 /** Puts bytes of a file into a buffer; how many. */
@@ -72,7 +77,7 @@ export function read(number, at, buffer) {
 }
 
 /** A piece of a file at once. */
-export const pieceOf = (file, at, length) => new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + length)));
+const pieceOf = (file, at, length) => new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + length)));
 
 /** A file that is read ahead. */
 class Chosen {
@@ -82,6 +87,8 @@ class Chosen {
   #free;
   #ended = false;
   #freed = () => {};
+  /** When more is there, and who tells that. */
+  #coming = null;
   #came = () => {};
 
   constructor(file, number, length) {
@@ -98,11 +105,11 @@ class Chosen {
       for (let from = 0; from < this.file.size; ) {
         while (this.#free.length === 0 && !this.#ended) await new Promise((resolve) => (this.#freed = resolve));
         if (this.#ended) return;
-        const bytes = await filled(this.#free.pop(), stream);
+        const bytes = await filled(this.#free.pop(), stream, this.file.size - from);
         if (this.#ended || bytes.length === 0) return;
         this.#pieces.push({ from, bytes });
         from += bytes.length;
-        this.#came();
+        this.#tell();
       }
     } finally {
       stream.cancel().catch(() => {});
@@ -111,7 +118,10 @@ class Chosen {
 
   /** Resolves when half of the pieces are there, or all that come: enough for a step of the decoder. */
   async ready() {
-    while (!this.#ended && this.#pieces.length < PIECES / 2) await new Promise((resolve) => (this.#came = resolve));
+    while (!this.#ended && this.#pieces.length < PIECES / 2) {
+      this.#coming ??= new Promise((resolve) => (this.#came = resolve));
+      await this.#coming;
+    }
   }
 
   part(at, length) {
@@ -119,7 +129,7 @@ class Chosen {
     let [piece] = this.#pieces;
     if (!piece || at < piece.from) {
       piece = this.#missed;
-      if (!piece || at < piece.from || at >= end(piece)) piece = this.#missed = { from: at, bytes: pieceOf(this.file, at, LONGEST) };
+      if (!piece || at < piece.from || at >= end(piece)) piece = this.#missed = { from: at, bytes: pieceOf(this.file, at, this.length) };
     }
     return piece.bytes.subarray(at - piece.from, at - piece.from + length);
   }
@@ -144,6 +154,11 @@ class Chosen {
   #end() {
     this.#ended = true;
     this.#freed();
+    this.#tell();
+  }
+
+  #tell() {
+    this.#coming = null;
     this.#came();
   }
 
@@ -157,14 +172,14 @@ class Chosen {
 
 const end = ({ from, bytes }) => from + bytes.length;
 
-/** Fills a buffer with what comes next of a stream. */
-async function filled(buffer, stream) {
-  const { byteLength } = buffer;
+/** Fills a buffer with what comes next of a stream that has so many bytes left. */
+async function filled(buffer, stream, left) {
+  const most = Math.min(buffer.byteLength, left);
   for (let length = 0; ; ) {
     // The buffer moves on with each part of it that is filled.
-    const { value, done } = await stream.read(new Uint8Array(buffer, length));
+    const { value, done } = await stream.read(new Uint8Array(buffer, length, most - length));
     buffer = value.buffer;
     length += value.length;
-    if (done || length === byteLength) return new Uint8Array(buffer, 0, length);
+    if (done || length === most) return new Uint8Array(buffer, 0, length);
   }
 }

@@ -1,6 +1,5 @@
 // The hashes of captures, worked out while another worker reads them: of the pieces that it has read.
 import { Hasher } from "canvass-wasm";
-import { pieceOf } from "./files.js";
 
 /** What is read at once of what the other has left out. */
 const PIECE = 1 << 20;
@@ -12,7 +11,7 @@ let chosen = { choice: null, files: [] };
  * the hashes answer. `asked` is called with each choice of captures.
  */
 export function hashFor(port, asked) {
-  port.onmessage = ({ data: { choice, captures, number, from, bytes } }) => {
+  port.onmessage = async ({ data: { choice, captures, number, from, bytes } }) => {
     if (captures) {
       asked();
       begin(choice, captures);
@@ -22,8 +21,21 @@ export function hashFor(port, asked) {
       // What is missing before it is read at the end, and all that follows with it.
       if (file.at === from) take(file, bytes);
       port.postMessage({ choice, number, buffer: bytes.buffer }, [bytes.buffer]);
-    } else port.postMessage({ choice, hashes: chosen.files.map(finished) });
+    } else {
+      const hashes = await finished(choice);
+      if (hashes) port.postMessage({ choice, hashes });
+    }
   };
+}
+
+/** The hashes of the files of a choice; null if others were chosen meanwhile. */
+async function finished(choice) {
+  const hashes = [];
+  for (const file of chosen.files) {
+    hashes.push(await finish(file, () => choice === chosen.choice));
+    if (choice !== chosen.choice) return null;
+  }
+  return hashes;
 }
 
 function begin(choice, captures) {
@@ -36,16 +48,16 @@ function take(file, bytes) {
   file.at += bytes.length;
 }
 
-/** The hash of a whole file; null of one that can't be read. */
-function finished(one) {
+/** The hash of a whole file; null of one that can't be read, or is not wanted any more. */
+async function finish(one, isWanted) {
   const { file, hasher } = one;
   try {
     while (one.at < file.size) {
-      const piece = pieceOf(file, one.at, PIECE);
-      if (piece.length === 0) return null;
+      const piece = new Uint8Array(await file.slice(one.at, one.at + PIECE).arrayBuffer());
+      if (piece.length === 0 || !isWanted()) return null;
       take(one, piece);
     }
-    return hasher.digest();
+    return isWanted() ? hasher.digest() : null;
   } catch {
     return null;
   }

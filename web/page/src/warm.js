@@ -30,6 +30,7 @@ function read(page) {
     page.summary();
     page.diagnosis("html");
     page.free();
+    lend(NUMBER);
   }
   return state;
 }

@@ -23,6 +23,8 @@ let current = 0;
 let shown = 0;
 /** Only the latest of each kind of job goes on. */
 const latest = new Map();
+/** The choice of captures that is being opened. */
+let reading = null;
 
 /** Lets messages in. Several jobs can wait for their turn. */
 const channel = new MessageChannel();
@@ -47,9 +49,11 @@ async function job(kind, step, tell, ready = () => {}) {
       told = performance.now();
       tell(state);
     }
+    const gone = () => latest.get(kind) !== own;
     await breathe();
-    await ready();
-    if (latest.get(kind) !== own) return { ...state, cancelled: true };
+    // What is ready for others is not waited for.
+    if (!gone()) await ready();
+    if (gone()) return { ...state, cancelled: true };
   }
 }
 
@@ -78,6 +82,22 @@ function added(results) {
   return page;
 }
 
+/** What the captures of that choice are, when they are read. */
+async function opened(choice, captures, options, tell) {
+  captures.forEach((file, number) => page.addCapture(number, file.name, file.size));
+  page.options(JSON.stringify(options));
+  await files.ready();
+  if (files.gone(choice)) return { cancelled: true };
+  const hashed = files.areHashed();
+  page.open(hashed);
+  const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell, files.ready);
+  if (end.cancelled) return { cancelled: true };
+  const hashes = await files.hashes();
+  if (files.gone(choice)) return { cancelled: true };
+  if (hashed) page.hashed(JSON.stringify(hashes ?? captures.map(() => null)));
+  return JSON.parse(page.summary());
+}
+
 const calls = {
   start({ module, surroundings }) {
     initSync({ module });
@@ -92,19 +112,12 @@ const calls = {
   warm: () => job("warm", warm(), () => {}),
   async open({ captures, options }, tell) {
     calls.close();
-    const choice = files.choose(captures);
-    captures.forEach((file, number) => page.addCapture(number, file.name, file.size));
-    page.options(JSON.stringify(options));
-    await files.ready();
-    if (files.gone(choice)) return { cancelled: true };
-    const hashed = files.areHashed();
-    page.open(hashed);
-    const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell, files.ready);
-    if (end.cancelled) return { cancelled: true };
-    const hashes = await files.hashes();
-    if (files.gone(choice)) return { cancelled: true };
-    if (hashed) page.hashed(JSON.stringify(hashes ?? captures.map(() => null)));
-    return JSON.parse(page.summary());
+    const choice = (reading = files.choose(captures));
+    try {
+      return await opened(choice, captures, options, tell);
+    } finally {
+      if (reading === choice) reading = null;
+    }
   },
   /** Whatever is under way is of captures that are gone. */
   close() {
@@ -115,6 +128,8 @@ const calls = {
   },
   cancel({ kind }) {
     latest.delete(kind);
+    // It may be waiting for its files.
+    if (kind === "open" && reading !== null) files.choose([]);
     // Asked for again, it goes on where it was.
     if (kind === "index") indexed = null;
   },

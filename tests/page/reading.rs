@@ -1,0 +1,60 @@
+//! Captures that are chosen while others are read.
+
+use crate::captures::machine;
+use crate::opened::Opened;
+use canvass_webdriver::Screen;
+
+/// How the format is chosen, as if by hand.
+const AS_CANDUMP: &str = "const format = document.getElementById('format'); \
+     format.value = 'candump'; format.dispatchEvent(new Event('change'))";
+const IS_READING: &str = "!document.getElementById('progress').hidden";
+const IS_READ: &str = "/frames, /.test(document.getElementById('status').textContent) && \
+     document.querySelector('#view-diagnosis iframe') && document.getElementById('progress').hidden";
+
+fn status(opened: &Opened) -> String {
+    opened.browser.text("return document.getElementById('status').textContent")
+}
+
+#[test]
+fn what_was_chosen_last_is_read_to_its_end() {
+    let opened = Opened::empty(Screen::Desk);
+    let [large, small] = [6_000, 20].map(|seconds| opened.file(&format!("{seconds}.log"), machine(seconds).on("can0")));
+    opened.take(&[small.clone()]);
+    opened.browser.wait(IS_READ);
+    let of_small = status(&opened);
+    opened.take(&[large.clone()]);
+    opened.browser.wait(IS_READING);
+    // Others.
+    opened.take(&[small.clone()]);
+    opened.browser.wait(IS_READ);
+    assert_eq!(status(&opened), of_small);
+    // The same in another way, again and again.
+    opened.take(&[large.clone()]);
+    for _ in 0..3 {
+        opened.browser.wait(IS_READING);
+        opened.browser.run(AS_CANDUMP);
+    }
+    opened.browser.wait(IS_READ);
+    assert_ne!(status(&opened), of_small);
+    // None, and then others.
+    opened.take(&[large, small.clone()]);
+    opened.browser.wait(IS_READING);
+    opened.browser.click("#progress button");
+    opened.browser.wait("/cancelled/.test(document.getElementById('status').textContent)");
+    opened.take(&[small]);
+    opened.browser.wait(IS_READ);
+    assert_eq!(status(&opened), of_small);
+    opened.browser.is_quiet();
+}
+
+/// The worker that hashes is there a moment after the page: who is quicker has the hash all the same.
+#[test]
+fn a_capture_that_is_chosen_at_once_has_its_hash() {
+    let opened = Opened::empty(Screen::Desk);
+    opened.take(&[opened.file("machine.log", machine(3_000).on("can0"))]);
+    opened.browser.wait(IS_READ);
+    opened.browser.within("#view-diagnosis iframe", |browser| {
+        browser.wait("/[0-9a-f]{64}/.test(document.body.textContent)");
+    });
+    opened.browser.is_quiet();
+}
