@@ -150,9 +150,7 @@ impl Store {
     fn block(&self, at: usize) -> Option<Cow<'_, [u8]>> {
         match self.blocks.get(at).map(|block| &block.packed) {
             Some(Packed::Plain(plain)) => Some(Cow::Borrowed(plain)),
-            Some(Packed::Compressed(packed)) => {
-                lz4_flex::block::decompress_size_prepended(packed).ok().map(Cow::Owned)
-            }
+            Some(Packed::Compressed(packed)) => lz4_flex::block::decompress_size_prepended(packed).ok().map(Cow::Owned),
             None if at == self.blocks.len() => Some(Cow::Borrowed(&self.open)),
             None => None,
         }
