@@ -3,6 +3,7 @@
 use crate::captures::machine;
 use crate::opened::Opened;
 use canvass_webdriver::Screen;
+use std::slice::from_ref;
 
 /// How the format is chosen, as if by hand.
 const AS_CANDUMP: &str = "const format = document.getElementById('format'); \
@@ -19,17 +20,17 @@ fn status(opened: &Opened) -> String {
 fn what_was_chosen_last_is_read_to_its_end() {
     let opened = Opened::empty(Screen::Desk);
     let [large, small] = [6_000, 20].map(|seconds| opened.file(&format!("{seconds}.log"), machine(seconds).on("can0")));
-    opened.take(&[small.clone()]);
+    opened.take(from_ref(&small));
     opened.browser.wait(IS_READ);
     let of_small = status(&opened);
-    opened.take(&[large.clone()]);
+    opened.take(from_ref(&large));
     opened.browser.wait(IS_READING);
     // Others.
-    opened.take(&[small.clone()]);
+    opened.take(from_ref(&small));
     opened.browser.wait(IS_READ);
     assert_eq!(status(&opened), of_small);
     // The same in another way, again and again.
-    opened.take(&[large.clone()]);
+    opened.take(from_ref(&large));
     for _ in 0..3 {
         opened.browser.wait(IS_READING);
         opened.browser.run(AS_CANDUMP);
