@@ -106,6 +106,11 @@
   document.addEventListener('click', (event) => {
     if (event.target.closest?.('a.frame')?.hash === location.hash) reveal();
   });
-  filter();
-  reveal();
+  const begin = () => {
+    filter();
+    reveal();
+  };
+  // The list is far below what is seen first, unless a link leads to it.
+  if (location.hash) begin();
+  else addEventListener('load', () => setTimeout(begin));
 })();
