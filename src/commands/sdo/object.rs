@@ -39,17 +39,19 @@ fn names(description: &DeviceDescription) -> Vec<(String, Multiplexer)> {
     named.collect()
 }
 
+/// A hexadecimal number as people write it: `1018`, `0x1018`, `1018h`.
+pub fn hexadecimal(text: &str) -> Option<u16> {
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).unwrap_or(text);
+    let digits = digits.strip_suffix(['h', 'H']).unwrap_or(digits);
+    u16::from_str_radix(digits, 16).ok()
+}
+
 fn parse(text: &str) -> Option<Multiplexer> {
     let (index, sub) = text.split_once(':').unwrap_or((text, "0"));
-    let hex = |text: &str| {
-        let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).unwrap_or(text);
-        let digits = digits.strip_suffix(['h', 'H']).unwrap_or(digits);
-        u16::from_str_radix(digits, 16).ok()
-    };
     // A name such as "Dead" must not become an address.
     let is_index = index.trim_start_matches("0x").trim_end_matches('h').len() == 4;
-    let sub = u8::try_from(hex(sub)?).ok()?;
-    is_index.then(|| hex(index).map(|index| Multiplexer::new(index, sub)))?
+    let sub = u8::try_from(hexadecimal(sub)?).ok()?;
+    is_index.then(|| hexadecimal(index).map(|index| Multiplexer::new(index, sub)))?
 }
 
 #[cfg(test)]

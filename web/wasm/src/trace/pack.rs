@@ -70,8 +70,10 @@ pub fn push(record: &Record, before: &mut Before, out: &mut Vec<u8>) {
         begin.len -= 8 - data.len().min(8);
     }
     out.extend_from_slice(begin.written());
+    if usual {
+        return;
+    }
     match xl {
-        _ if usual => {}
         Some(xl) => push_xl(record.frame.id(), xl, data, out),
         None => {
             let mut packet = Vec::new();

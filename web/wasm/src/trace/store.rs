@@ -1,6 +1,6 @@
-//! All records, in blocks, which are compressed when there are many; and the network as it was at the begin of some of them, so that what any record
-//! means is worked out from the nearest one on. While records come, they are only kept: the network is asked when all are
-//! there, by [`Indexing`].
+//! All records, in blocks, which are compressed when there are many; and the network as it was at the begin of some of
+//! them, so that what any record means is worked out from the nearest one on. While records come, they are only kept: the
+//! network is asked when all are there, by [`Indexing`].
 
 use super::overview::Overview;
 use super::pack::{self, Before};
@@ -22,8 +22,9 @@ pub struct Store {
     before: Before,
     len: usize,
     bytes: usize,
-    /// The blocks before that one are compressed, and the bytes of those that are not.
+    /// So many blocks, the first ones, are compressed.
     compressed: usize,
+    /// The bytes of the blocks that are not.
     plain_bytes: usize,
     /// Records that there was no more room for.
     left_out: u64,
