@@ -49,24 +49,20 @@ impl Names {
     }
 }
 
-/// A usual line, taken apart.
-struct UsualLine {
-    time: Timestamp,
-    direction: Direction,
-    /// Its length with its end.
-    end: usize,
-    channel: ChannelId,
-    id: CanId,
-    data: [u8; 8],
-    len: usize,
-}
-
 /// The frame of the line at the window's start and the length of that line with its end, if it is usual.
 #[inline]
 pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record, usize)> {
-    let UsualLine { time, direction, end, channel, id, data, len } = usual(window, names)?;
-    let frame = Frame::short(id, data, len);
-    Some((Record::new(Timestamp::ZERO, channel, frame).seen(time, channel, direction, place), end))
+    let (nanos, at) = time(window)?;
+    let name = names.find(chunk(window, at)?)?;
+    let (id, at) = identifier(window, at + name.len)?;
+    let (digits, data) = hex_prefix(*chunk(window, at)?);
+    if !digits.is_multiple_of(2) {
+        return None;
+    }
+    let (direction, end) = line_end(window, at + digits)?;
+    let frame = Frame::short(id, data, digits / 2);
+    let record = Record::new(Timestamp::ZERO, name.channel, frame);
+    Some((record.seen(Timestamp(nanos), name.channel, direction, place), end))
 }
 
 /// The direction and the length of the line at the window's start, if it is usual and its frame is skipped. Of what is
@@ -91,20 +87,6 @@ pub(crate) fn skipped(window: &[u8], names: &Names, skip: &SkipSet) -> Option<(D
 /// The time of the line at the window's start, if it is usual.
 pub(crate) fn time_of(window: &[u8]) -> Option<Timestamp> {
     time(window).map(|(nanos, _)| Timestamp(nanos))
-}
-
-/// The line at the window's start, if it is usual.
-#[inline]
-fn usual(window: &[u8], names: &Names) -> Option<UsualLine> {
-    let (nanos, at) = time(window)?;
-    let name = names.find(chunk(window, at)?)?;
-    let (id, at) = identifier(window, at + name.len)?;
-    let (digits, data) = hex_prefix(*chunk(window, at)?);
-    if !digits.is_multiple_of(2) {
-        return None;
-    }
-    let (direction, end) = line_end(window, at + digits)?;
-    Some(UsualLine { time: Timestamp(nanos), direction, end, channel: name.channel, id, data, len: digits / 2 })
 }
 
 #[inline]
