@@ -7,7 +7,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn number_before(text: &str, words: &str) -> u64 {
-    let at = text.find(words).unwrap_or_else(|| panic!("expected \"{words}\" in {text}"));
+    // The last line tells it of the whole; lines before may tell of single losses.
+    let at = text.rfind(words).unwrap_or_else(|| panic!("expected \"{words}\" in {text}"));
     text[..at].split_whitespace().last().unwrap().parse().unwrap()
 }
 
