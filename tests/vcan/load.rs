@@ -7,8 +7,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn number_before(text: &str, words: &str) -> u64 {
-    // The last line tells it of the whole; lines before may tell of single losses.
-    let at = text.rfind(words).unwrap_or_else(|| panic!("expected \"{words}\" in {text}"));
+    let at = text.find(words).unwrap_or_else(|| panic!("expected \"{words}\" in {text}"));
     text[..at].split_whitespace().last().unwrap().parse().unwrap()
 }
 
@@ -31,12 +30,14 @@ fn load(interface: &'static str, span: Duration) {
     let sent = transmitted(bus.name());
     std::thread::sleep(Duration::from_secs(2));
     let ended = record.interrupt();
-    let (recorded, lost) = (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
+    // Lines before the last may tell of single losses.
+    let total = ended.stderr.lines().last().unwrap_or_default();
+    let (recorded, lost) = (number_before(total, " frames recorded"), number_before(total, " lost"));
     writeln!(
         std::io::stderr(),
         "figure: load: {sent} frames in {took:?}, {:.0} frames/s; {}",
         sent as f64 / took.as_secs_f64(),
-        ended.stderr.trim()
+        total
     )
     .unwrap();
     assert_eq!(recorded + lost, sent, "every frame is recorded or counted as lost: {}", ended.stderr);
