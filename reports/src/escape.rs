@@ -232,7 +232,19 @@ pub fn csv_cell(text: &str) -> String {
 
 /// Appends such a cell; allocates only where there are characters that act.
 pub fn push_csv_cell(out: &mut Vec<u8>, text: &str) {
+    if stays_as_cell(text.as_bytes()) {
+        return out.extend_from_slice(text.as_bytes());
+    }
     write_csv_cell(text, &mut |part| out.extend_from_slice(part.as_bytes()));
+}
+
+/// Whether a text is its own cell, as nearly all are: printable ASCII that needs no quotes and looks like no formula.
+fn stays_as_cell(text: &[u8]) -> bool {
+    let (Some(first), Some(last)) = (text.first(), text.last()) else { return true };
+    let is_plain = |byte: &u8| matches!(byte, b' '..=b'~') & !matches!(byte, b'"' | b',' | b';');
+    // Without a way out: so processors look at 16 bytes at once.
+    let is_all_plain = text.iter().fold(true, |all, byte| all & is_plain(byte));
+    is_all_plain && *last != b' ' && !matches!(first, b' ' | b'=' | b'+' | b'-' | b'@')
 }
 
 fn write_csv_cell(text: &str, write: &mut dyn FnMut(&str)) {
@@ -331,6 +343,15 @@ mod tests {
         assert_eq!(csv_cell("a \"b\", c"), "\"a \"\"b\"\", c\"");
         assert_eq!(csv_cell("-17.5"), "-17.5");
         assert_eq!(csv_cell("\t=1+1"), "\\x09=1+1");
+    }
+
+    proptest! {
+        #[test]
+        fn a_cell_is_the_same_however_it_is_written(text in "[ -~]{0,6}|[-=+@a1,;\" \t]{0,6}|\\PC{0,6}") {
+            let mut pushed = Vec::new();
+            push_csv_cell(&mut pushed, &text);
+            prop_assert_eq!(String::from_utf8(pushed).unwrap(), csv_cell(&text));
+        }
     }
 
     #[test]

@@ -64,6 +64,9 @@ fn parse_size(text: &str) -> Result<u64> {
 /// How often what was recorded is handed to the system: all but that survives a killed recorder.
 const FLUSH: Duration = Duration::from_millis(250);
 
+/// After how many frames the time is looked at, while they come without a pause.
+const CLOCK: u64 = 64;
+
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         Files::new().bus(&self.bus).writes(&self.out)?;
@@ -95,27 +98,26 @@ impl Args {
         interrupt: &Interrupt,
     ) -> Result<u64, Failure> {
         let mut end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
-        let (mut frames, mut flushed, mut told) = (0, bus.now(), bus.health());
+        let (mut now, mut frames, mut told) = (bus.now(), 0, bus.health());
+        let mut flushed = now;
         while self.frames.is_none_or(|wanted| frames < wanted) {
-            let begun = bus.now();
             if interrupt.came() {
-                end = end.min(begun);
+                end = end.min(bus.now());
             }
-            let deadline = end.min(begun + FLUSH);
-            match bus.receive(deadline).map_err(Failure::unreachable)? {
+            match bus.receive(end.min(now + FLUSH)).map_err(Failure::unreachable)? {
                 Some(record) => {
                     outputs.write(&record, channels)?;
                     frames += 1;
+                    // Asking for the time at every frame would cost more than writing it.
+                    if frames % CLOCK != 0 {
+                        continue;
+                    }
                 }
                 // Not before all has been fetched that came until then.
-                None if begun >= end => break,
+                None if now >= end => break,
                 None => {}
             }
-            // Asking for the time at every frame would cost more than writing it.
-            if frames % 64 != 0 && bus.now() < deadline {
-                continue;
-            }
-            let now = bus.now();
+            now = bus.now();
             if now.since(flushed) >= FLUSH {
                 outputs.flush()?;
                 flushed = now;

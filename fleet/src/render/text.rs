@@ -101,32 +101,38 @@ impl Answer for JsonLines<'_> {
 /// Comma-separated values: null is empty.
 pub struct Csv<'a> {
     out: Box<dyn Write + Send + 'a>,
+    /// The lines of the batch under way, and the cell.
+    lines: Vec<u8>,
+    cell: String,
 }
 
 impl<'a> Csv<'a> {
     pub fn new(schema: &SchemaRef, mut out: Box<dyn Write + Send + 'a>) -> Result<Self> {
         let names: Vec<String> = schema.fields().iter().map(|field| escape::csv_cell(field.name())).collect();
         writeln!(out, "{}", names.join(","))?;
-        Ok(Self { out })
+        Ok(Self { out, lines: Vec::new(), cell: String::new() })
     }
 }
 
 impl Answer for Csv<'_> {
     fn batch(&mut self, batch: &RecordBatch) -> Result<()> {
-        let shown = with_digits(batch)?;
-        let columns = shown.columns().iter().map(texts).collect::<Result<Vec<_>, _>>()?;
-        let mut line = String::new();
+        let (shown, options) = (with_digits(batch)?, FormatOptions::default());
+        let formatter = |column| ArrayFormatter::try_new(column, &options);
+        let columns = shown.columns().iter().map(|column| formatter(column)).collect::<Result<Vec<_>, _>>()?;
+        self.lines.clear();
         for row in 0..shown.num_rows() {
-            line.clear();
             for (at, column) in columns.iter().enumerate() {
-                line.push_str(if at == 0 { "" } else { "," });
-                if let Some(Some(text)) = column.get(row) {
-                    line.push_str(&escape::csv_cell(text));
+                if at > 0 {
+                    self.lines.push(b',');
                 }
+                // Of null, which is empty by these options.
+                self.cell.clear();
+                column.value(row).write(&mut self.cell)?;
+                escape::push_csv_cell(&mut self.lines, &self.cell);
             }
-            writeln!(self.out, "{line}")?;
+            self.lines.push(b'\n');
         }
-        Ok(())
+        Ok(self.out.write_all(&self.lines)?)
     }
 
     fn finish(mut self: Box<Self>) -> Result<()> {
