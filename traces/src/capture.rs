@@ -128,8 +128,8 @@ impl Reader for Capture {
         self.reader.bit_rate()
     }
 
-    fn next_kept(&mut self, skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
-        self.reader.next_kept(skip)
+    fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
+        self.reader.next_kept(skip, record)
     }
 }
 

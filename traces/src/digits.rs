@@ -33,7 +33,7 @@ pub(crate) const fn all_decimal(text: [u8; 8]) -> bool {
 }
 
 /// The number of eight decimal digits.
-#[inline]
+#[inline(always)]
 pub(crate) const fn eight_decimal(text: [u8; 8]) -> Option<u32> {
     if !all_decimal(text) {
         return None;

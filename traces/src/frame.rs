@@ -173,11 +173,13 @@ impl Frame {
     }
 
     /// The identifier. Of an error frame: its class bits, see [`Frame::error_class`].
+    #[inline]
     pub const fn id(&self) -> CanId {
         self.id
     }
 
     /// The identifier of a classical data frame of 11 bits, which is what CANopen sends; else `None`.
+    #[inline]
     pub const fn cob_id(&self) -> Option<u16> {
         match self.kind {
             FrameKind::Data if self.flags & 0x0F == 0 => self.id.as_standard(),
@@ -186,11 +188,13 @@ impl Frame {
     }
 
     /// Data, remote or error.
+    #[inline]
     pub const fn kind(&self) -> FrameKind {
         self.kind
     }
 
     /// The payload, as far as the frame holds it: all of it up to 16 bytes. Empty for a remote frame.
+    #[inline]
     pub fn data(&self) -> &[u8] {
         match self.kind {
             FrameKind::Remote => &[],
@@ -205,6 +209,7 @@ impl Frame {
     }
 
     /// The payload's length in bytes; of a remote frame the length that it asks for.
+    #[inline]
     pub const fn len(&self) -> usize {
         self.len as usize
     }

@@ -69,26 +69,34 @@ impl Lines {
         Some(content)
     }
 
-    /// Passes over lines as long as `skipped` gives their length with their end, but not over too many; says how many, and the
-    /// time of the last.
+    /// Passes over lines that `pass` skips, but not over too many, up to one that it keeps, or that is not usual.
     #[inline]
-    fn skip_usual<F>(
+    fn pass<F>(
         &mut self,
         format: &mut F,
-        skipped: impl Fn(&mut F, &[u8]) -> Option<usize>,
+        pass: impl Fn(&mut F, &[u8], Place) -> Option<Passed>,
         time: impl FnOnce(&F, &[u8]) -> Option<Timestamp>,
-    ) -> (usize, Option<Timestamp>) {
+    ) -> PassedLines {
         self.source.consume(std::mem::take(&mut self.given));
-        let (window, mut at, mut last, mut count) = (self.source.window(), 0, 0, 0);
-        while count < SkipSet::IN_A_ROW
-            && let Some(len) = skipped(format, window.get(at..).unwrap_or_default())
-        {
-            (at, last, count) = (at + len, at, count + 1);
+        let begin = Place { number: self.number + 1, offset: self.source.offset() };
+        let (window, mut at, mut last, mut skipped) = (self.source.window(), 0, 0, 0);
+        let mut kept = None;
+        while skipped < SkipSet::IN_A_ROW {
+            let place = Place { number: begin.number + skipped as u64, offset: begin.offset + at as u64 };
+            match pass(format, window.get(at..).unwrap_or_default(), place) {
+                Some(Passed::Skipped(len)) => (at, last, skipped) = (at + len, at, skipped + 1),
+                Some(Passed::Kept(record, len)) => {
+                    (self.given, kept) = (len, Some(record));
+                    break;
+                }
+                None => break,
+            }
         }
-        let time = if count > 0 { window.get(last..).and_then(|line| time(format, line)) } else { None };
-        self.number += count as u64;
+        let is_last = skipped > 0 && kept.is_none();
+        let time = if is_last { window.get(last..).and_then(|line| time(format, line)) } else { None };
+        self.number += skipped as u64 + u64::from(kept.is_some());
         self.source.consume(at);
-        (count, time)
+        PassedLines { skipped, last: time, kept }
     }
 
     /// The next line; `None` at the end.
@@ -230,6 +238,24 @@ fn note(line: &[u8]) -> Option<&str> {
     std::str::from_utf8(text.trim_ascii_start().strip_prefix(NOTE.as_bytes())?).ok()
 }
 
+/// A usual line of a capture of which some frames are skipped.
+#[derive(PartialEq, Debug)]
+pub(crate) enum Passed {
+    /// Its frame is skipped; its length with its end.
+    Skipped(usize),
+    /// What it holds, and its length with its end.
+    Kept(Record, usize),
+}
+
+/// What was passed over, and what came then.
+struct PassedLines {
+    skipped: usize,
+    /// The time of the last one that was skipped, where none is kept.
+    last: Option<Timestamp>,
+    /// `None`: the next line is to be read as all are.
+    kept: Option<Record>,
+}
+
 /// How one text format understands its lines.
 pub(crate) trait LineFormat {
     /// Looks at what is at hand before the first line is read, perhaps only a part of it.
@@ -243,14 +269,13 @@ pub(crate) trait LineFormat {
         None
     }
 
-    /// The length with its end of the line that begins here, if it is a usual line with a frame that is skipped.
-    /// A format that has this owes no damages.
+    /// The same where some frames are skipped. A format that has this owes no damages.
     #[inline]
-    fn skipped_line(&mut self, _window: &[u8], _skip: &SkipSet) -> Option<usize> {
+    fn pass_line(&mut self, _window: &[u8], _skip: &SkipSet, _place: Place) -> Option<Passed> {
         None
     }
 
-    /// The time of such a line.
+    /// The time of a line that was skipped.
     fn skipped_time(&self, _window: &[u8]) -> Option<Timestamp> {
         None
     }
@@ -366,19 +391,31 @@ impl<F: LineFormat> Reader for TextReader<F> {
         self.format.bit_rate()
     }
 
-    fn next_kept(&mut self, skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
-        // What stands before a frame is given with it.
-        if self.begun && self.notes.is_empty() && !skip.is_empty() {
-            let (skipped, last) = self.lines.skip_usual(
-                &mut self.format,
-                |format, window| format.skipped_line(window, skip),
-                |format, window| format.skipped_time(window),
-            );
-            if let Some(last) = last {
-                skip.skipped_at(last, skipped);
+    fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
+        let mut skipped = 0;
+        while skipped < SkipSet::IN_A_ROW {
+            // What stands before a frame is given with it.
+            if self.begun && self.notes.is_empty() && !skip.is_empty() {
+                let passed = self.lines.pass(
+                    &mut self.format,
+                    |format, window, place| format.pass_line(window, skip, place),
+                    |format, window| format.skipped_time(window),
+                );
+                if passed.skipped > 0 {
+                    skip.skipped_at(passed.last, passed.skipped);
+                    skipped += passed.skipped;
+                }
+                if let Some(kept) = passed.kept {
+                    *record = kept;
+                    return Some(Ok(()));
+                }
+            }
+            match self.next()? {
+                Ok(next) if skipped < SkipSet::IN_A_ROW && skip.skips(&next) => skipped += 1,
+                item => return Some(item.map(|next| *record = next)),
             }
         }
-        self.next()
+        Some(self.next()?.map(|next| *record = next))
     }
 }
 

@@ -123,20 +123,32 @@ impl Merge {
         self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
     }
 
-    /// The next item, without the records that are skipped. So that whoever waits can do something else, one of many comes all
-    /// the same.
+    /// The next item, without the records that are skipped; one that comes is written into `record`. So that whoever waits can do
+    /// something else, one of many comes all the same.
     #[inline]
-    pub fn next_kept(&mut self, skip: &mut SkipSet) -> Option<(usize, Item)> {
+    pub fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<(usize, Result<(), Damage>)> {
         // A reader knows its own channels.
-        let is_alone = self.sources.len() == 1 && !self.renumbered;
+        let [source] = &mut self.sources[..] else { return self.next_kept_of_many(skip, record) };
+        if self.renumbered {
+            return self.next_kept_of_many(skip, record);
+        }
+        Some(match source.capture.next_kept(skip, record)? {
+            Ok(()) => {
+                record.channel = self.channel(0, record.channel);
+                (0, Ok(()))
+            }
+            Err(damage) => (0, Err(self.renumber(0, damage))),
+        })
+    }
+
+    fn next_kept_of_many(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<(usize, Result<(), Damage>)> {
         for _ in 0..SkipSet::IN_A_ROW {
-            let next = if is_alone { (0, self.take_by(0, |capture| capture.next_kept(skip))?) } else { self.next()? };
-            match &next.1 {
-                Ok(record) if skip.skips(record) => {}
-                _ => return Some(next),
+            match self.next()? {
+                (_, Ok(next)) if skip.skips(&next) => {}
+                (source, item) => return Some((source, item.map(|next| *record = next))),
             }
         }
-        self.next()
+        self.next().map(|(source, item)| (source, item.map(|next| *record = next)))
     }
 
     /// Looks at the next item of a source: an item without a time is given back at once.
@@ -158,23 +170,22 @@ impl Merge {
     /// The next item of a source, with its channel as it is called here.
     #[inline]
     fn take(&mut self, at: usize) -> Option<Item> {
-        self.take_by(at, Capture::next)
-    }
-
-    #[inline]
-    fn take_by(&mut self, at: usize, next: impl FnOnce(&mut Capture) -> Option<Item>) -> Option<Item> {
-        match next(&mut self.sources.get_mut(at)?.capture)? {
+        Some(match self.sources.get_mut(at)?.capture.next()? {
             Ok(record) => {
                 let channel = self.channel(at, record.channel);
-                Some(Ok(record.on(channel)))
+                Ok(record.on(channel))
             }
-            Err(mut damage) => {
-                if let Some(record) = damage.salvaged.as_deref_mut() {
-                    record.channel = self.channel(at, record.channel);
-                }
-                Some(Err(damage))
-            }
+            Err(damage) => Err(self.renumber(at, damage)),
+        })
+    }
+
+    /// The damage with the channel of what makes sense of it as it is called here.
+    #[cold]
+    fn renumber(&mut self, at: usize, mut damage: Damage) -> Damage {
+        if let Some(record) = damage.salvaged.as_deref_mut() {
+            record.channel = self.channel(at, record.channel);
         }
+        damage
     }
 
     /// A channel of a source, as it is called here.

@@ -17,9 +17,16 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
         None
     }
 
-    /// What comes next; records that are skipped need not be given, and are where that is not quicker.
-    fn next_kept(&mut self, _skip: &mut SkipSet) -> Option<Result<Record, Damage>> {
-        self.next()
+    /// What comes next, written into `record`, which saves moving it from reader to reader. Records that are skipped are not
+    /// given, but one of many, so that whoever waits can do something else.
+    fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
+        for _ in 0..SkipSet::IN_A_ROW {
+            match self.next()? {
+                Ok(next) if skip.skips(&next) => {}
+                item => return Some(item.map(|next| *record = next)),
+            }
+        }
+        Some(self.next()?.map(|next| *record = next))
     }
 }
 

@@ -14,17 +14,19 @@ use crate::{ChannelId, Frame, FrameKind, Record, Timestamp};
 /// let log = "(1.000000) can0 185#01\n(2.000000) can0 185#02\n(3.000000) can0 705#05\n";
 /// let capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
 /// let (mut merge, mut skip) = (Merge::new(vec![capture], Naming::BySource), SkipSet::default());
-/// assert_eq!(merge.next_kept(&mut skip).unwrap().1.unwrap().frame.to_string(), "185#01");
+/// let mut record = merge.next().unwrap().1?;
+/// assert_eq!(record.frame.to_string(), "185#01");
 /// skip.all(ChannelId(0), 0x185);
-/// assert_eq!(merge.next_kept(&mut skip).unwrap().1.unwrap().frame.to_string(), "705#05");
-/// # Ok::<(), canvass_traces::OpenError>(())
+/// merge.next_kept(&mut skip, &mut record).unwrap().1?;
+/// assert_eq!(record.frame.to_string(), "705#05");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Default)]
 pub struct SkipSet {
     channels: Vec<Option<Box<Skipped>>>,
     /// How many CAN-IDs are skipped.
     len: usize,
-    /// How many frames were skipped since somebody asked, and when the last of them was seen.
+    /// How many frames were skipped since somebody asked, and when the last of them was seen, where none was given after it.
     skipped: (usize, Option<Timestamp>),
 }
 
@@ -36,7 +38,7 @@ struct Skipped {
 
 /// Which frames with a CAN-ID are skipped.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Which {
+pub(crate) enum Which {
     None,
     /// Those with this byte and no other.
     Byte(u8),
@@ -44,8 +46,15 @@ enum Which {
 }
 
 impl Which {
+    /// Whether there are any.
     #[inline]
-    fn has(self, data: impl FnOnce() -> [u8; 8], len: usize) -> bool {
+    pub(crate) fn may_have(self) -> bool {
+        self != Self::None
+    }
+
+    /// Whether a classical data frame with so many bytes is one; what they are is asked only where it counts.
+    #[inline]
+    pub(crate) fn has(self, data: impl FnOnce() -> [u8; 8], len: usize) -> bool {
         match self {
             Self::None => false,
             Self::Byte(byte) => len == 1 && data()[0] == byte,
@@ -71,8 +80,9 @@ impl SkipSet {
     }
 
     /// Skips no frame with an 11-bit CAN-ID.
+    #[inline]
     pub fn none(&mut self, channel: ChannelId, can_id: u16) {
-        if !self.is_empty() {
+        if self.of(channel, crate::CanId::standard_masked(can_id.into())) != Which::None {
             self.set(channel, can_id, Which::None);
         }
     }
@@ -100,7 +110,7 @@ impl SkipSet {
         self.len == 0
     }
 
-    /// How many frames were skipped since somebody asked, and when the last of them was seen.
+    /// How many frames were skipped since somebody asked, and when the last of them was seen, where none was given after it.
     #[inline]
     pub fn take(&mut self) -> (usize, Option<Timestamp>) {
         std::mem::take(&mut self.skipped)
@@ -111,43 +121,26 @@ impl SkipSet {
     pub fn skips(&mut self, record: &Record) -> bool {
         let skips = !self.is_empty() && record.comment().is_none() && self.has(record.channel, &record.frame);
         if skips {
-            self.skipped_at(record.timestamp, 1);
+            self.skipped_at(Some(record.timestamp), 1);
         }
         skips
     }
 
-    /// Whether a classical data frame may be skipped, as far as its CAN-ID tells.
+    /// Notes that so many frames were skipped, the last one of that time, if nothing was given after it.
     #[inline]
-    pub(crate) fn may_skip(&self, channel: ChannelId, id: crate::CanId) -> bool {
-        self.which(channel, id) != Which::None
-    }
-
-    /// Whether a classical data frame with so many bytes is skipped; what they are is asked only where it counts.
-    #[inline]
-    pub(crate) fn skips_data(
-        &self,
-        channel: ChannelId,
-        id: crate::CanId,
-        data: impl FnOnce() -> [u8; 8],
-        len: usize,
-    ) -> bool {
-        self.which(channel, id).has(data, len)
-    }
-
-    /// Notes that so many frames were skipped, the last one of that time.
-    #[inline]
-    pub(crate) const fn skipped_at(&mut self, time: Timestamp, frames: usize) {
-        self.skipped = (self.skipped.0 + frames, Some(time));
+    pub(crate) const fn skipped_at(&mut self, time: Option<Timestamp>, frames: usize) {
+        self.skipped = (self.skipped.0 + frames, time);
     }
 
     #[inline]
     fn has(&self, channel: ChannelId, frame: &Frame) -> bool {
         let is_classical_data = frame.kind() == FrameKind::Data && !frame.is_fd() && !frame.is_xl();
-        is_classical_data && self.skips_data(channel, frame.id(), || frame.bytes(), frame.len())
+        is_classical_data && self.of(channel, frame.id()).has(|| frame.bytes(), frame.len())
     }
 
+    /// Which frames with that CAN-ID are skipped.
     #[inline]
-    fn which(&self, channel: ChannelId, id: crate::CanId) -> Which {
+    pub(crate) fn of(&self, channel: ChannelId, id: crate::CanId) -> Which {
         let Some(Some(skipped)) = self.channels.get(usize::from(channel.0)) else { return Which::None };
         match id.as_standard() {
             Some(id) => skipped.standard.get(usize::from(id)).copied().unwrap_or(Which::None),
@@ -255,8 +248,9 @@ mod tests {
         let expected: Vec<String> =
             all.iter().filter(|item| !matches!(item, Ok(record) if without.skips(record))).map(shown).collect();
         let (mut merge, mut kept) = (open(), Vec::new());
-        while let Some((_, item)) = merge.next_kept(&mut without) {
-            kept.push(shown(&item));
+        let mut next = record(Frame::full(CanId::standard_masked(0), [0; 8]));
+        while let Some((_, item)) = merge.next_kept(&mut without, &mut next) {
+            kept.push(shown(&item.map(|()| next.clone())));
         }
         assert!(kept.len() < all.len() * 3 / 4);
         assert_eq!(kept, expected);

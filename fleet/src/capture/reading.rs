@@ -93,11 +93,8 @@ impl Reading {
     /// As [`Reading::advance`].
     #[inline]
     pub fn advance_kept(&mut self, skip: &mut SkipSet) -> Result<Option<Seen>, AccessError> {
-        match self.merge.next_kept(skip) {
-            Some((_, Ok(record))) => {
-                self.record = record;
-                Ok(Some(Seen::Record))
-            }
+        match self.merge.next_kept(skip, &mut self.record) {
+            Some((_, Ok(()))) => Ok(Some(Seen::Record)),
             Some((_, Err(damage))) => self.damaged(damage).map(Some),
             None => Ok(None),
         }

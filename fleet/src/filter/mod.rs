@@ -4,7 +4,7 @@ mod expression;
 
 pub use expression::tests_of;
 
-use crate::table::column::{Get, Rows, nanos};
+use crate::table::column::{Get, Rows, Take, nanos};
 use serde::{Deserialize, Serialize};
 
 /// A column and what is asked of its value.
@@ -62,8 +62,31 @@ impl Condition {
 
 /// The tests of one table, with how each finds its value.
 pub struct Filter<R: Rows> {
-    tests: Vec<(Get<R>, Condition)>,
+    tests: Vec<Found<R>>,
     scratch: String,
+}
+
+/// A test and its column.
+enum Found<R: Rows> {
+    /// The number is that one, as is asked most.
+    Is(Take<R, u64>, u64),
+    Any(Get<R>, Condition),
+}
+
+impl<R: Rows> Found<R> {
+    fn new(get: Get<R>, condition: Condition) -> Self {
+        let one = match (&condition, &get) {
+            (Condition::OneOf(values), Get::Unsigned(_, get)) => {
+                <[i128; 1]>::try_from(&values[..]).ok().map(|[one]| (*get, one))
+            }
+            (Condition::Between(Some(low), Some(high)), Get::Unsigned(_, get)) if low == high => Some((*get, *low)),
+            _ => None,
+        };
+        match one.and_then(|(get, one)| Some((get, u64::try_from(one).ok()?))) {
+            Some((get, one)) => Self::Is(get, one),
+            None => Self::Any(get, condition),
+        }
+    }
 }
 
 impl<R: Rows> Filter<R> {
@@ -73,8 +96,8 @@ impl<R: Rows> Filter<R> {
             let column = R::COLUMNS.iter().find(|column| column.name == test.column);
             let never: Get<R> = Get::Flag(|_| None);
             match column {
-                Some(column) => (column.get, test.condition.clone()),
-                None => (never, Condition::NotNull),
+                Some(column) => Found::new(column.get, test.condition.clone()),
+                None => Found::Any(never, Condition::NotNull),
             }
         };
         Self { tests: tests.iter().map(find).collect(), scratch: String::new() }
@@ -93,22 +116,30 @@ impl<R: Rows> Filter<R> {
     }
 
     /// Whether a row passes all tests.
+    #[inline]
     pub fn passes(&mut self, row: &R::Row<'_>) -> bool {
         let scratch = &mut self.scratch;
-        self.tests.iter().all(|(get, condition)| match get {
-            Get::Time(get) => condition.of_number(get(row).map(|time| i128::from(nanos(time)))),
-            Get::Unsigned(_, get) => condition.of_number(get(row).map(i128::from)),
-            Get::Signed(get) => condition.of_number(get(row).map(i128::from)),
-            Get::Flag(get) => condition.of_number(get(row).map(i128::from)),
-            Get::Word(get) => condition.of_text(get(row)),
-            Get::Name(write) | Get::Text(write) => {
-                scratch.clear();
-                let is_there = write(row, scratch);
-                condition.of_text(is_there.then_some(scratch.as_str()))
-            }
-            // `tests_of` makes no tests of these.
-            Get::Real(_) | Get::Bytes(_) => false,
+        self.tests.iter().all(|test| match test {
+            Found::Is(get, value) => get(row) == Some(*value),
+            Found::Any(get, condition) => passes(get, condition, row, scratch),
         })
+    }
+}
+
+fn passes<R: Rows>(get: &Get<R>, condition: &Condition, row: &R::Row<'_>, scratch: &mut String) -> bool {
+    match get {
+        Get::Time(get) => condition.of_number(get(row).map(|time| i128::from(nanos(time)))),
+        Get::Unsigned(_, get) => condition.of_number(get(row).map(i128::from)),
+        Get::Signed(get) => condition.of_number(get(row).map(i128::from)),
+        Get::Flag(get) => condition.of_number(get(row).map(i128::from)),
+        Get::Word(get) => condition.of_text(get(row)),
+        Get::Name(write) | Get::Text(write) => {
+            scratch.clear();
+            let is_there = write(row, scratch);
+            condition.of_text(is_there.then_some(scratch.as_str()))
+        }
+        // `tests_of` makes no tests of these.
+        Get::Real(_) | Get::Bytes(_) => false,
     }
 }
 

@@ -3,6 +3,7 @@
 mod binary;
 mod shown;
 mod text;
+mod times;
 
 use datafusion::arrow::array::RecordBatch;
 use datafusion::arrow::datatypes::SchemaRef;

@@ -2,6 +2,7 @@
 
 use super::Answer;
 use super::shown::{for_json, with_digits};
+use super::times::Texts;
 use canvass_reports::escape;
 use datafusion::arrow::array::{ArrayRef, RecordBatch, StringArray};
 use datafusion::arrow::datatypes::{DataType, Field, Schema, SchemaRef};
@@ -117,17 +118,16 @@ impl<'a> Csv<'a> {
 impl Answer for Csv<'_> {
     fn batch(&mut self, batch: &RecordBatch) -> Result<()> {
         let (shown, options) = (with_digits(batch)?, FormatOptions::default());
-        let formatter = |column| ArrayFormatter::try_new(column, &options);
-        let columns = shown.columns().iter().map(|column| formatter(column)).collect::<Result<Vec<_>, _>>()?;
+        let columns = shown.columns().iter().map(|column| Texts::new(column, &options));
+        let mut columns = columns.collect::<Result<Vec<_>, _>>()?;
         self.lines.clear();
         for row in 0..shown.num_rows() {
-            for (at, column) in columns.iter().enumerate() {
+            for (at, column) in columns.iter_mut().enumerate() {
                 if at > 0 {
                     self.lines.push(b',');
                 }
-                // Of null, which is empty by these options.
                 self.cell.clear();
-                column.value(row).write(&mut self.cell)?;
+                column.write(row, &mut self.cell)?;
                 escape::push_csv_cell(&mut self.lines, &self.cell);
             }
             self.lines.push(b'\n');

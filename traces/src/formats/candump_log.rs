@@ -26,7 +26,7 @@
 
 use crate::formats::candump_usual::{self, Names};
 use crate::grammar::{Expected, Parsed, blanks1, decimal, seconds, skip_blanks, tag, word};
-use crate::lines::{Line, LineFormat, TextReader, head_lines};
+use crate::lines::{Line, LineFormat, Passed, TextReader, head_lines};
 use crate::notation::{frame, write_frame};
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{
@@ -83,11 +83,11 @@ impl LineFormat for CandumpLog {
     }
 
     #[inline]
-    fn skipped_line(&mut self, window: &[u8], skip: &SkipSet) -> Option<usize> {
-        let (direction, end) = candump_usual::skipped(window, &self.names, skip)?;
+    fn pass_line(&mut self, window: &[u8], skip: &SkipSet, place: Place) -> Option<Passed> {
+        let (direction, passed) = candump_usual::pass(window, &self.names, skip, place)?;
         self.explained = false;
         self.habits.direction |= direction != Direction::Unknown;
-        Some(end)
+        Some(passed)
     }
 
     fn skipped_time(&self, window: &[u8]) -> Option<Timestamp> {

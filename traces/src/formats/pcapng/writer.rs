@@ -107,7 +107,7 @@ impl PcapngWriter {
         Ok(())
     }
 
-    /// The same for a frame without a comment, at a fifth of the cost: the crate writes every packet twice, the first time
+    /// The same for a frame without a comment, at a quarter of the cost: the crate writes every packet twice, the first time
     /// to learn its length.
     fn write_usual_packet(&mut self, record: &Record, interface_id: u32) -> Result<(), WriteError> {
         let nanos = record.timestamp.nanos();
