@@ -10,9 +10,9 @@ use super::learn::learn;
 use super::live::Live;
 use super::oracle::Violation;
 use super::shrink::SequenceTree;
-use super::spent::Spent;
+use super::spent::{Cause, Spent};
 use super::stand::TestStand;
-use super::stimulus::Sequence;
+use super::stimulus::{Sequence, Then};
 use super::time_limit::TimeLimit;
 use super::{Kept, Knowledge, Property};
 use canvass_analyzer::wire::lss;
@@ -120,6 +120,9 @@ const MOST_VIOLATIONS: usize = 25;
 const REFOCUS: u64 = 64;
 /// The same on a device that goes on, where a sequence takes much longer.
 const REFOCUS_LIVE: u64 = 4;
+
+/// On a device that goes on, one part in so many of the time is spent in pauses.
+const PAUSES: u64 = 10;
 
 /// Fuzzes a device. `go_on` is asked after each sequence.
 ///
@@ -265,7 +268,12 @@ impl Campaign<'_> {
                     Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
             }
             // The strategy always makes a sequence.
-            let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(()) };
+            let Ok(mut tree) = dialogues.new_tree(&mut runner) else { return Ok(()) };
+            if !stand.is_repeatable() {
+                let mut sequence = tree.best().clone();
+                keep_to_share(&mut sequence, &self.executor.spent);
+                tree = SequenceTree::new(sequence);
+            }
             self.attempt(stand, tree, pace)?;
             if self.is_over(go_on) {
                 return Ok(());
@@ -340,6 +348,20 @@ fn rng(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &bytes)
 }
 
+/// Leaves out the pauses for which there is no time: those before have taken more than their share, or one is longer than that.
+fn keep_to_share(sequence: &mut Sequence, spent: &Spent) {
+    let share = Duration(spent.total().nanos() / PAUSES);
+    let (_, mut paused) = spent.of(Cause::Pause);
+    for stimulus in &mut sequence.stimuli {
+        let Then::Pause(pause) = stimulus.then else { continue };
+        if paused <= share && pause <= share {
+            paused = paused + pause;
+        } else {
+            stimulus.then = Then::Settle;
+        }
+    }
+}
+
 /// The combination of SDO state and command that came least; those that were looked for before count as often as that.
 fn least_exercised(
     coverage: &Coverage,
@@ -348,4 +370,33 @@ fn least_exercised(
 ) -> Option<(SdoState, Command)> {
     let times = |pair: &(SdoState, Command)| tried.get(pair).copied().unwrap_or_default();
     Coverage::sdo_pairs(SdoReach::of(knowledge)).min_by_key(|pair| coverage.sdo_count(pair.0, pair.1) + times(pair))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stimulus::Stimulus;
+    use canvass_traces::{CanId, Frame};
+
+    #[test]
+    fn pauses_take_their_share_and_long_ones_have_their_turn() {
+        let pause = |milliseconds| Then::Pause(Duration::from_millis(milliseconds));
+        let spent = |paused, other| {
+            let mut spent = Spent::default();
+            spent.add(Cause::Pause, Duration::from_millis(paused));
+            spent.add(Cause::Answer, Duration::from_millis(other));
+            spent
+        };
+        let left = |spent: &Spent| {
+            let frame = Frame::new(CanId::standard_masked(0x80), &[]).unwrap();
+            let stimuli = [pause(60), Then::AtOnce, pause(2_000), pause(60)].map(|then| Stimulus { frame, then });
+            let mut sequence = Sequence { stimuli: stimuli.to_vec(), ..Sequence::default() };
+            keep_to_share(&mut sequence, spent);
+            sequence.stimuli.iter().map(|stimulus| stimulus.then).collect::<Vec<_>>()
+        };
+        assert_eq!(left(&spent(0, 500)), [Then::Settle, Then::AtOnce, Then::Settle, Then::Settle]);
+        assert_eq!(left(&spent(100, 9_900)), [pause(60), Then::AtOnce, Then::Settle, pause(60)]);
+        assert_eq!(left(&spent(1_500, 18_500)), [pause(60), Then::AtOnce, pause(2_000), Then::Settle]);
+        assert_eq!(left(&spent(1_500, 10_000)), [Then::Settle, Then::AtOnce, Then::Settle, Then::Settle]);
+    }
 }

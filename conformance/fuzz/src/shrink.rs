@@ -1,9 +1,10 @@
 //! Makes a sequence shorter as long as it still shows the violation.
 //!
 //! Most violations need but the last frames: these alone are tried first, one, two, four and so on, as such tries take the
-//! least time. Then whole stretches go, from half of the sequence down to single frames, until no single frame can be left
-//! out. Then stretches become waits: what they did may only have been to take time. Last, the frames are made plainer, all at
-//! once if that can be, else each: waits, and bytes that can be 0.
+//! least time. Then all pauses go at once, so that what follows takes less time. Then whole stretches go, from half of the
+//! sequence down to single frames, until no single frame can be left out. Then stretches become waits: what they did may only
+//! have been to take time. Last, the frames are made plainer, all at once if that can be, else each: waits, and bytes that can
+//! be 0.
 
 use super::stimulus::{Sequence, Stimulus, Then};
 use canvass_traces::{Duration, Frame};
@@ -32,6 +33,8 @@ enum ShrinkStep {
     Last {
         length: usize,
     },
+    /// Wait no longer than needed after each frame.
+    NoPauses,
     /// Leave out that many frames from there on.
     Remove {
         length: usize,
@@ -101,6 +104,13 @@ impl SequenceTree {
                 let others = variant.stimuli.len().checked_sub(length).filter(|&others| others > 0)?;
                 variant.stimuli.drain(..others);
             }
+            ShrinkStep::NoPauses => {
+                let is_pause = |stimulus: &&mut Stimulus| matches!(stimulus.then, Then::Pause(_));
+                variant.stimuli.iter_mut().filter(is_pause).for_each(|stimulus| stimulus.then = Then::Settle);
+                if variant.stimuli == self.best.stimuli {
+                    return None;
+                }
+            }
             ShrinkStep::Plain => {
                 variant.stimuli.iter_mut().for_each(make_plain);
                 if variant.stimuli == self.best.stimuli {
@@ -146,7 +156,8 @@ impl SequenceTree {
         let len = self.best.stimuli.len();
         match self.step {
             ShrinkStep::Last { length } if length * 2 < len => ShrinkStep::Last { length: length * 2 },
-            ShrinkStep::Last { .. } => ShrinkStep::Remove { length: len.div_ceil(2).max(1), from: 0 },
+            ShrinkStep::Last { .. } => ShrinkStep::NoPauses,
+            ShrinkStep::NoPauses => ShrinkStep::Remove { length: len.div_ceil(2).max(1), from: 0 },
             ShrinkStep::Remove { length, from } if from + length < len => {
                 ShrinkStep::Remove { length, from: from + stride(length) }
             }
@@ -180,9 +191,7 @@ impl SequenceTree {
         self.progress = true;
         match &mut self.step {
             // What came before the end is gone: a longer end is no use.
-            ShrinkStep::Last { .. } => {
-                self.step = ShrinkStep::Remove { length: self.best.stimuli.len().div_ceil(2).max(1), from: 0 };
-            }
+            ShrinkStep::Last { .. } => self.step = ShrinkStep::NoPauses,
             ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
                 *from = from.saturating_sub(stride(*length));
             }

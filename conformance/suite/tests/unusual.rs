@@ -98,6 +98,37 @@ fn few_objects_that_can_be_written() {
     }
 }
 
+/// PDOs that carry nothing but values of eight bytes, which no SDO transfers in one frame.
+#[test]
+fn only_values_of_eight_bytes_in_pdos() {
+    const WIDE: [&str; 4] = ["2021]", "2030subE]", "2030subF]", "2030sub10]"];
+    let section = |text: &str| {
+        let is_wide = WIDE.iter().any(|name| text.starts_with(name));
+        let is_mapping = ["160", "1A0"].iter().any(|index| text.starts_with(index)) && text.contains("sub");
+        let text = if is_wide { text.to_owned() } else { text.replace("PDOMapping=1", "PDOMapping=0") };
+        let line = |line: &str| {
+            if is_mapping && line.starts_with("DefaultValue=") { "DefaultValue=0" } else { line }.to_owned()
+        };
+        text.lines().map(line).collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let eds = EDS.split("\n[").map(section).collect::<Vec<_>>().join("\n[");
+    let verdicts = verdicts(&eds);
+    for id in [
+        "301/rpdo/event-driven",
+        "301/rpdo/synchronous",
+        "301/rpdo/too-short",
+        "301/rpdo/other-frames",
+        "301/rpdo/load",
+        "301/rpdo/cob-id/moved",
+        "301/state/stopped/rpdo",
+        "301/tpdo/sync-cycle",
+        "301/tpdo/inhibit-time",
+    ] {
+        assert_eq!(verdicts.get(id), Some(&Kind::Pass), "{id}");
+    }
+    assert_eq!(verdicts["301/rpdo/too-long"], Kind::NotApplicable);
+}
+
 /// What CiA 301 leaves open: none of these fails a case on NMT, error control, EMCY, SYNC, TIME or PDOs.
 #[test]
 fn what_the_text_leaves_open_fails_no_case() {

@@ -276,8 +276,11 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::NotApplicable`] if there is none.
     pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
-        for mapped in self.tpdo_objects() {
-            if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+        let mut objects = self.tpdo_objects();
+        // What SDOs carry in one frame first.
+        objects.sort_by_key(|mapped| mapped.bits > 32);
+        for mapped in objects {
+            if self.is_described_as_writable(mapped.at) {
                 let before = self.read(mapped.at)?;
                 let other = self.other_value(mapped.at, &before);
                 self.uses(mapped.at, "mapped into TPDO 1, and written");

@@ -16,6 +16,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
+use std::ops::RangeInclusive;
 
 /// RPDO 1 with one object mapped, and what it takes to send it.
 pub(super) struct Subject {
@@ -28,8 +29,9 @@ pub(super) struct Subject {
 /// Gives RPDO 1 one object and a transmission type.
 pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let objects = bench.rpdo_objects();
-    let of_bytes = |least: u8| objects.iter().copied().find(|mapped| (8 * least..=32).contains(&mapped.bits));
-    carrying(bench, of_bytes(2).or_else(|| of_bytes(1)), transmission_type)
+    let of_bits = |bits: RangeInclusive<u8>| objects.iter().copied().find(|mapped| bits.contains(&mapped.bits));
+    // What SDOs carry in one frame can't fail for another reason.
+    carrying(bench, of_bits(16..=32).or_else(|| of_bits(8..=64)), transmission_type)
 }
 
 fn carrying(bench: &mut Bench<'_>, mapped: Option<Mapped>, transmission_type: u8) -> Result<Subject, Stop> {
@@ -203,6 +205,11 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let mut longer = subject.other.clone();
     longer.push(0xA5);
+    if longer.len() > 8 {
+        let reason =
+            Reason::new("RPDO 1 carries an object of fewer than eight bytes", "one in the description", "none");
+        return Err(Stop::NotApplicable(reason));
+    }
     let begun = bench.now();
     send(bench, &subject, &longer)?;
     let since = bench.heard_since(begun);
@@ -224,7 +231,8 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 fn object_for_zero(bench: &mut Bench<'_>) -> Result<Option<Mapped>, Stop> {
     const MOST_TRIED: usize = 8;
     let mut objects = bench.rpdo_objects();
-    objects.retain(|mapped| mapped.bits <= 32);
+    // What SDOs carry in one frame first.
+    objects.sort_by_key(|mapped| mapped.bits > 32);
     let within_limits = objects.iter().copied().filter(|mapped| bench.is_within_limits(mapped.at, 0));
     for mapped in within_limits.take(MOST_TRIED).collect::<Vec<_>>() {
         // Not every limit is described.
