@@ -6,10 +6,11 @@ use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{Plan, campaign};
 use canvass_fuzzer::coverage::SdoReach;
+use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets, reproducer};
 use std::collections::BTreeSet;
 use std::io::{Write, stdout};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -22,12 +23,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None => Knowledge::new(node, Some(&DeviceDescription::read(&std::fs::read(device)?)?), None),
     };
     let seconds: f64 = seconds.parse()?;
-    let plan = Plan {
+    let mut plan = Plan {
         targets: rest.get(1).map_or(Ok(Targets::default()), |names| names.parse())?,
         seed: rest.first().map_or(Ok(1), |seed| seed.parse())?,
         allow: BTreeSet::new(),
         shrink_budget: 100,
-        time: canvass_fuzzer::time_limit::TimeLimit::default(),
+        time: TimeLimit::default(),
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
@@ -37,6 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A program that takes this end for its adapter may connect later.
     opened.bus.wait_for_client(canvass_traces::Duration::from_secs(10))?;
     let begun = Instant::now();
+    plan.time.ends = Some(begun + Duration::from_secs_f64(seconds));
     let mut told = 0.0;
     let mut out = stdout().lock();
     let outcome = campaign(&mut *opened.bus, knowledge, &plan, &mut |progress| {
@@ -47,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             // What can't be shown is no reason to end.
             let _ = writeln!(out, "{now:.0} s: {} exchanges, SDO {reached} of {all}", progress.executions);
         }
-        now < seconds
+        true
     })?;
     let rate = outcome.executions as f64 / begun.elapsed().as_secs_f64();
     let (reached, all) = outcome.coverage.sdo_share(reach);

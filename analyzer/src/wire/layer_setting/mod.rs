@@ -184,6 +184,25 @@ impl<D: Dialect> Request<D> {
 }
 
 impl<D: Dialect> Response<D> {
+    /// Whether a slave says this to that request, and not to another one.
+    pub fn answers(self, request: Request<D>) -> bool {
+        match (self, request) {
+            (Self::Configured { command, .. }, request) => match request {
+                Request::ConfigureNodeId { .. } => command == ConfigureCommand::NodeId,
+                Request::ConfigureBitTiming { .. } => command == ConfigureCommand::BitTiming,
+                Request::StoreConfiguration => command == ConfigureCommand::Store,
+                _ => false,
+            },
+            (Self::Identified, Request::IdentifyRemote { bound, .. }) => bound.is_last(),
+            (Self::Identified, Request::Fastscan { .. }) => true,
+            (Self::Part { part, .. }, Request::Inquire { part: asked }) => part == asked,
+            (Self::Switched, Request::SwitchSelective { part, .. }) => part.is_last(),
+            (Self::NonConfigured, Request::IdentifyNonConfigured) => true,
+            (Self::NodeId(_), Request::InquireNodeId) => true,
+            _ => false,
+        }
+    }
+
     /// Whether a confirmation has a specific error code although its error code is not 255, which alone announces one.
     pub const fn says_too_much(self) -> bool {
         matches!(self, Self::Configured { error: 0..=254, specific: 1.., .. })

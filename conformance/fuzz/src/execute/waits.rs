@@ -194,6 +194,8 @@ impl Executor {
     fn has_read(&mut self, stand: &mut dyn TestStand, at: Multiplexer) -> Result<bool, Stop> {
         let request = Request::upload(at).to_frame(self.probe.cob_id().unwrap_or_default());
         self.hand_over(stand, request)?;
+        // The value that was read last is no answer to this request.
+        self.heard = None;
         let longest = stand.bus().now() + self.trusts.quiet().times(MOST_QUIET);
         loop {
             let deadline = longest.min(stand.bus().now() + self.missing_after());

@@ -65,7 +65,12 @@ pub(super) struct LayerSetting<D: Dialect, O> {
     pub property: Property,
     due: Timestamp,
     asked: (LssState, LssCommand),
+    /// The last requests that may be answered still, each with its service; the last one is first.
+    lately: [Option<(Request<D>, &'static str, Property)>; LATELY],
 }
+
+/// So many requests may have their answers under way.
+const LATELY: usize = 8;
 
 impl InOrder {
     pub const NONE: Self = Self(Some(0));
@@ -94,6 +99,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
     pub const fn new(mode: Mode) -> Self {
         Self {
             mode,
+            lately: [None; LATELY],
             selected: InOrder::NONE,
             identified: InOrder::NONE,
             awaited: Awaited::Nothing,
@@ -175,11 +181,27 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         if self.due < Timestamp::MAX {
             (self.awaited, self.mode) = (Awaited::Anything, Mode::Unsure);
         }
+        self.remember(frame);
         let is_required = !matches!(self.awaited, Awaited::Nothing | Awaited::Anything);
         if !is_required {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
         self.due = if is_required { due } else { Timestamp::MAX };
+    }
+
+    fn remember(&mut self, frame: &Frame) {
+        self.lately.rotate_right(1);
+        self.lately[0] = Request::read(frame.data()).ok().map(|request| (request, self.rule, self.property));
+    }
+
+    /// Nothing has come for a while: no answer to an earlier request is under way.
+    pub const fn quiet(&mut self) {
+        self.lately = [None; LATELY];
+    }
+
+    /// The place of the last request that is answered so.
+    fn asked_lately(&self, response: Response<D>) -> Option<usize> {
+        self.lately.iter().position(|asked| asked.is_some_and(|(request, ..)| response.answers(request)))
     }
 
     /// A frame of the slave.
@@ -203,16 +225,23 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
             self.awaited = Awaited::Nothing;
         }
         self.due = Timestamp::MAX;
+        let answered = response.and_then(|response| self.asked_lately(response));
         if fits {
+            // Nor are those before it answered any more.
+            self.lately[answered.unwrap_or(LATELY)..].fill(None);
             return Ok(());
         }
         let actual = response.map_or_else(|| format!("{frame}"), |response| format!("{response} ({frame})"));
-        Err(violation(self.property, self.rule, self.text(awaited), actual, now))
+        let earlier = answered.filter(|&at| at > 0).and_then(|at| self.lately[at]);
+        Err(match earlier {
+            Some((_, rule, property)) => violation(property, rule, unanswered::<D>(rule), actual, now),
+            None => violation(self.property, self.rule, self.text(awaited), actual, now),
+        })
     }
 
     fn text(&self, awaited: Awaited<D, O>) -> String {
         match awaited {
-            Awaited::Nothing => format!("no answer to \"{}\" in this {}", self.rule, D::STATE),
+            Awaited::Nothing => unanswered::<D>(self.rule),
             Awaited::Anything => "an answer of eight bytes, or none".to_owned(),
             Awaited::Exactly(response) => format!("{response}, reserved bytes 0"),
             Awaited::OneOf(options) => options.text(),
@@ -231,6 +260,10 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         let awaited = std::mem::replace(&mut self.awaited, Awaited::Nothing);
         Err(silence(self.property, self.rule, self.text(awaited), now))
     }
+}
+
+fn unanswered<D: Dialect>(rule: &str) -> String {
+    format!("no answer to \"{rule}\" in this {}", D::STATE)
 }
 
 /// Whether a bound of "identify remote slave" includes a part of the address.

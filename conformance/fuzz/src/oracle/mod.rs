@@ -438,6 +438,8 @@ impl Oracle {
     pub const fn quiet(&mut self) {
         self.nmt.quiet();
         self.sdo.quiet();
+        self.lss.at.quiet();
+        self.lmt.at.quiet();
     }
 
     /// The sequence is over; what can only be judged over a time is judged.
