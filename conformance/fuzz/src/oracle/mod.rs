@@ -216,11 +216,15 @@ impl Oracle {
     /// # Errors
     /// [`Violation`] if the device must not send it.
     pub fn received(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        let node = u16::from(self.knowledge.node.raw());
         if self.blind {
+            // The next start waits for a device that is still starting, and not for one that has started.
+            if frame.cob_id() == Some(error_control::CAN_ID_BASE + node) {
+                self.nmt.started(now, frame);
+            }
             return Ok(());
         }
         self.expire(now)?;
-        let node = u16::from(self.knowledge.node.raw());
         let can_id = frame.id().as_standard().filter(|_| !frame.is_remote());
         match can_id {
             Some(id) if id == error_control::CAN_ID_BASE + node => return self.error_control_came(now, frame),

@@ -362,6 +362,15 @@ impl Slave {
         Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }
 
+    /// A frame on the identifier of error control that is not judged: it may be the boot-up message.
+    pub fn started(&mut self, now: Timestamp, frame: &Frame) {
+        let is_boot_up = ErrorControl::read(frame.data()).is_ok_and(|message| message.is_boot_up());
+        if self.phase == Phase::Booting && is_boot_up {
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Unsure);
+        }
+    }
+
     /// The device has reported an error: 1029h says where it goes then.
     /// For errors of communication it is sub-index 1; which class of others the device counts an error to is its own.
     pub fn erred(
