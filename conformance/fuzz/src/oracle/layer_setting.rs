@@ -194,9 +194,15 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.lately[0] = Request::read(frame.data()).ok().map(|request| (request, self.rule, self.property));
     }
 
-    /// Nothing has come for a while: no answer to an earlier request is under way.
-    pub const fn quiet(&mut self) {
+    /// Nothing has come for a while: no answer to an earlier request is under way, but for that to a request to store.
+    pub fn quiet(&mut self) {
+        if matches!(self.lately[0], Some((Request::StoreConfiguration, ..))) {
+            return;
+        }
         self.lately = [None; LATELY];
+        if self.is_open() {
+            self.awaited = Awaited::Nothing;
+        }
     }
 
     /// The place of the last request that is answered so.

@@ -439,7 +439,7 @@ impl Oracle {
     }
 
     /// Nothing has come for a while.
-    pub const fn quiet(&mut self) {
+    pub fn quiet(&mut self) {
         self.nmt.quiet();
         self.sdo.quiet();
         self.lss.at.quiet();
