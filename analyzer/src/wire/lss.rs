@@ -147,6 +147,33 @@ mod tests {
         assert_eq!(Request::read(&[0x04, 0, 4, 0, 0, 0, 0, 0]), Ok(Request::SwitchGlobal { mode: 0 }));
     }
 
+    /// Each response of CiA 305 belongs to one service; 4Fh to two.
+    #[test]
+    fn responses_answer_their_requests() {
+        let read = |data: [u8; 8]| (Request::read(&data).unwrap(), Response::read(&data).unwrap());
+        let all = (0..=0xFF).map(|command| [command, 0, 0, 0, 0, 0, 0, 0]);
+        let pairs = all.clone().flat_map(|asked| all.clone().map(move |answered| (asked, answered)));
+        let fitting: Vec<(u8, u8)> = pairs
+            .filter(|&(asked, answered)| read(answered).1.answers(read(asked).0))
+            .map(|(asked, answered)| (asked[0], answered[0]))
+            .collect();
+        let expected = [
+            (0x11, 0x11),
+            (0x13, 0x13),
+            (0x17, 0x17),
+            (0x43, 0x44),
+            (0x4B, 0x4F),
+            (0x4C, 0x50),
+            (0x51, 0x4F),
+            (0x5A, 0x5A),
+            (0x5B, 0x5B),
+            (0x5C, 0x5C),
+            (0x5D, 0x5D),
+            (0x5E, 0x5E),
+        ];
+        assert_eq!(fitting, expected);
+    }
+
     /// The layouts of CiA 305.
     #[test]
     fn every_command() {

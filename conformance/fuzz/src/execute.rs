@@ -1,6 +1,8 @@
 //! Runs one sequence and holds every frame against the reference models.
 
 mod recovery;
+#[cfg(test)]
+mod tests;
 mod waits;
 
 use super::baseline::{self, Kept};

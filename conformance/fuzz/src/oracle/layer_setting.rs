@@ -291,3 +291,69 @@ fn same<D: Dialect>(expected: Response<D>, actual: Response<D>) -> bool {
         _ => expected == actual,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lss::OneOf;
+    use super::*;
+    use canvass_analyzer::wire::layer_setting::MASTER_CAN_ID;
+    use canvass_analyzer::wire::lss::{self, Lss, Part};
+
+    const SELECT: Request<Lss> = Request::SwitchSelective { part: Part::SerialNumber, value: 7 };
+
+    /// A slave that has been asked both, one right after the other.
+    fn asked(first: Awaited<Lss, OneOf>) -> LayerSetting<Lss, OneOf> {
+        let mut at = LayerSetting::new(Mode::Waiting);
+        for (rule, request, awaited) in
+            [("switch state selective", SELECT, first), ("inquire node-ID", Request::InquireNodeId, Awaited::Nothing)]
+        {
+            at.rule = rule;
+            let frame = request.to_frame(MASTER_CAN_ID);
+            at.asked((LssState::Waiting, &frame), awaited, Timestamp::MAX, &mut Coverage::default());
+        }
+        at
+    }
+
+    fn rule_of(at: &mut LayerSetting<Lss, OneOf>, response: lss::Response) -> &'static str {
+        let frame = response.to_frame(SLAVE_CAN_ID);
+        at.answered(Timestamp::ZERO, &frame, &mut Coverage::default()).unwrap_err().rule
+    }
+
+    /// 43h is answered with 44h, and 5Eh with 5Eh (CiA 305).
+    #[test]
+    fn an_answer_counts_for_the_request_that_it_alone_answers() {
+        let mut at = asked(Awaited::Nothing);
+        assert_eq!(rule_of(&mut at, Response::Switched), "switch state selective");
+        let mut at = asked(Awaited::Nothing);
+        assert_eq!(rule_of(&mut at, Response::NodeId(5)), "inquire node-ID");
+        let mut at = asked(Awaited::Nothing);
+        at.quiet();
+        assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID", "silence has lasted since");
+    }
+
+    #[test]
+    fn what_was_answered_is_not_answered_again() {
+        let mut at = LayerSetting::<Lss, OneOf>::new(Mode::Waiting);
+        at.rule = "switch state selective";
+        let (select, switched) = (SELECT.to_frame(MASTER_CAN_ID), Response::<Lss>::Switched.to_frame(SLAVE_CAN_ID));
+        let awaited = Awaited::Exactly(Response::Switched);
+        at.asked((LssState::Selecting, &select), awaited, Timestamp::MAX, &mut Coverage::default());
+        at.answered(Timestamp::ZERO, &switched, &mut Coverage::default()).unwrap();
+        at.rule = "inquire node-ID";
+        let inquire = Request::<Lss>::InquireNodeId.to_frame(MASTER_CAN_ID);
+        at.asked((LssState::Configuration, &inquire), Awaited::Nothing, Timestamp::MAX, &mut Coverage::default());
+        assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID");
+    }
+
+    /// Storing may take longer than silence has to last.
+    #[test]
+    fn only_a_request_to_store_stays_open_in_silence() {
+        for (request, stays) in [(Request::<Lss>::StoreConfiguration, true), (Request::InquireNodeId, false)] {
+            let mut at = LayerSetting::<Lss, OneOf>::new(Mode::Unsure);
+            let frame = request.to_frame(MASTER_CAN_ID);
+            at.asked((LssState::Waiting, &frame), Awaited::Anything, Timestamp::MAX, &mut Coverage::default());
+            at.quiet();
+            assert_eq!(at.is_open(), stays, "{request}");
+        }
+    }
+}

@@ -351,3 +351,13 @@ fn a_run_whose_time_ends_while_the_device_starts_does_not_call_it_dead() {
         assert_eq!(live.begin(Start::Configured).unwrap(), Readiness::Ready);
     }
 }
+
+/// What LSS leaves open, and what nobody knows of the SDO server, is waited for once.
+#[test]
+fn little_time_goes_into_silence() {
+    for target in [Target::All, Target::Sdo] {
+        let outcome = with(Faults::NONE, target, 1_000);
+        let (_, silence) = outcome.spent.of(canvass_fuzzer::Cause::Silence);
+        assert!(silence.nanos() * 20 < outcome.spent.total().nanos(), "{}", outcome.spent);
+    }
+}
