@@ -404,7 +404,7 @@ faults! {
     TpdoTooLong = "tpdo-too-long" on "reference-301" fuzz: "TPDO 1 always has eight bytes.",
     UnconfiguredNodeIdWaits = "unconfigured-node-id-waits" on "reference-301" fuzz allowing "node-id": "A device that got its first node-ID by LSS waits for a reset.",
     LssBitTimingRefused = "lss-bit-timing-refused" on "reference-301" fuzz allowing "bit-rate": "LSS refuses every bit rate.",
-    LssSelectiveMismatchIgnored = "lss-selective-mismatch-ignored" on "reference-301" fuzz: "Parts of another address do not end switch selective.",
+    LssSelectiveMismatchIgnored = "lss-selective-mismatch-ignored" on "reference-301" because "is an answer that the standard leaves open, so that every choice is right": "Parts of another address do not end switch selective.",
     SdoBlockSwitchTruncates = "sdo-block-switch-truncates" on "reference-301" fuzz: "A block upload that becomes a normal one loses the first byte.",
     GuardingWrongState = "guarding-wrong-state" fuzz: "Node guarding answers say pre-operational in every state.",
     GuardingSilentWhenOff = "guarding-silent-when-off" fuzz: "Node guarding is not answered while the life time is 0.",

@@ -47,9 +47,14 @@ pub(super) enum Mode {
     Unsure,
 }
 
-/// Parts or bounds that have matched in their order; `None`: the order was another one.
+/// Parts or bounds that have come in their order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct InOrder(pub Option<usize>);
+pub(super) struct InOrder {
+    /// How many have matched one after the other; `None`: the order was another one.
+    strictly: Option<usize>,
+    /// The same with those of other addresses left out: whether they end an address, the standard leaves open.
+    with_others: usize,
+}
 
 /// A slave, but for what its dialect alone has.
 #[derive(Clone, Debug)]
@@ -73,13 +78,16 @@ pub(super) struct LayerSetting<D: Dialect, O> {
 const LATELY: usize = 8;
 
 impl InOrder {
-    pub const NONE: Self = Self(Some(0));
-    pub const UNKNOWN: Self = Self(None);
+    pub const NONE: Self = Self { strictly: Some(0), with_others: 0 };
+    pub const UNKNOWN: Self = Self { strictly: None, with_others: 0 };
 
     /// One has come that fits, or one that does not.
     pub fn came(&mut self, which: impl Numbered, fits: bool) {
         let position = which.position();
-        self.0 = match self.0 {
+        if fits && position == self.with_others {
+            self.with_others += 1;
+        }
+        self.strictly = match self.strictly {
             _ if position == 0 && fits => Some(1),
             Some(matched) if matched == position => Some(if fits { matched + 1 } else { 0 }),
             None => None,
@@ -91,7 +99,19 @@ impl InOrder {
 
     /// The last one has come: whether all have matched, where that is known.
     pub fn end<N: Numbered>(&mut self) -> Option<bool> {
-        self.0.replace(0).map(|matched| matched == N::ALL.len())
+        let among_others = self.with_others == N::ALL.len();
+        if among_others {
+            self.with_others = 0;
+        }
+        match self.strictly.replace(0).map(|matched| matched == N::ALL.len()) {
+            Some(false) if among_others => None,
+            all => all,
+        }
+    }
+
+    /// Whether some have matched, and no other has come since.
+    pub fn has_begun(self) -> bool {
+        self.strictly.is_some_and(|matched| matched > 0)
     }
 }
 
@@ -114,7 +134,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
     pub fn class(&self) -> LssState {
         match self.mode {
             Mode::Configuration => LssState::Configuration,
-            _ if self.selected.0.is_some_and(|parts| parts > 0) => LssState::Selecting,
+            _ if self.selected.has_begun() => LssState::Selecting,
             _ => LssState::Waiting,
         }
     }
@@ -343,6 +363,28 @@ mod tests {
         let inquire = Request::<Lss>::InquireNodeId.to_frame(MASTER_CAN_ID);
         at.asked((LssState::Configuration, &inquire), Awaited::Nothing, Timestamp::MAX, &mut Coverage::default());
         assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID");
+    }
+
+    /// The parts of the own address, or of others, one after the other, and whether the slave is then addressed.
+    #[test]
+    fn parts_of_others_leave_open_whether_the_address_goes_on() {
+        let end = |parts: &[(Part, bool)]| {
+            let mut selected = InOrder::NONE;
+            parts.iter().for_each(|&(part, fits)| selected.came(part, fits));
+            selected.end::<Part>()
+        };
+        let own = Part::ALL.map(|part| (part, true));
+        assert_eq!(end(&own), Some(true));
+        for (at, part) in Part::ALL.into_iter().enumerate() {
+            let mut wrong = own.to_vec();
+            wrong[at] = (part, false);
+            assert_eq!(end(&wrong), Some(false), "{part:?} of another one");
+            let mut among = own.to_vec();
+            among.insert(at, (part, false));
+            let expected = if at == 0 { Some(true) } else { None };
+            assert_eq!(end(&among), expected, "{part:?} of another one, then the own");
+        }
+        assert_eq!(end(&[own[0], (Part::SerialNumber, false), own[3]]), Some(false), "two parts never came");
     }
 
     /// Storing may take longer than silence has to last.

@@ -78,6 +78,14 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
     }
 }
 
+/// CiA 305 is silent on parts of another address between those of the own one: `305/switch-selective/interleaved` only records
+/// what a slave does then.
+#[test]
+fn a_slave_that_goes_on_after_parts_of_another_address_violates_nothing() {
+    let outcome = with(Fault::LssSelectiveMismatchIgnored, Target::Lss, 1_000);
+    assert!(outcome.violations.is_empty(), "{:#?}", told(&outcome));
+}
+
 /// Counts the resets that a device gets.
 struct Counted(Device, Arc<AtomicU64>);
 
