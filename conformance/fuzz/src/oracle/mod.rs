@@ -260,6 +260,10 @@ impl Oracle {
 
     /// A boot-up message, a heartbeat or an answer to guarding.
     fn error_control_came(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
+        if self.is_booting() {
+            // What is wrong after a start is told anew, also where the start before it has just told the same.
+            self.emcy.reset();
+        }
         let change = match self.nmt.shown(now, frame, &self.expected_values, &self.knowledge) {
             // It may be the first one with a period that is not confirmed yet.
             Err(_) if self.sdo.is_writing() => return Ok(()),
@@ -497,4 +501,36 @@ fn violation(
     at: Timestamp,
 ) -> Violation {
     Violation { property, rule, expected: expected.into(), actual: actual.into(), is_silence: false, at }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_analyzer::NodeId;
+    use canvass_device::models::Model;
+    use canvass_traces::parse_frame;
+
+    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset comes.
+    #[test]
+    fn each_start_may_report_the_same_error() {
+        let model = Model::by_id("reference-301").unwrap();
+        let knowledge = Knowledge::new(NodeId::new(4).unwrap(), Some(model.description()), Some(model.sheet()));
+        let mut oracle = Oracle::new(Arc::new(knowledge));
+        oracle.start(Timestamp::ZERO, Start::Configured);
+        let mut coverage = Coverage::default();
+        let (reset, boot_up, emcy) = ("000#8204", "704#00", "084#0050012F04000000");
+        let at = |microseconds: u64| Timestamp(1_000_000_000 + microseconds * 1_000);
+        for (time, line) in
+            [(0, reset), (5_000, boot_up), (5_010, reset), (5_050, emcy), (10_000, boot_up), (10_010, emcy)]
+        {
+            let frame = parse_frame(line).unwrap().frame;
+            let judged = match line == reset {
+                true => oracle.sent(at(time), &frame, &mut coverage),
+                false => oracle.received(at(time), &frame, &mut coverage),
+            };
+            judged.unwrap();
+        }
+        let again = oracle.received(at(10_500), &parse_frame(emcy).unwrap().frame, &mut coverage);
+        assert_eq!(again.unwrap_err().rule, "EMCY repeated");
+    }
 }
