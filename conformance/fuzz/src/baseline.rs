@@ -64,8 +64,39 @@ pub(super) fn restore(
     Ok(kept)
 }
 
+/// What the settings of a device hold at the end of a run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FinalState {
+    /// So many were read.
+    pub compared: usize,
+    /// Those that have not the value of before the run, though the device was reset and the value written.
+    pub different: Vec<Kept>,
+}
+
+/// Reads all settings, whether or not a frame has named them, and writes back what differs from the value of power-on.
+///
+/// # Errors
+/// [`BusError`] if the bus fails.
+pub(super) fn restore_all(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<FinalState, BusError> {
+    let settings: Vec<Kept> = (0..knowledge.entries().len())
+        .filter_map(|entry| restorable(knowledge, entry))
+        .map(|(known, power_on)| Kept { at: known.at, value: power_on, power_on })
+        .collect();
+    let different = restore(bus, &[], &settings, knowledge, &mut |_| ())?;
+    Ok(FinalState { compared: settings.len(), different })
+}
+
 /// The longest value that is a number.
-const LONGEST: usize = 8;
+pub(super) const LONGEST: usize = 8;
+
+/// Reads a number of up to eight bytes; `None`: it can't be read.
+///
+/// # Errors
+/// [`BusError`] if the bus fails.
+pub(super) fn read(bus: &mut dyn Bus, at: Multiplexer, knowledge: &Knowledge) -> Result<Option<u64>, BusError> {
+    let exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
+    Client { exchange, knowledge }.read(at)
+}
 
 /// Reads and writes objects of the device.
 struct Client<'a> {
@@ -145,9 +176,9 @@ fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
     touched
 }
 
-/// An object whose value of power-on is known and may be written.
+/// An object whose value of power-on was read and may be written.
 fn restorable(knowledge: &Knowledge, entry: usize) -> Option<(&Known, u64)> {
-    let known = knowledge.entries().get(entry)?;
+    let known = knowledge.entries().get(entry).filter(|known| known.was_read)?;
     let is_free = limits::writing(known.at, knowledge, &BTreeSet::new()).is_none();
     let is_plain = known.stable && known.readable && known.writable && known.size.is_some_and(|size| size <= LONGEST);
     Some((known, known.power_on?)).filter(|_| is_free && is_plain)

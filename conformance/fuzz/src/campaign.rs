@@ -3,6 +3,7 @@
 mod shortening;
 mod violations;
 
+use super::baseline::{self, FinalState};
 use super::coverage::{Command, Coverage, LssReach, SdoReach, SdoState};
 use super::execute::{Ended, Executor, Pace};
 use super::generate::{Dialogues, Target, Targets};
@@ -98,6 +99,9 @@ pub struct Outcome {
     pub unjudged: u64,
     /// Whether the device did not come back after a reset: the run ended with that.
     pub dead: bool,
+    /// What the run leaves behind on a device that goes on; `None`: the device is simulated for each sequence, or does not
+    /// answer any more.
+    pub left: Option<FinalState>,
     /// Each violation once.
     pub violations: Vec<Found>,
 }
@@ -144,6 +148,7 @@ pub fn run(
         violations: Vec::new(),
         sequences: 0,
         dead: false,
+        left: None,
         spent_on_violations: Spent::default(),
         begun: stand.bus().now(),
         unshortened: VecDeque::new(),
@@ -202,6 +207,7 @@ struct Campaign<'a> {
     violations: Vec<Found>,
     sequences: u64,
     dead: bool,
+    left: Option<FinalState>,
     /// What repeating and shortening violations took.
     spent_on_violations: Spent,
     /// When the first sequence began.
@@ -288,9 +294,13 @@ impl Campaign<'_> {
             return Ok(());
         }
         match self.executor.restart(stand)? {
-            Ended::Lost { violation, dead } => self.lose(stand, violation, dead),
-            Ended::Well | Ended::Violation(_) => Ok(()),
+            Ended::Lost { violation, dead } => self.lose(stand, violation, dead)?,
+            Ended::Well | Ended::Violation(_) => {}
         }
+        if !self.dead {
+            self.left = Some(baseline::restore_all(stand.bus(), self.executor.knowledge())?);
+        }
+        Ok(())
     }
 
     fn attempt(&mut self, stand: &mut dyn TestStand, tree: SequenceTree, pace: Pace) -> Result<(), BusError> {
@@ -332,6 +342,7 @@ impl Campaign<'_> {
             sequences: self.sequences,
             unjudged: self.executor.unjudged,
             dead: self.dead,
+            left: self.left,
             spent: self.executor.spent,
             spent_on_violations: self.spent_on_violations,
             coverage: self.executor.coverage,

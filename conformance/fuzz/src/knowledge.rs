@@ -153,6 +153,8 @@ pub struct Known {
     pub usual_length: usize,
     /// The value after power-on, for types of up to eight bytes.
     pub power_on: Option<u64>,
+    /// That value was read from the device, where it may have been stored; else it is that of the description.
+    pub was_read: bool,
 }
 
 impl Knowledge {
@@ -227,7 +229,7 @@ impl Knowledge {
     /// Takes over what was read from the device after power-on.
     pub fn learn(&mut self, at: Multiplexer, raw: u64) {
         if let Some(found) = self.position(at) {
-            self.entries[found].power_on = Some(raw);
+            (self.entries[found].power_on, self.entries[found].was_read) = (Some(raw), true);
         }
     }
 }
@@ -327,6 +329,7 @@ impl Known {
                 .as_ref()
                 .and_then(Value::to_raw)
                 .filter(|_| entry.data_type.bytes().is_some()),
+            was_read: false,
         })
     }
 

@@ -1,9 +1,10 @@
 //! What the device itself says before the first sequence: its values, its optional services, how fast it is, and what is
 //! on the bus beside it.
 
+use super::baseline;
 use super::stand::{Readiness, TestStand};
 use super::time_limit::TimeLimit;
-use super::{Knowledge, Start};
+use super::{Knowledge, Known, Start};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Part};
@@ -11,9 +12,13 @@ use canvass_analyzer::wire::sdo::{Payload, REQUEST_BASE, RESPONSE_BASE, Request,
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, BusError};
 use canvass_traces::{Direction, Duration, Frame};
+use std::ops::RangeInclusive;
 
 /// Whether the device answered an SDO request at all.
 pub(super) type Answers = bool;
+
+/// The longest value that comes in one frame.
+const EXPEDITED: usize = 4;
 
 /// So long is listened to what comes by itself.
 const LISTEN: Duration = Duration::from_millis(600);
@@ -43,13 +48,12 @@ pub(super) fn learn(
     let answer = knowledge.patience.answer.max(slowest.times(3));
     let mut times = vec![slowest];
     listen(stand.bus(), knowledge)?;
-    let addresses: Vec<Multiplexer> = knowledge
-        .entries()
-        .iter()
-        .filter(|known| known.readable && known.size.is_some_and(|size| size <= 4))
-        .map(|known| known.at)
-        .collect();
-    for at in addresses {
+    let numbers = |lengths: RangeInclusive<usize>| -> Vec<Multiplexer> {
+        let has_length = |known: &&Known| known.readable && known.size.is_some_and(|size| lengths.contains(&size));
+        knowledge.entries().iter().filter(has_length).map(|known| known.at).collect()
+    };
+    let (short, long) = (numbers(1..=EXPEDITED), numbers(EXPEDITED + 1..=baseline::LONGEST));
+    for at in short {
         if time.is_over() {
             return Ok(true);
         }
@@ -62,6 +66,14 @@ pub(super) fn learn(
     if !stand.is_repeatable() {
         knowledge.patience = knowledge.patience.measured(times, stand.restart_time());
         stand.attune(knowledge.patience);
+    }
+    for at in long {
+        if time.is_over() {
+            return Ok(true);
+        }
+        if let Some(raw) = baseline::read(stand.bus(), at, knowledge)? {
+            knowledge.learn(at, raw);
+        }
     }
     knowledge.address = address(stand.bus(), node, answer)?;
     if lss && knowledge.services.lss == Some(true) && !knowledge.services.lmt {

@@ -32,7 +32,7 @@ pub mod storm;
 pub mod time_limit;
 mod trust;
 
-pub use baseline::Kept;
+pub use baseline::{FinalState, Kept};
 pub use generate::{Dialogues, Target, Targets, UnknownTarget};
 pub use knowledge::{Knowledge, Known, Patience, Services};
 pub use live::Live;

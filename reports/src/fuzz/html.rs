@@ -1,6 +1,6 @@
 //! The result as one self-contained HTML page.
 
-use super::{Run, Words, annotated, outcome, reliability, rust_test, sdo_rows};
+use super::{Run, Words, annotated, left, outcome, reliability, rust_test, sdo_rows};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
@@ -54,6 +54,8 @@ fn head(run: &Run) -> Markup {
             (fact("Sequences", &run.outcome.sequences.to_string()))
             (fact("SDO, state × command", &run.sdo_share().to_string()))
             (fact("LSS, state × command", &run.lss_share().to_string()))
+            @let left = left(run);
+            @if !left.is_empty() { (fact("At the end", &left)) }
             (fact("Repeat with", &run.repeat))
         }
     }

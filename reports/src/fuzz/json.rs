@@ -3,7 +3,7 @@
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::{escape, provenance};
 use canvass_fuzzer::campaign::Found;
-use canvass_fuzzer::{Kept, Start, Stimulus, Then, reproducer};
+use canvass_fuzzer::{FinalState, Kept, Start, Stimulus, Then, reproducer};
 use canvass_traces::{Direction, Frame, Record, hex};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
@@ -34,6 +34,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         "sequences": run.outcome.sequences,
         "unjudged": run.outcome.unjudged,
         "dead": run.outcome.dead,
+        "left": run.outcome.left.as_ref().map(left),
         "coverage": coverage(run),
         "violations": run.violations().map(|(found, words)| violation(run, found, words)).collect::<Vec<_>>(),
     });
@@ -54,6 +55,11 @@ fn coverage(run: &Run) -> Value {
         "sdo": { "reached": sdo_share.reached, "reachable": sdo_share.reachable, "pairs": sdo.collect::<Vec<_>>() },
         "lss": { "reached": lss_share.reached, "reachable": lss_share.reachable, "pairs": lss.collect::<Vec<_>>() },
     })
+}
+
+/// What the settings hold after the run.
+fn left(left: &FinalState) -> Value {
+    json!({ "compared": left.compared, "different": left.different.iter().map(state).collect::<Vec<_>>() })
 }
 
 /// An object that had not its value of power-on.

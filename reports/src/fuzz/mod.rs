@@ -16,7 +16,7 @@ use canvass_analyzer::NodeId;
 use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
 use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
-use canvass_fuzzer::{Targets, Then, reproducer};
+use canvass_fuzzer::{FinalState, Kept, Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
@@ -159,6 +159,32 @@ pub fn outcome(run: &Run) -> String {
     format!("{count}{flaky}{dead}{unjudged}{cancelled}")
 }
 
+/// How the run left the device's settings; empty where nothing was to be left.
+fn left(run: &Run) -> String {
+    let outcome = &run.outcome;
+    match &outcome.left {
+        None if outcome.dead => {
+            "the device does not answer any more: whether its settings are as before the run is not known".to_owned()
+        }
+        None => String::new(),
+        Some(FinalState { compared, different }) if different.is_empty() => {
+            format!("the device's settings are as before the run ({compared} were read)")
+        }
+        Some(FinalState { compared, different }) => format!(
+            "{} of {compared} settings are not as before the run, and neither a reset nor a write brings them back: {}; a new start of its \
+             supply may",
+            different.len(),
+            values(different, "holds")
+        ),
+    }
+}
+
+/// Objects with the value that they have and the one of power-on.
+fn values(kept: &[Kept], holds: &str) -> String {
+    let value = |kept: &Kept| format!("{} {holds} {:X}h instead of {:X}h", kept.at, kept.value, kept.power_on);
+    kept.iter().map(value).collect::<Vec<_>>().join(", ")
+}
+
 /// What is to be known of a violation that did not come back.
 fn reliability(found: &Found, dead: bool) -> String {
     let text = match (found.confirmed, dead && found.violation.property == Property::Alive) {
@@ -171,10 +197,8 @@ fn reliability(found: &Found, dead: bool) -> String {
     if found.state.is_empty() {
         return text.to_owned();
     }
-    let kept =
-        found.state.iter().map(|kept| format!("{} held {:X}h instead of {:X}h", kept.at, kept.value, kept.power_on));
-    let kept: Vec<String> = kept.collect();
-    format!("{text}; neither a reset nor a write had restored the state of power-on: {}", kept.join(", "))
+    let kept = values(&found.state, "held");
+    format!("{text}; neither a reset nor a write had restored the state of power-on: {kept}")
 }
 
 /// What follows a frame of a sequence, where that is not the usual.

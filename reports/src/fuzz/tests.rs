@@ -23,12 +23,14 @@ fn run() -> Run {
         confirmed: false,
         state: Vec::new(),
     };
+    let kept = Kept { at: canvass_analyzer::Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
     let outcome = Outcome {
         executions: 7,
         frames: 8,
         sequences: 2,
         unjudged: 1,
         dead: false,
+        left: Some(FinalState { compared: 9, different: vec![kept] }),
         coverage: Coverage::default(),
         spent: Spent::default(),
         spent_on_violations: Spent::default(),
@@ -60,6 +62,11 @@ fn rendered(render: Render) -> String {
 
 #[test]
 fn hostile_words_stay_words() {
+    for render in [text::render as Render, markdown::render, html::render] {
+        let text = rendered(render);
+        assert!(text.contains("1 of 9 settings are not as before the run"), "{text}");
+        assert!(text.contains("1015h:00 holds FF00h instead of 0h"), "{text}");
+    }
     for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
         let text = rendered(render);
         assert!(!text.contains('\u{1b}'), "{text}");
@@ -74,6 +81,8 @@ fn hostile_words_stay_words() {
 fn the_contract_has_its_members() {
     let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
     assert_eq!((&document["schema"], &document["seed"]), (&"canvass/fuzz/1".into(), &7.into()));
+    let left = serde_json::json!({ "index": 0x1015, "sub": 0, "value": 0xFF00, "power_on": 0 });
+    assert_eq!(document["left"], serde_json::json!({ "compared": 9, "different": [left] }));
     let violation = &document["violations"][0];
     assert_eq!(violation["frames"][0]["data"], "4000100000000000");
     assert_eq!((&violation["confirmed"], &violation["evidence"][0]["t"]), (&false.into(), &1.into()));

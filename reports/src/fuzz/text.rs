@@ -1,6 +1,6 @@
 //! The result for people.
 
-use super::{Run, annotated, outcome, reliability};
+use super::{Run, annotated, left, outcome, reliability};
 use crate::escape::{Visible, printable};
 use crate::provenance;
 use canvass_fuzzer::reproducer;
@@ -50,6 +50,10 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         run.targets, run.seed
     )?;
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
+    match left(run) {
+        nothing if nothing.is_empty() => {}
+        left => writeln!(out, "{left}")?,
+    }
     match run.forbidden() {
         none if none.is_empty() => {}
         names => writeln!(out, "never done, as it is not allowed: {names}")?,

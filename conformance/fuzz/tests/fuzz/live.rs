@@ -2,15 +2,18 @@
 //! reset, and such as a reset kills. Their time is that of a simulated bus.
 
 use crate::perishable::Perishable;
-use canvass_analyzer::NodeId;
-use canvass_bus::{Machine, SimulatedBus};
+use canvass_analyzer::wire::sdo;
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_bus::client::Exchange;
+use canvass_bus::client::sdo::{self as sdo_client, Mode, Transfer};
+use canvass_bus::{Bus, Machine, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Faults, Firmware, Liberties, Liberty};
 use canvass_fuzzer::campaign::{Found, Outcome, Plan, campaign, replay};
 use canvass_fuzzer::coverage::SdoReach;
 use canvass_fuzzer::stand::{Readiness, TestStand};
 use canvass_fuzzer::time_limit::TimeLimit;
-use canvass_fuzzer::{Knowledge, Live, Property, Start, Target, reproducer};
+use canvass_fuzzer::{Kept, Knowledge, Live, Property, Start, Target, reproducer};
 use canvass_traces::{Frame, Timestamp};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -188,6 +191,73 @@ fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
     };
     let outcome = campaign(&mut bus, knowledge, &plan, &mut cut_short).unwrap();
     assert!(outcome.sequences == 20 && was_reset.load(Ordering::Relaxed) == 1, "{}", outcome.sequences);
+}
+
+/// Speaks to the device as its user does.
+fn tell(bus: &mut SimulatedBus, what: (Transfer, sdo::Request)) -> sdo_client::Outcome {
+    let mut exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
+    exchange.transfer(NODE, what, canvass_traces::Duration::from_secs(1)).unwrap()
+}
+
+/// 2030h:0F was stored with another value than the description has: that is what the run leaves.
+#[test]
+fn stored_values_of_eight_bytes_are_left_as_they_were() {
+    let (number, stored) = (Multiplexer::new(0x2030, 0xF), [8, 7, 6, 5, 4, 3, 2, 1]);
+    let mut bus = SimulatedBus::new(250_000);
+    bus.attach(Box::new(Device::new(model(), Some(NODE), Faults::NONE, 0)));
+    while bus.receive(Timestamp(1_000_000_000)).unwrap().is_some() {}
+    for (at, value) in [(number, &stored[..]), (Multiplexer::new(0x1010, 1), b"save")] {
+        let written = tell(&mut bus, Transfer::download(at, value, Mode::Shortest));
+        assert_eq!(written, sdo_client::Outcome::Downloaded, "{at}");
+    }
+    let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
+    let outcome = campaign(&mut bus, knowledge, &plan(Target::Pdo), &mut |progress| progress.sequences < 200).unwrap();
+    assert!(outcome.violations.is_empty(), "{:#?}", told(&outcome));
+    let left = outcome.left.unwrap();
+    assert!(left.compared > 50 && left.different.is_empty(), "{left:?}");
+    assert_eq!(tell(&mut bus, Transfer::upload(number)), sdo_client::Outcome::Uploaded(stored.to_vec()));
+}
+
+/// Keeps the first number that is written to 2030h, and takes no further one for that object.
+struct Stuck {
+    device: Device,
+    at: Option<Multiplexer>,
+}
+
+impl Machine for Stuck {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if let (Some(0x601), &[command, low, high, sub, value, ..]) = (frame.cob_id(), frame.data()) {
+            let at = Multiplexer::from_bytes([low, high, sub]);
+            // UNSIGNED8, UNSIGNED16 and UNSIGNED32.
+            let is_number = matches!((command, sub), (0x2F, 5) | (0x2B, 6) | (0x23, 7)) && at.index.0 == 0x2030;
+            // Begin of a download, normal or in blocks.
+            if self.at == Some(at) && matches!(command >> 5, 1 | 6) {
+                return;
+            }
+            if is_number && value != 0 {
+                self.at.get_or_insert(at);
+            }
+        }
+        self.device.handle(now, frame);
+    }
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        self.device.poll_transmit(now)
+    }
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.device.poll_timeout()
+    }
+    fn handle_timeout(&mut self, now: Timestamp) {
+        self.device.handle_timeout(now);
+    }
+}
+
+#[test]
+fn what_can_not_be_brought_back_is_told_at_the_end() {
+    let faults = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
+    let device = Device::new(model(), Some(NODE), faults, 0);
+    let outcome = fuzz(Box::new(Stuck { device, at: None }), model(), Target::Sdo, 1_000);
+    let left = outcome.left.unwrap().different;
+    assert!(matches!(left[..], [Kept { at, value: 1.., power_on: 0 }] if at.index.0 == 0x2030), "{left:?}");
 }
 
 /// Resets that bring nothing back are reported; what comes after them is judged by the values that are there.
