@@ -77,6 +77,7 @@ faults! {
     NmtResetWhenStoppedIgnored = "nmt-reset-when-stopped-ignored" on "reference-301" fuzz: "Reset commands are ignored in stopped.",
     NmtStartWhenStoppedIgnored = "nmt-start-when-stopped-ignored" on "reference-301" fuzz: "Start remote node is ignored in stopped.",
     NmtResetCommunicationKeepsParameters = "nmt-reset-communication-keeps-parameters" on "reference-301" fuzz: "Reset communication does not restore unsaved communication parameters.",
+    NmtStartRefusedInError = "nmt-start-refused-in-error" on "reference-301" fuzz: "A lasting error of the hardware, which EMCY 5000h tells after each start, keeps the device out of operational.",
     NmtStopWhenOperationalIgnored = "nmt-stop-when-operational-ignored" on "reference-301" fuzz: "Stop remote node is ignored in operational.",
     NmtEnterPreOperationalIgnored = "nmt-enter-pre-operational-ignored" on "reference-301" fuzz: "Enter pre-operational is ignored.",
     NmtRepeatedCommandResets = "nmt-repeated-command-resets" on "reference-301" fuzz: "A command for the state that the node is in already restarts it.",

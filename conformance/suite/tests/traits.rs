@@ -254,6 +254,23 @@ fn one_wrong_object_spoils_no_other_case() {
     }
 }
 
+/// A lasting error keeps the device out of operational: the cases of its state fail, what needs it operational is not judged and
+/// names the error.
+#[test]
+fn is_kept_out_of_operational_by_an_error() {
+    let outcomes = tested(Fault::NmtStartRefusedInError, &["301"], &[Touch::OtherNodes]);
+    outcomes.is_as_it_was();
+    let failed = outcomes.ending(&[Kind::Fail, Kind::Error]);
+    let judge_states = ["301/nmt/", "301/heartbeat/", "301/guarding/"];
+    let others: Vec<_> = failed.iter().filter(|id| !judge_states.iter().any(|family| id.starts_with(family))).collect();
+    assert!(failed.contains("301/nmt/pre-operational/start") && others.is_empty(), "{failed:#?}");
+    for case in ["301/tpdo/event-timer", "301/sync/moved", "301/rpdo/event-driven", "301/nmt/operational/stop"] {
+        let (kind, told) = &outcomes.verdicts[case];
+        assert!(*kind == Kind::Inconclusive && told.contains("EMCY 5000h"), "{case}: {kind}: {told}");
+    }
+    assert!(outcomes.count(Kind::Pass) > 200, "{:?}", outcomes.summary);
+}
+
 /// What judges the description alone is judged where nobody is on the bus.
 #[test]
 fn a_description_needs_no_device() {

@@ -1,6 +1,7 @@
 //! From power-on and reset to operational and back: what the device as a whole does.
 
 use super::clock::Clock;
+use super::condition::Condition;
 use super::encoder::Encoder;
 use super::lss_slave::LssSlave;
 use super::nmt::{Order, Phase};
@@ -116,6 +117,10 @@ impl Device {
         self.deliver(now, Event::Started);
         self.find_routes();
         self.deliver(now, Event::Changed);
+        if self.context.firmware().has_broken_hardware() {
+            let code = EmcyCode(0x5000);
+            self.context.report(Condition::Hardware { code, register: ErrorRegister::GENERIC.0, bytes: [0; 5] }, true);
+        }
         let Objects { parameters, encoder, .. } = &self.context.objects;
         if Encoder::starts_in_operational(parameters) && encoder.is_some() || self.starts_by_itself() {
             self.enter(now, Phase::Operational);

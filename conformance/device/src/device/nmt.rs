@@ -122,6 +122,7 @@ fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Optio
             return None;
         }
         Command::START if phase == Phase::Stopped && !firmware.starts_when_stopped() => return None,
+        Command::START if firmware.has_broken_hardware() => return None,
         Command::START => Order::Enter(Phase::Operational),
         Command::STOP => Order::Enter(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Order::Enter(Phase::PreOperational),

@@ -22,6 +22,7 @@ mod knowledge;
 mod measurement;
 pub mod nmt;
 pub mod objects;
+mod operational;
 pub mod pdo;
 mod presence;
 mod provide;
@@ -82,6 +83,8 @@ pub struct Bench<'a> {
     restoring: bool,
     /// The case did not come to its own end, nor to the putting right that belongs to it.
     ended_early: bool,
+    /// The case has told the device to become operational.
+    started: bool,
     foreign: Foreign,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
@@ -151,6 +154,7 @@ impl<'a> Bench<'a> {
             uses: Vec::new(),
             restoring: false,
             ended_early: false,
+            started: false,
             foreign: Foreign::default(),
             gone: None,
             lost_before: None,
@@ -352,6 +356,7 @@ impl<'a> Bench<'a> {
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();
+        self.started = false;
     }
 
     /// A case during which frames are lost says nothing of the device: from now on its waits end as soon as that is seen.

@@ -53,6 +53,7 @@ impl Bench<'_> {
         if concerned && command.is_reset() {
             self.watch.expect_boot_up();
         }
+        self.started |= concerned && command == Command::START;
         self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))
     }
 

@@ -1,7 +1,7 @@
 //! NMT states: how they are seen, and how they are reached.
 
 use super::Bench;
-use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -219,12 +219,7 @@ impl Bench<'_> {
     pub(crate) fn require_state(&mut self, expected: State) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
-        if found == Some(expected) {
-            return Ok(());
-        }
-        let actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
-        let duty = format!("the device can be brought into {expected}");
-        Err(Stop::Inconclusive(Reason::new(duty, expected.to_string(), actual)))
+        if found == Some(expected) { Ok(()) } else { Err(Stop::Inconclusive(self.not_reached(expected, found))) }
     }
 
     /// Whether the device says by itself that it is operational: it was at work before the run.

@@ -1,8 +1,10 @@
 //! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
 
 use crate::bench::{Bench, HOST_LATE, KEEPS_UP};
+use crate::case::Case;
 use crate::verdict::{Breach, End, Reason};
 use canvass_bus::Health;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
 /// From that share of the bus on, in percent, others may be why a device does not get through.
@@ -65,6 +67,34 @@ pub(super) fn blameless(
 fn is_excused(breach: &Breach, health: &Health, late: Duration) -> bool {
     let stamping = health.stamping.longest().unwrap_or_default();
     if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
+}
+
+/// A case that needs the device operational says nothing of a device that can't be: that is told by the cases of its state.
+pub(super) fn not_kept_out(
+    bench: &mut Bench<'_>,
+    case: &Case,
+    breaches: Vec<Breach>,
+    end: Option<End>,
+) -> (Vec<Breach>, Option<End>) {
+    let judges_states = matches!(case.family(), "301/nmt" | "301/heartbeat" | "301/guarding");
+    if judges_states || !breaches.iter().any(needs_operational) {
+        return (breaches, end);
+    }
+    let Some(reason) = bench.kept_out_of_operational() else { return (breaches, end) };
+    let others = breaches.into_iter().filter(|breach| !needs_operational(breach)).collect();
+    (others, Some(End::Inconclusive(reason)))
+}
+
+/// Whether a device that is not operational may show that: its state, PDOs that don't come or have no effect, and what follows
+/// from them.
+fn needs_operational(breach: &Breach) -> bool {
+    let is_application = |subject| matches!(subject, Subject::Entry(at) if at.index.0 >= 0x2000);
+    match breach.actual {
+        Observation::State(_) | Observation::Silence | Observation::Named(_) => true,
+        Observation::Count(_) | Observation::Time(_) => true,
+        Observation::Value(_) => is_application(breach.subject),
+        _ => false,
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One case from its precondition to its verdict.
 
-use super::blame::{blameless, overload};
+use super::blame::{blameless, not_kept_out, overload};
 use super::event::CaseReport;
 use crate::bench::{Bench, Evidence, Remains, Target};
 use crate::case::Case;
@@ -44,7 +44,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         measurements: Vec::new(),
         uses: Vec::new(),
     });
-    let (mut breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
+    let (breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
+    let (mut breaches, end) = if ran && !has_left { not_kept_out(bench, case, breaches, end) } else { (breaches, end) };
     breaches.extend(has_left.then(stopped_answering));
     if breaches.is_empty() && end.is_none() {
         breaches.extend(restarted.map(restarted_by_itself));

@@ -8,6 +8,7 @@ hooks! {
     hangs_at_reset_when_stopped with ResetWhenStoppedHangs,
     resets_when_stopped unless NmtResetWhenStoppedIgnored,
     starts_when_stopped unless NmtStartWhenStoppedIgnored,
+    has_broken_hardware with NmtStartRefusedInError,
     stops_when_operational unless NmtStopWhenOperationalIgnored,
     enters_pre_operational unless NmtEnterPreOperationalIgnored,
     resets_on_repeated_command with NmtRepeatedCommandResets,

@@ -209,7 +209,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(answers.iter().any(|record| !record.frame.is_remote()), || {
         Breach::new(TPDO.parameter(1), "a device that takes a COB-ID without bit 30 answers remote frames")
             .expected("a TPDO, or abort 0609 0030h")
-            .found(Observation::Confirmation)
+            .found(Observation::Silence)
             .told("confirmation, but no answer")
     }))
 }

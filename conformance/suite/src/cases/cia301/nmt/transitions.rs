@@ -42,7 +42,7 @@ fn reset(bench: &mut Bench<'_>, from: State, command: Command) -> Judged {
 
 /// Start remote node in pre-operational: the device becomes operational.
 #[case(id = "301/nmt/pre-operational/start", clause = "CiA 301 7.2.8.2.1.2", confidence = Cited, level = Must,
-       needs = [VisibleState], catches = [HeartbeatWrongState], cct = "10.1")]
+       needs = [VisibleState], catches = [HeartbeatWrongState, NmtStartRefusedInError], cct = "10.1")]
 fn pre_operational_start(bench: &mut Bench<'_>) -> Judged {
     transition(bench, State::PRE_OPERATIONAL, Command::START, State::OPERATIONAL)
 }
