@@ -128,10 +128,13 @@ fn all(bench: &mut Bench<'_>) -> Judged {
     let (least, most) = (codes.len().min(entries) as u64, codes.len() as u64);
     let at = Multiplexer::new(HISTORY, 0);
     let count = u64::from(bench.read_number(at)?);
-    bench.check(demand((least..=most).contains(&count), || {
+    let is_right = (least..=most).contains(&count);
+    let listed = if is_right { String::new() } else { listed(bench, entries.min(count as usize))? };
+    bench.check(demand(is_right, || {
         Breach::new(at, "1003h:00 counts the errors that were signalled, as far as there are entries")
             .expected(Allowed::Count { least, most: Some(most) })
             .found(Observation::Number(count))
+            .told(format!("{count}: {listed}; signalled were {}", shown_codes(&codes)))
     }))?;
     if codes.iter().all(|code| codes.first() == Some(code)) {
         let actual = codes.first().map_or_else(String::new, |code| format!("{code:04X}h only"));
@@ -146,6 +149,20 @@ fn all(bench: &mut Bench<'_>) -> Judged {
             breach.expected(format!("error code {code:04X}h in the lower word")).found(Observation::Value(value))
         }))
     })
+}
+
+/// The codes of the newest so many entries of the history, in words.
+fn listed(bench: &mut Bench<'_>, count: usize) -> Result<String, Stop> {
+    let mut codes = Vec::new();
+    for sub in (1..=0xFE).take(count) {
+        codes.push(bench.read_number(Multiplexer::new(HISTORY, sub))? as u16);
+    }
+    Ok(shown_codes(&codes))
+}
+
+fn shown_codes(codes: &[u16]) -> String {
+    let codes: Vec<String> = codes.iter().map(|code| format!("{code:04X}h")).collect();
+    if codes.is_empty() { "none".to_owned() } else { codes.join(", ") }
 }
 
 /// The codes of several errors, in the order in which they were signalled: losses of the one who is monitored, and after

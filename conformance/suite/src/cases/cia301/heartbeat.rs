@@ -135,6 +135,8 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/heartbeat/extremes", clause = "CiA 301 7.5.2.20", confidence = Cited, level = Should,
        needs = [Heartbeat], catches = [HeartbeatTimerRounded])]
 fn extremes(bench: &mut Bench<'_>) -> Judged {
+    // A timer of whole milliseconds may take two for one, and what else the device does some more.
+    const LEAST: u64 = 40;
     let attempt = bench.download(HEARTBEAT_TIME, &1_u16.to_le_bytes())?;
     if attempt.abort().is_some() {
         bench.check(attempt.refused(Situation::InvalidValue))?;
@@ -142,8 +144,8 @@ fn extremes(bench: &mut Bench<'_>) -> Judged {
         let heard = heartbeats(bench, Duration::from_millis(100))?.len();
         let served = bench.upload(HEARTBEAT_TIME)?.value().map(|_| ());
         bench.check(served)?;
-        bench.check(demand(heard >= 50, || {
-            counted("with 1017h = 1 a heartbeat comes every millisecond, about 100 in 100 ms", 50, None, heard)
+        bench.check(demand(heard as u64 >= LEAST, || {
+            counted("with 1017h = 1 a heartbeat comes every millisecond, about 100 in 100 ms", LEAST, None, heard)
         }))?;
     }
     let attempt = bench.download(HEARTBEAT_TIME, &u16::MAX.to_le_bytes())?;
