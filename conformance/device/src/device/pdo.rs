@@ -222,7 +222,7 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     let mut bits = 0;
     for sub in 1..=most {
         let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
-        if entry.0 == 0 && firmware.maps_empty_entry() {
+        if entry.0 == 0 && (firmware.maps_empty_entry() || sub > 1 && firmware.maps_later_empty_entry()) {
             continue;
         }
         check_entry(entry, direction, objects)?;

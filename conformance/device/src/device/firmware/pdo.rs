@@ -16,6 +16,7 @@ hooks! {
     checks_mapping_while_valid unless MappingChangeWhileValid,
     checks_rtr_bit unless RtrBitClearable,
     maps_empty_entry with EmptyEntryMapped,
+    maps_later_empty_entry with LaterEmptyEntryMapped,
     checks_inhibit_time_while_valid unless InhibitTimeChangeWhileValid,
     checks_mapping_count unless MappingCountUnchecked,
     checks_mapped_length unless MappingLengthUnchecked,

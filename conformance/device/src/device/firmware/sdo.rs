@@ -17,6 +17,8 @@ hooks! {
     dies_of_short_request with SdoShortRequestWedges,
     dies_of_timeout with SdoTimeoutWedges,
     answers_stray_block_command unless SdoStrayBlockSilent,
+    serves_refused_segment with SdoRefusedSegmentServed,
+    writes_segment_in_upload with SdoSegmentWrittenInUpload,
     answers_stray_segment unless SdoStraySegmentSilent,
     answers_unknown_command unless SdoUnknownCommandSilent,
     answers_misplaced_command unless SdoWrongCommandIgnored,

@@ -14,7 +14,7 @@ use crate::models::Timing;
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response};
+use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Expedited, Payload, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use download::SegmentedDownload;
@@ -33,6 +33,8 @@ pub(super) struct SdoServer {
     expires: Timestamp,
     /// The object of the last transfer, for a firmware that does not forget it.
     stale: Multiplexer,
+    /// The first bytes of a segment that was refused, for a firmware that gives them as the next value.
+    refused: Option<[u8; 4]>,
     /// Whether a block download with CRC was begun since boot-up.
     had_crc: bool,
     /// Whether there was a request since boot-up.
@@ -110,6 +112,7 @@ impl SdoServer {
             answers: VecDeque::with_capacity(usize::from(BlockSegment::MAX) + 1),
             expires: Timestamp::MAX,
             stale: Multiplexer::new(0, 0),
+            refused: None,
             had_crc: false,
             began: false,
             requests: 0,
@@ -128,6 +131,7 @@ impl SdoServer {
     /// As [`SdoServer::reset`], at the start of the device.
     pub fn boot(&mut self) {
         self.reset();
+        self.refused = None;
         self.had_crc = false;
         self.began = false;
         self.requests = 0;
@@ -216,8 +220,26 @@ impl SdoServer {
                 (Transfer::BlockDownloadEnd(end), Request::EndBlockDownload { unused, crc }) => {
                     end.on_end(now, unused, crc, objects)
                 }
-                (transfer, request) => self.unexpected(&transfer, &request, objects),
+                (transfer, request) => {
+                    self.spill(&transfer, &request, objects);
+                    self.unexpected(&transfer, &request, objects)
+                }
             },
+        }
+    }
+
+    /// Where the bytes of a segment go that has no place, in a firmware that takes them all the same.
+    fn spill(&mut self, transfer: &Transfer, request: &Request, objects: &mut Objects) {
+        let Request::DownloadSegment(segment) = request else { return };
+        if objects.firmware.serves_refused_segment() {
+            self.refused = segment.data().first_chunk().copied();
+        }
+        if let Transfer::Upload(upload) = transfer
+            && objects.firmware.writes_segment_in_upload()
+            && let Ok(held) = objects.parameters.entry(upload.object)
+        {
+            let content = held.decode(segment.data());
+            objects.parameters.set(upload.object, content);
         }
     }
 
@@ -308,7 +330,7 @@ impl SdoServer {
                 let named = firmware.aborted_object(abort.multiplexer, self.stale);
                 Response::abort(named, firmware.abort_code(abort.code))
             }
-            response => response,
+            response => self.replaced(response),
         };
         if let Some(object) = response.multiplexer() {
             self.stale = object;
@@ -323,6 +345,17 @@ impl SdoServer {
             len = used;
         }
         self.answers.push_back((due, bytes, len));
+    }
+
+    /// The response, with the bytes of a refused segment in place of a value of four bytes.
+    fn replaced(&mut self, response: Response) -> Response {
+        match response {
+            Response::InitiateUpload { multiplexer, payload: Payload::Expedited(value) } if value.data().len() == 4 => {
+                let value = self.refused.take().and_then(|bytes| Expedited::new(&bytes)).unwrap_or(value);
+                Response::InitiateUpload { multiplexer, payload: Payload::Expedited(value) }
+            }
+            response => response,
+        }
     }
 
     /// The next answer that is ready, as a frame.
@@ -365,7 +398,6 @@ const LOST_EVERY: u32 = 100;
 
 /// How many bytes of a response are not reserved.
 fn used_bytes(response: &Response) -> usize {
-    use canvass_analyzer::wire::sdo::Payload;
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),
         Response::DownloadSegment { .. } | Response::EndBlockDownload => 1,

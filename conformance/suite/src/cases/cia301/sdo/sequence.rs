@@ -88,7 +88,8 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
 
 /// A command that has no place in an upload under way is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
-       needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
+       needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode, SdoSegmentWrittenInUpload,
+                                         SdoRefusedSegmentServed])]
 fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     let name = long_object(bench)?;
     let before = bench.read(name)?;
