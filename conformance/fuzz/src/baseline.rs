@@ -11,7 +11,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Mode, Outcome, Transfer};
 use canvass_bus::{Bus, BusError};
-use canvass_traces::{Record, Timestamp};
+use canvass_traces::{Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
 /// An object that has not its value of power-on, though the device was reset and the value written.
@@ -67,23 +67,51 @@ pub(super) fn restore(
 /// What the settings of a device hold at the end of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinalState {
-    /// So many were read.
+    /// So many were read before the run and after it.
     pub compared: usize,
-    /// Those that have not the value of before the run, though the device was reset and the value written.
+    /// Those that hold another value than before. What moves by itself is not among them.
     pub different: Vec<Kept>,
 }
 
-/// Reads all settings, whether or not a frame has named them, and writes back what differs from the value of power-on.
+/// After so many requests without an answer the device is not asked any more.
+const MOST_SILENT: u32 = 3;
+
+/// What differs is read once more after that time: a clock has gone on by then.
+const MOVES: Duration = Duration::from_millis(1_100);
+
+/// Reads all settings again, whether or not a frame has named them, and writes nothing; `None`: the device does not answer.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
-pub(super) fn restore_all(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<FinalState, BusError> {
-    let settings: Vec<Kept> = (0..knowledge.entries().len())
-        .filter_map(|entry| restorable(knowledge, entry))
-        .map(|(known, power_on)| Kept { at: known.at, value: power_on, power_on })
-        .collect();
-    let different = restore(bus, &[], &settings, knowledge, &mut |_| ())?;
-    Ok(FinalState { compared: settings.len(), different })
+pub(super) fn compare(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<Option<FinalState>, BusError> {
+    let mut client = Client { exchange: Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX }, knowledge };
+    let (mut compared, mut silent, mut different) = (0, 0, Vec::new());
+    for (known, power_on) in (0..knowledge.entries().len()).filter_map(|entry| restorable(knowledge, entry)) {
+        match client.transfer(Transfer::upload(known.at))? {
+            Outcome::Silent if silent + 1 >= MOST_SILENT => return Ok(None),
+            Outcome::Silent => silent += 1,
+            Outcome::Uploaded(value) if value.len() <= LONGEST => {
+                compared += 1;
+                let kept = Kept { at: known.at, value: number(&value), power_on };
+                different.extend(Some(kept).filter(|kept| kept.value != power_on));
+            }
+            _ => {}
+        }
+    }
+    if !different.is_empty() {
+        client.exchange.wait_for(MOVES, |_| None::<()>)?;
+    }
+    let mut settled = Vec::new();
+    for kept in different {
+        if client.read(kept.at)? == Some(kept.value) {
+            settled.push(kept);
+        }
+    }
+    Ok(Some(FinalState { compared, different: settled }))
+}
+
+fn number(value: &[u8]) -> u64 {
+    value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte))
 }
 
 /// The longest value that is a number.
@@ -107,9 +135,8 @@ struct Client<'a> {
 impl Client<'_> {
     /// Reads a number; `None`: it can't be read.
     fn read(&mut self, at: Multiplexer) -> Result<Option<u64>, BusError> {
-        let number = |value: Vec<u8>| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
         Ok(match self.transfer(Transfer::upload(at))? {
-            Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(value)),
+            Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(&value)),
             _ => None,
         })
     }
@@ -156,14 +183,14 @@ impl Client<'_> {
     }
 }
 
-/// The objects that those frames name, and those that an RPDO may write.
+/// The objects that those frames may write: those with which a download begins, and those that an RPDO may carry.
 fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
     let request = REQUEST_BASE + u16::from(knowledge.node.raw());
     let mut touched = BTreeSet::new();
     let mut outputs = false;
     for stimulus in sent {
         match (stimulus.frame.cob_id(), stimulus.frame.data()) {
-            (Some(id), &[_, low, high, sub, ..]) if id == request => {
+            (Some(id), &[0x20..=0x3F | 0xC0..=0xDF, low, high, sub, ..]) if id == request => {
                 touched.extend(knowledge.position(Multiplexer::from_bytes([low, high, sub])));
             }
             (None | Some(nmt::CAN_ID | 0x80 | lss::MASTER_CAN_ID), _) => {}

@@ -52,15 +52,17 @@ pub(super) fn learn(
         let has_length = |known: &&Known| known.readable && known.size.is_some_and(|size| lengths.contains(&size));
         knowledge.entries().iter().filter(has_length).map(|known| known.at).collect()
     };
-    let (short, long) = (numbers(1..=EXPEDITED), numbers(EXPEDITED + 1..=baseline::LONGEST));
+    let (short, mut long) = (numbers(1..=EXPEDITED), numbers(EXPEDITED + 1..=baseline::LONGEST));
     for at in short {
         if time.is_over() {
             return Ok(true);
         }
         let Some((response, took)) = ask(stand.bus(), node, answer, at)? else { continue };
         times.push(took);
-        if let Some(raw) = value(response, at) {
-            knowledge.learn(at, raw);
+        match value(response, at) {
+            Some(raw) => knowledge.learn(at, raw),
+            None if matches!(response, Response::InitiateUpload { .. }) => long.push(at),
+            None => {}
         }
     }
     if !stand.is_repeatable() {

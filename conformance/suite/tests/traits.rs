@@ -10,7 +10,7 @@ use canvass_bus::client::sdo::Transfer;
 use canvass_bus::client::{Exchange, Outcome};
 use canvass_bus::{Bus, SimulatedBus};
 use canvass_device::models::Model;
-use canvass_device::{Device, Fault, Firmware, Liberties, Liberty};
+use canvass_device::{Device, Fault, Faults, Firmware, Liberties, Liberty};
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::catalogue::{Selector, select};
 use canvass_suite::comparison::Comparison;
@@ -269,6 +269,13 @@ fn is_kept_out_of_operational_by_an_error() {
         assert!(*kind == Kind::Inconclusive && told.contains("EMCY 5000h"), "{case}: {kind}: {told}");
     }
     assert!(outcomes.count(Kind::Pass) > 200, "{:?}", outcomes.summary);
+    // What is said of operational is said by nobody who has not seen it.
+    let (kind, told) = &outcomes.verdicts["301/state/operational/sdo"];
+    assert!(*kind == Kind::Inconclusive && told.contains("EMCY 5000h"), "{kind}: {told}");
+    // A fault that has nothing to do with it is found all the same.
+    let faults = Faults::from(Fault::NmtStartRefusedInError).with(Fault::SdoUnknownCommandSilent);
+    let outcomes = tested(faults, &["301/sdo", "301/tpdo"], &[]);
+    assert!(outcomes.ending(&[Kind::Fail]).contains("301/sdo/command/unknown"), "{:?}", outcomes.summary);
 }
 
 /// What judges the description alone is judged where nobody is on the bus.

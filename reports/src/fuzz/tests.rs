@@ -30,6 +30,7 @@ fn run() -> Run {
         sequences: 2,
         unjudged: 1,
         dead: false,
+        is_simulated: false,
         left: Some(FinalState { compared: 9, different: vec![kept] }),
         coverage: Coverage::default(),
         spent: Spent::default(),
@@ -62,11 +63,6 @@ fn rendered(render: Render) -> String {
 
 #[test]
 fn hostile_words_stay_words() {
-    for render in [text::render as Render, markdown::render, html::render] {
-        let text = rendered(render);
-        assert!(text.contains("1 of 9 settings are not as before the run"), "{text}");
-        assert!(text.contains("1015h:00 holds FF00h instead of 0h"), "{text}");
-    }
     for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
         let text = rendered(render);
         assert!(!text.contains('\u{1b}'), "{text}");
@@ -75,6 +71,25 @@ fn hostile_words_stay_words() {
     }
     assert!(!rendered(html::render).contains("<script>alert"));
     assert!(rendered(markdown::render).contains("````"), "a longer fence than any inside");
+}
+
+#[test]
+fn what_the_run_leaves_is_told() {
+    for render in [text::render as Render, markdown::render, html::render] {
+        let text = rendered(render);
+        assert!(
+            text.contains("1 of 9 settings is not as before the run: 1015h:00 holds FF00h instead of 0h"),
+            "{text}"
+        );
+    }
+    let mut run = run();
+    let left = |run: &Run| super::left(run);
+    run.outcome.left = Some(FinalState { compared: 9, different: Vec::new() });
+    assert_eq!(left(&run), "the device's settings are as before the run (9 were read)");
+    run.outcome.left = None;
+    assert!(left(&run).contains("is not known"));
+    run.outcome.is_simulated = true;
+    assert_eq!(left(&run), "");
 }
 
 #[test]

@@ -120,6 +120,7 @@ impl Device {
         if self.context.firmware().has_broken_hardware() {
             let code = EmcyCode(0x5000);
             self.context.report(Condition::Hardware { code, register: ErrorRegister::GENERIC.0, bytes: [0; 5] }, true);
+            return;
         }
         let Objects { parameters, encoder, .. } = &self.context.objects;
         if Encoder::starts_in_operational(parameters) && encoder.is_some() || self.starts_by_itself() {

@@ -58,3 +58,16 @@ fn a_device_that_has_booted_unseen_is_not_waited_for() {
     let (starts, time) = next.of(Cause::Start);
     assert!(starts == 1 && time < Duration::from_millis(300), "{next}");
 }
+
+/// As before; but a second reset is under way when the sequence ends. Its boot-up message is not taken for that of the start.
+#[test]
+fn a_device_that_is_reset_unseen_is_waited_for() {
+    let (reset, wait) = (frame(0, &[0x81, 1]), frame(lss::MASTER_CAN_ID, &[0x04, 0, 0, 0, 0, 0, 0, 0]));
+    let odd = vec![
+        Stimulus { then: Then::AtOnce, ..reset },
+        Stimulus { then: Then::Pause(Duration::from_secs(1)), ..wait },
+        Stimulus { then: Then::AtOnce, ..reset },
+    ];
+    let ran = run(&[odd, vec![request([0x40, 0x00, 0x10, 0, 0, 0, 0, 0])], Vec::new()]);
+    assert!(ran.iter().all(|(ended, _)| matches!(ended, Ended::Well)), "{ran:?}");
+}

@@ -18,9 +18,9 @@ use canvass_traces::{Direction, Duration, Frame, Timestamp};
 
 impl Executor {
     /// Nothing is under way any more.
-    fn be_quiet(&mut self) {
+    fn be_quiet(&mut self, now: Timestamp) {
         self.trusts.awaits_lss = false;
-        self.oracle.quiet();
+        self.oracle.quiet(now);
     }
 
     /// Whether nobody need wait for silence: an answer that must not come shows before the answer to the next frame.
@@ -100,7 +100,7 @@ impl Executor {
                             self.give_up(stand)?;
                         }
                     } else {
-                        self.be_quiet();
+                        self.be_quiet(stand.bus().now());
                         return Ok(());
                     }
                 }
@@ -170,7 +170,7 @@ impl Executor {
         self.awaited = Cause::Question;
         let executions = self.executions;
         let found = self.has_read(stand, at)?;
-        self.be_quiet();
+        self.be_quiet(stand.bus().now());
         if !found && self.oracle.serves_sdo() {
             self.hand_over(stand, self.abort)?;
             self.ask(stand)?;
@@ -252,7 +252,7 @@ impl Executor {
             }
         }
         self.executions = executions;
-        self.be_quiet();
+        self.be_quiet(stand.bus().now());
         Ok(())
     }
 
@@ -277,7 +277,7 @@ impl Executor {
                     if now >= until {
                         // In a short pause an answer may still be under way.
                         if now.since(heard) >= self.trusts.quiet() {
-                            self.be_quiet();
+                            self.be_quiet(stand.bus().now());
                         }
                         return Ok(());
                     }

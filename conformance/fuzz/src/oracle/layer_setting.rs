@@ -52,8 +52,8 @@ pub(super) enum Mode {
 pub(super) struct InOrder {
     /// How many have matched one after the other; `None`: the order was another one.
     strictly: Option<usize>,
-    /// The same with those of other addresses left out: whether they end an address, the standard leaves open.
-    with_others: usize,
+    /// The same with those of other addresses left out: whether they end an address, the standard leaves open. `None`: not known.
+    with_others: Option<usize>,
 }
 
 /// A slave, but for what its dialect alone has.
@@ -72,20 +72,22 @@ pub(super) struct LayerSetting<D: Dialect, O> {
     asked: (LssState, LssCommand),
     /// The last requests that may be answered still, each with its service; the last one is first.
     lately: [Option<(Request<D>, &'static str, Property)>; LATELY],
+    /// A request whose answer was due when the next one came, and until when it may come.
+    owed: Option<(Request<D>, Timestamp)>,
 }
 
 /// So many requests may have their answers under way.
 const LATELY: usize = 8;
 
 impl InOrder {
-    pub const NONE: Self = Self { strictly: Some(0), with_others: 0 };
-    pub const UNKNOWN: Self = Self { strictly: None, with_others: 0 };
+    pub const NONE: Self = Self { strictly: Some(0), with_others: Some(0) };
+    pub const UNKNOWN: Self = Self { strictly: None, with_others: None };
 
     /// One has come that fits, or one that does not.
     pub fn came(&mut self, which: impl Numbered, fits: bool) {
         let position = which.position();
-        if fits && position == self.with_others {
-            self.with_others += 1;
+        if fits && Some(position) == self.with_others {
+            self.with_others = Some(position + 1);
         }
         self.strictly = match self.strictly {
             _ if position == 0 && fits => Some(1),
@@ -99,9 +101,9 @@ impl InOrder {
 
     /// The last one has come: whether all have matched, where that is known.
     pub fn end<N: Numbered>(&mut self) -> Option<bool> {
-        let among_others = self.with_others == N::ALL.len();
-        if among_others {
-            self.with_others = 0;
+        let among_others = self.with_others.is_none_or(|matched| matched == N::ALL.len());
+        if self.with_others == Some(N::ALL.len()) {
+            self.with_others = Some(0);
         }
         match self.strictly.replace(0).map(|matched| matched == N::ALL.len()) {
             Some(false) if among_others => None,
@@ -120,6 +122,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         Self {
             mode,
             lately: [None; LATELY],
+            owed: None,
             selected: InOrder::NONE,
             identified: InOrder::NONE,
             awaited: Awaited::Nothing,
@@ -200,8 +203,13 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.awaited = awaited;
         if self.due < Timestamp::MAX {
             (self.awaited, self.mode) = (Awaited::Anything, Mode::Unsure);
+            self.owe(self.due);
         }
         self.remember(frame);
+        if self.is_open() && matches!(self.lately[0], Some((Request::StoreConfiguration, ..))) {
+            // Storing takes longer than silence has to last.
+            self.owe(due);
+        }
         let is_required = !matches!(self.awaited, Awaited::Nothing | Awaited::Anything);
         if !is_required {
             coverage.lss(self.asked.0, self.asked.1, false);
@@ -209,16 +217,22 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.due = if is_required { due } else { Timestamp::MAX };
     }
 
+    /// The last request may be answered until then, whatever comes meanwhile.
+    fn owe(&mut self, until: Timestamp) {
+        self.owed = self.lately[0].map(|(request, ..)| (request, until));
+    }
+
     fn remember(&mut self, frame: &Frame) {
         self.lately.rotate_right(1);
         self.lately[0] = Request::read(frame.data()).ok().map(|request| (request, self.rule, self.property));
     }
 
-    /// Nothing has come for a while: no answer to an earlier request is under way, but for that to a request to store.
-    pub fn quiet(&mut self) {
-        if matches!(self.lately[0], Some((Request::StoreConfiguration, ..))) {
+    /// Nothing has come for a while: no answer to an earlier request is under way, but for one that may take its time.
+    pub fn quiet(&mut self, now: Timestamp) {
+        if self.owed.is_some_and(|(_, until)| now < until) {
             return;
         }
+        self.owed = None;
         self.lately = [None; LATELY];
         if self.is_open() {
             self.awaited = Awaited::Nothing;
@@ -252,6 +266,11 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
         self.due = Timestamp::MAX;
         let answered = response.and_then(|response| self.asked_lately(response));
+        if let (Some((owed, _)), Some(response)) = (self.owed, response)
+            && response.answers(owed)
+        {
+            self.owed = None;
+        }
         if fits {
             // Nor are those before it answered any more.
             self.lately[answered.unwrap_or(LATELY)..].fill(None);
@@ -347,7 +366,7 @@ mod tests {
         let mut at = asked(Awaited::Nothing);
         assert_eq!(rule_of(&mut at, Response::NodeId(5)), "inquire node-ID");
         let mut at = asked(Awaited::Nothing);
-        at.quiet();
+        at.quiet(Timestamp::ZERO);
         assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID", "silence has lasted since");
     }
 
@@ -385,17 +404,38 @@ mod tests {
             assert_eq!(end(&among), expected, "{part:?} of another one, then the own");
         }
         assert_eq!(end(&[own[0], (Part::SerialNumber, false), own[3]]), Some(false), "two parts never came");
+        let mut unknown = InOrder::UNKNOWN;
+        [(Part::SerialNumber, false), own[2]].iter().for_each(|&(part, fits)| unknown.came(part, fits));
+        unknown.end::<Part>();
+        unknown.came(Part::SerialNumber, true);
+        assert_eq!(unknown.end::<Part>(), None, "the first two may have come before");
     }
 
-    /// Storing may take longer than silence has to last.
+    /// What need not be answered is not answered after silence; what was due may still come when the next request has come, and
+    /// storing takes its time.
     #[test]
-    fn only_a_request_to_store_stays_open_in_silence() {
-        for (request, stays) in [(Request::<Lss>::StoreConfiguration, true), (Request::InquireNodeId, false)] {
+    fn silence_ends_what_is_open_unless_an_answer_is_owed() {
+        let open = |requests: &[(Request<Lss>, Awaited<Lss, OneOf>)], after: u64| {
             let mut at = LayerSetting::<Lss, OneOf>::new(Mode::Unsure);
-            let frame = request.to_frame(MASTER_CAN_ID);
-            at.asked((LssState::Waiting, &frame), Awaited::Anything, Timestamp::MAX, &mut Coverage::default());
-            at.quiet();
-            assert_eq!(at.is_open(), stays, "{request}");
+            for (request, awaited) in requests {
+                let frame = request.to_frame(MASTER_CAN_ID);
+                at.asked((LssState::Waiting, &frame), *awaited, Timestamp(1_000), &mut Coverage::default());
+            }
+            at.quiet(Timestamp(after));
+            at.is_open()
+        };
+        let inquire = (Request::InquireNodeId, Awaited::Anything);
+        let store = (Request::StoreConfiguration, Awaited::Anything);
+        let configure = (Request::ConfigureNodeId { node_id: 5 }, Awaited::OneOf(OneOf::Stored));
+        for (requests, is_open) in [
+            (&[inquire][..], false),
+            (&[store], true),
+            (&[store, inquire], true),
+            (&[configure, inquire], true),
+            (&[configure, inquire, inquire], true),
+        ] {
+            assert_eq!(open(requests, 999), is_open, "{requests:?}");
+            assert!(!open(requests, 1_000), "{requests:?}");
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::Knowledge;
 use crate::coverage::{Coverage, LssState};
 use crate::property::Property;
 use crate::stimulus::Start;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::layer_setting::{Dialect, Numbered};
 use canvass_analyzer::wire::lss::{Bound, ConfigureCommand, Lss, Part, Request, Response};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -113,7 +114,8 @@ impl Slave {
     ) -> Effect {
         let class = self.class();
         let (awaited, effect) = self.judge(frame, knowledge, phase);
-        let patience = if awaited == Awaited::OneOf(OneOf::Stored) { STORING } else { knowledge.patience.answer };
+        let is_store = matches!(Request::read(frame.data()), Ok(Request::StoreConfiguration));
+        let patience = if is_store { STORING } else { knowledge.patience.answer };
         self.at.asked((class, frame), awaited, now + patience, coverage);
         effect
     }

@@ -104,6 +104,9 @@ impl Oracle {
     /// [`Violation`] if an answer that was due before has not come.
     pub fn sent(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         if self.blind {
+            if frame.cob_id() == Some(nmt_wire::CAN_ID) {
+                self.nmt.restarted(now, frame, &self.knowledge);
+            }
             return Ok(());
         }
         self.expire(now)?;
@@ -443,11 +446,11 @@ impl Oracle {
     }
 
     /// Nothing has come for a while.
-    pub fn quiet(&mut self) {
+    pub fn quiet(&mut self, now: Timestamp) {
         self.nmt.quiet();
         self.sdo.quiet();
-        self.lss.at.quiet();
-        self.lmt.at.quiet();
+        self.lss.at.quiet(now);
+        self.lmt.at.quiet(now);
     }
 
     /// The sequence is over; what can only be judged over a time is judged.

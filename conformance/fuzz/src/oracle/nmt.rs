@@ -362,6 +362,13 @@ impl Slave {
         Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }
 
+    /// A command that is not judged: it may be a reset.
+    pub fn restarted(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) {
+        if resets(frame, knowledge) {
+            self.boots(now, knowledge);
+        }
+    }
+
     /// A frame on the identifier of error control that is not judged: it may be the boot-up message.
     pub fn started(&mut self, now: Timestamp, frame: &Frame) {
         let is_boot_up = ErrorControl::read(frame.data()).is_ok_and(|message| message.is_boot_up());

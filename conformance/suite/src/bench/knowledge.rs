@@ -24,6 +24,12 @@ pub(crate) enum Found {
 pub(crate) struct Knowledge {
     needs: BTreeMap<&'static str, Found>,
     pub(super) starts_by_itself: Option<bool>,
+    /// It has shown that it is operational.
+    pub(super) was_operational: bool,
+    /// The case after which it could not be operational any more.
+    pub(super) kept_out_since: Option<&'static str>,
+    /// It shows its state in no way.
+    pub(super) shows_no_state: bool,
     /// Resets were followed by answers, and not by a boot-up message.
     pub(super) starts_silently: bool,
     pub(super) heartbeats: Option<Heartbeats>,

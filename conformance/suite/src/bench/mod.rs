@@ -42,6 +42,7 @@ pub(crate) use foreign::Foreign;
 pub use knowledge::Met;
 pub(crate) use knowledge::{Found, Knowledge};
 pub use measurement::{Measurement, Unit, percentile};
+pub(crate) use operational::KeptOut;
 pub use restore::Rescue;
 pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};

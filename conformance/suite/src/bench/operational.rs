@@ -1,36 +1,71 @@
-//! Whether the device can be operational at all. A case that needs it there and fails may have found no more than that it can't.
+//! Whether the device can be operational at all. A case that needs it there and fails, or passes, may have found no more than
+//! that it can't.
 
 use super::Bench;
-use crate::verdict::{Reason, Stop};
+use crate::verdict::{Breach, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::{Observation, Subject};
 
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
+/// A device that does not become operational.
+pub(crate) enum KeptOut {
+    /// It was operational before in this run: the last case, or one shortly before, has ended that.
+    Newly(Breach),
+    /// As far as is known it never was, or an earlier case has told that it is no more.
+    Known(Reason),
+}
+
 impl Bench<'_> {
-    /// Why the device is not operational after a start and the command to go there, which the last case has sent as well; `None`: it
-    /// is, or nobody can tell. Comes after the case: what is sent here is no part of it.
-    pub(crate) fn kept_out_of_operational(&mut self) -> Option<Reason> {
-        if !self.started {
-            return None;
-        }
-        self.watch.forget();
-        let kept = self.unjudged(Self::keeps_out);
-        self.restore();
-        // What ends the look early has ended the case, or will end the next one.
-        kept.ok().flatten()
+    /// The device was operational in this run, and nothing has shown since that it can't be any more; or it shows no state.
+    pub(crate) fn may_be_operational(&self) -> bool {
+        self.knowledge.shows_no_state || self.knowledge.was_operational && self.knowledge.kept_out_since.is_none()
     }
 
-    fn keeps_out(&mut self) -> Result<Option<Reason>, Stop> {
+    /// Whether the last case has told the device to become operational.
+    pub(crate) const fn has_started_it(&self) -> bool {
+        self.started
+    }
+
+    /// Resets the device and tells it to become operational; `None` if it does, or shows no state. What is sent here is no part of
+    /// the case before.
+    pub(crate) fn kept_out_of_operational(&mut self, case: &'static str) -> Option<KeptOut> {
+        self.watch.forget();
+        let found = self.unjudged(Self::state_after_start);
+        self.restore();
+        self.settle_journal();
+        // If the look is cut short, nothing is known.
+        let found = found.ok()?;
+        self.knowledge.shows_no_state = found.is_none();
+        let Some((state, reason)) = found.filter(|(state, _)| *state != State::OPERATIONAL) else {
+            self.knowledge.kept_out_since = None;
+            return None;
+        };
+        if !self.knowledge.was_operational {
+            return Some(KeptOut::Known(reason));
+        }
+        Some(match self.knowledge.kept_out_since {
+            None => {
+                self.knowledge.kept_out_since = Some(case);
+                let breach = Breach::new(Subject::Device, "the device can be brought into operational, as before");
+                let breach = breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(state));
+                KeptOut::Newly(breach.told(reason.actual))
+            }
+            Some(since) => KeptOut::Known(Reason { actual: format!("{}, since {since}", reason.actual), ..reason }),
+        })
+    }
+
+    /// The state that the device shows after a reset and the command to become operational, and the words for it.
+    fn state_after_start(&mut self) -> Result<Option<(State, Reason)>, Stop> {
         self.prepare()?;
         self.show_state()?;
         self.command(Command::START)?;
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
-        let is_kept = found.is_some_and(|state| state != State::OPERATIONAL);
-        Ok(is_kept.then(|| self.not_reached(State::OPERATIONAL, found)))
+        Ok(found.map(|state| (state, self.not_reached(State::OPERATIONAL, found))))
     }
 
     /// The device is not in the state that a case needs. An error that it reports may be why.

@@ -141,6 +141,12 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn state(&mut self) -> Result<Option<State>, Stop> {
+        let found = self.shown_state()?;
+        self.knowledge.was_operational |= found == Some(State::OPERATIONAL);
+        Ok(found)
+    }
+
+    fn shown_state(&mut self) -> Result<Option<State>, Stop> {
         let period = match self.heartbeats()? {
             Heartbeats::Settable(milliseconds) => Duration::from_millis(u64::from(milliseconds)),
             Heartbeats::Fixed(period) => period,

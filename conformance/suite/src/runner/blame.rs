@@ -1,8 +1,10 @@
 //! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
 
-use crate::bench::{Bench, HOST_LATE, KEEPS_UP};
+use crate::bench::{Bench, HOST_LATE, KEEPS_UP, KeptOut};
 use crate::case::Case;
 use crate::verdict::{Breach, End, Reason};
+use canvass_analyzer::Service;
+use canvass_analyzer::wire::error_control::State;
 use canvass_bus::Health;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
@@ -69,7 +71,8 @@ fn is_excused(breach: &Breach, health: &Health, late: Duration) -> bool {
     if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
 }
 
-/// A case that needs the device operational says nothing of a device that can't be: that is told by the cases of its state.
+/// A case that needs the device operational says nothing of a device that can't be: that is told by the cases of its state, or by
+/// that after which it could no longer be.
 pub(super) fn not_kept_out(
     bench: &mut Bench<'_>,
     case: &Case,
@@ -77,21 +80,33 @@ pub(super) fn not_kept_out(
     end: Option<End>,
 ) -> (Vec<Breach>, Option<End>) {
     let judges_states = matches!(case.family(), "301/nmt" | "301/heartbeat" | "301/guarding");
-    if judges_states || !breaches.iter().any(needs_operational) {
+    let has_passed = breaches.is_empty() && end.is_none();
+    let is_doubtful = breaches.iter().any(needs_operational) || has_passed && !bench.may_be_operational();
+    if judges_states || !bench.has_started_it() || !is_doubtful {
         return (breaches, end);
     }
-    let Some(reason) = bench.kept_out_of_operational() else { return (breaches, end) };
-    let others = breaches.into_iter().filter(|breach| !needs_operational(breach)).collect();
-    (others, Some(End::Inconclusive(reason)))
+    match bench.kept_out_of_operational(case.id) {
+        None => (breaches, end),
+        Some(KeptOut::Newly(breach)) => (breaches.into_iter().chain([breach]).collect(), end),
+        Some(KeptOut::Known(reason)) => {
+            let others = breaches.into_iter().filter(|breach| !needs_operational(breach)).collect();
+            (others, Some(End::Inconclusive(reason)))
+        }
+    }
 }
 
 /// Whether a device that is not operational may show that: its state, PDOs that don't come or have no effect, and what follows
-/// from them.
+/// from them. It serves SDO as one that is.
 fn needs_operational(breach: &Breach) -> bool {
     let is_application = |subject| matches!(subject, Subject::Entry(at) if at.index.0 >= 0x2000);
+    let is_of_sdo = match breach.subject {
+        Subject::Service(service) => service == Service::Sdo,
+        subject => matches!(subject, Subject::Entry(_) | Subject::Object(_)) && !is_application(subject),
+    };
     match breach.actual {
-        Observation::State(_) | Observation::Silence | Observation::Named(_) => true,
+        Observation::State(state) => state != State::OPERATIONAL,
         Observation::Count(_) | Observation::Time(_) => true,
+        Observation::Silence | Observation::Named(_) => !is_of_sdo,
         Observation::Value(_) => is_application(breach.subject),
         _ => false,
     }
@@ -102,7 +117,6 @@ mod tests {
     use super::*;
     use crate::verdict::{Allowed, Kind, Ruled, Verdict};
     use canvass_analyzer::wire::sdo::AbortCode;
-    use canvass_bus::observation::{Observation, Subject};
 
     fn breach(actual: Observation) -> Breach {
         Breach::new(Subject::Device, "the read is answered").expected("the value").found(actual)
@@ -224,5 +238,32 @@ mod tests {
     fn judged_so(breaches: Vec<Breach>, end: Option<End>, health: &Health) -> String {
         let (_, end) = blameless(breaches, end, health, None);
         end.unwrap().reason().actual.clone()
+    }
+
+    /// What a device shows that is not operational, and what none shows for that reason.
+    #[test]
+    fn what_the_state_explains() {
+        let tpdo = Subject::Pdo { transmit: true, number: 1 };
+        let entry = |index| Subject::Entry(canvass_analyzer::Multiplexer::new(index, 0));
+        let found = |subject, actual| needs_operational(&Breach { subject, ..breach(actual) });
+        for (subject, actual) in [
+            (tpdo, Observation::Silence),
+            (tpdo, Observation::Count(0)),
+            (Subject::Device, Observation::State(State::PRE_OPERATIONAL)),
+            (Subject::Device, Observation::named("no EMCY, but the state")),
+            (entry(0x2000), Observation::Value(vec![0])),
+        ] {
+            assert!(found(subject, actual.clone()), "{subject:?} {actual:?}");
+        }
+        for (subject, actual) in [
+            (Subject::Device, Observation::State(State::OPERATIONAL)),
+            (entry(0x1017), Observation::Silence),
+            (entry(0x1017), Observation::Value(vec![0])),
+            (Subject::Service(Service::Sdo), Observation::named("seven bytes")),
+            (tpdo, Observation::Abort(AbortCode::GENERAL)),
+            (Subject::Device, Observation::BootUp),
+        ] {
+            assert!(!found(subject, actual.clone()), "{subject:?} {actual:?}");
+        }
     }
 }

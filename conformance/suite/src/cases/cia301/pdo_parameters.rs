@@ -181,9 +181,9 @@ fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
         (id.is_extended() && id.raw() == 0x0012_3456).then_some(())
     })?;
     bench.check(demand(sent.is_some(), || {
-        Breach::new(TPDO.parameter(1), "a device that takes a 29-bit COB-ID uses it")
+        Breach::new(TPDO.subject(), "a device that takes a 29-bit COB-ID uses it")
             .expected("TPDOs with 00123456h, or abort 0609 0030h")
-            .found(Observation::Confirmation)
+            .found(Observation::Silence)
             .told("confirmation, but no such frame")
     }))
 }
@@ -207,7 +207,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     }
     let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;
     bench.check(demand(answers.iter().any(|record| !record.frame.is_remote()), || {
-        Breach::new(TPDO.parameter(1), "a device that takes a COB-ID without bit 30 answers remote frames")
+        Breach::new(TPDO.subject(), "a device that takes a COB-ID without bit 30 answers remote frames")
             .expected("a TPDO, or abort 0609 0030h")
             .found(Observation::Silence)
             .told("confirmation, but no answer")
