@@ -99,7 +99,7 @@ pub fn test() -> Result<()> {
 /// The step of CI: where something is missing that can't be had, it is left out, and said so.
 ///
 /// # Errors
-/// As [`test`].
+/// As [`test()`].
 pub fn step() -> Result<()> {
     let mut missing = missing();
     if let Err(error) = chromium::install_all() {
