@@ -8,7 +8,7 @@ use canvass_analyzer::dictionary::Access;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::client::sdo::Transfer;
 use canvass_bus::client::{Exchange, Outcome};
-use canvass_bus::{Bus, SimulatedBus};
+use canvass_bus::{Bus, Machine, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Faults, Firmware, Liberties, Liberty};
 use canvass_suite::bench::{Bench, Options, Target};
@@ -17,7 +17,7 @@ use canvass_suite::comparison::Comparison;
 use canvass_suite::runner::{Plan, RunEvent, Summary, run};
 use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Kind;
-use canvass_traces::{Duration, Record, Timestamp};
+use canvass_traces::{Duration, Frame, Record, Timestamp};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::AtomicBool;
 
@@ -57,9 +57,15 @@ fn dictionary(bus: &mut SimulatedBus, node: NodeId, firmware: Firmware) -> Dicti
 
 fn tested(firmware: impl Into<Firmware>, selectors: &[&str], allow: &[Touch]) -> Outcomes {
     let (firmware, model) = (firmware.into(), Model::by_id(MODEL).unwrap());
+    let device = Device::new(model, model.default_node(), firmware, 0);
+    tested_as(Box::new(device), firmware, selectors, allow)
+}
+
+fn tested_as(machine: Box<dyn Machine>, firmware: Firmware, selectors: &[&str], allow: &[Touch]) -> Outcomes {
+    let model = Model::by_id(MODEL).unwrap();
     let node = model.default_node().unwrap();
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    bus.attach(Box::new(Device::new(model, Some(node), firmware, 0)));
+    bus.attach(machine);
     bus.receive(Timestamp::ZERO + Duration::from_secs(6)).unwrap();
     let target = Target::with_firmware(model, node, firmware);
     let before = dictionary(&mut bus, node, firmware);
@@ -276,6 +282,50 @@ fn is_kept_out_of_operational_by_an_error() {
     let faults = Faults::from(Fault::NmtStartRefusedInError).with(Fault::SdoUnknownCommandSilent);
     let outcomes = tested(faults, &["301/sdo", "301/tpdo"], &[]);
     assert!(outcomes.ending(&[Kind::Fail]).contains("301/sdo/command/unknown"), "{:?}", outcomes.summary);
+}
+
+/// Obeys the first starts, and no further one, whatever is reset.
+struct Tires {
+    device: Device,
+    starts: u32,
+}
+
+impl Machine for Tires {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if frame.cob_id() == Some(0) && frame.data().first() == Some(&1) {
+            self.starts += 1;
+            if self.starts > 8 {
+                return;
+            }
+        }
+        self.device.handle(now, frame);
+    }
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        self.device.poll_transmit(now)
+    }
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.device.poll_timeout()
+    }
+    fn handle_timeout(&mut self, now: Timestamp) {
+        self.device.handle_timeout(now);
+    }
+}
+
+/// A device that was operational and can't be any more fails once: what comes later names the case after which it could not.
+#[test]
+fn is_no_longer_operational() {
+    let model = Model::by_id(MODEL).unwrap();
+    let device = Device::new(model, model.default_node(), Firmware::PLAIN, 0);
+    let outcomes = tested_as(Box::new(Tires { device, starts: 0 }), Firmware::PLAIN, &["301/tpdo"], &[]);
+    let failed = outcomes.ending(&[Kind::Fail]);
+    assert_eq!(failed.len(), 1, "{:#?}", outcomes.verdicts);
+    let since = format!("since {}", failed.first().unwrap());
+    let later = outcomes.ending(&[Kind::Inconclusive]);
+    assert!(
+        later.len() > 5 && later.iter().any(|id| outcomes.verdicts[id].1.contains(&since)),
+        "{:#?}",
+        outcomes.verdicts
+    );
 }
 
 /// What judges the description alone is judged where nobody is on the bus.
