@@ -67,7 +67,9 @@ pub(super) fn restore(
 /// What the settings of a device hold at the end of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinalState {
-    /// So many were read before the run and after it.
+    /// So many there are that were read before the run.
+    pub settings: usize,
+    /// So many of them were read after it.
     pub compared: usize,
     /// Those that hold another value than before. What moves by itself is not among them.
     pub different: Vec<Kept>,
@@ -79,14 +81,22 @@ const MOST_SILENT: u32 = 3;
 /// What differs is read once more after that time: a clock has gone on by then.
 const MOVES: Duration = Duration::from_millis(1_100);
 
-/// Reads all settings again, whether or not a frame has named them, and writes nothing; `None`: the device does not answer.
+/// So long the settings are read at most: a run ends in its time on a slow device, too.
+const LONGEST_LOOK: Duration = Duration::from_secs(5);
+
+/// Reads the settings again, whether or not a frame has named them, and writes nothing; `None`: the device does not answer.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
 pub(super) fn compare(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<Option<FinalState>, BusError> {
     let mut client = Client { exchange: Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX }, knowledge };
+    let until = client.exchange.bus.now() + LONGEST_LOOK;
+    let settings: Vec<_> = (0..knowledge.entries().len()).filter_map(|entry| restorable(knowledge, entry)).collect();
     let (mut compared, mut silent, mut different) = (0, 0, Vec::new());
-    for (known, power_on) in (0..knowledge.entries().len()).filter_map(|entry| restorable(knowledge, entry)) {
+    for &(known, power_on) in &settings {
+        if client.exchange.bus.now() >= until {
+            break;
+        }
         match client.transfer(Transfer::upload(known.at))? {
             Outcome::Silent if silent + 1 >= MOST_SILENT => return Ok(None),
             Outcome::Silent => silent += 1,
@@ -107,7 +117,7 @@ pub(super) fn compare(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<Option
             settled.push(kept);
         }
     }
-    Ok(Some(FinalState { compared, different: settled }))
+    Ok(Some(FinalState { settings: settings.len(), compared, different: settled }))
 }
 
 fn number(value: &[u8]) -> u64 {

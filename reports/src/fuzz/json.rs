@@ -59,7 +59,7 @@ fn coverage(run: &Run) -> Value {
 
 /// What the settings hold after the run.
 fn left(left: &FinalState) -> Value {
-    json!({ "compared": left.compared, "different": left.different.iter().map(state).collect::<Vec<_>>() })
+    json!({ "settings": left.settings, "compared": left.compared, "different": left.different.iter().map(state).collect::<Vec<_>>() })
 }
 
 /// An object that had not its value of power-on.

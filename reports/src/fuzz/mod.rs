@@ -162,14 +162,15 @@ pub fn outcome(run: &Run) -> String {
 /// How the run left the device's settings; empty where nothing was to be left.
 fn left(run: &Run) -> String {
     let outcome = &run.outcome;
-    let Some(FinalState { compared, different }) = &outcome.left else {
+    let Some(FinalState { settings, compared, different }) = &outcome.left else {
         let is_live = outcome.dead || !outcome.is_simulated;
         let unknown = "whether the device's settings are as before the run is not known: it does not answer any more";
         return if is_live { unknown.to_owned() } else { String::new() };
     };
     match (different.len(), compared) {
         (0, 0) => "no setting of the device could be read".to_owned(),
-        (0, _) => format!("the device's settings are as before the run ({compared} were read)"),
+        (0, _) if compared == settings => format!("the device's settings are as before the run ({compared} were read)"),
+        (0, _) => format!("{compared} of the device's {settings} settings were read again, and are as before the run"),
         (1, _) => format!("1 of {compared} settings is not as before the run: {}", values(different, "holds")),
         (count, _) => {
             format!("{count} of {compared} settings are not as before the run: {}", values(different, "holds"))

@@ -31,7 +31,7 @@ fn run() -> Run {
         unjudged: 1,
         dead: false,
         is_simulated: false,
-        left: Some(FinalState { compared: 9, different: vec![kept] }),
+        left: Some(FinalState { settings: 9, compared: 9, different: vec![kept] }),
         coverage: Coverage::default(),
         spent: Spent::default(),
         spent_on_violations: Spent::default(),
@@ -84,8 +84,10 @@ fn what_the_run_leaves_is_told() {
     }
     let mut run = run();
     let left = |run: &Run| super::left(run);
-    run.outcome.left = Some(FinalState { compared: 9, different: Vec::new() });
+    run.outcome.left = Some(FinalState { settings: 9, compared: 9, different: Vec::new() });
     assert_eq!(left(&run), "the device's settings are as before the run (9 were read)");
+    run.outcome.left = Some(FinalState { settings: 9, compared: 4, different: Vec::new() });
+    assert_eq!(left(&run), "4 of the device's 9 settings were read again, and are as before the run");
     run.outcome.left = None;
     assert!(left(&run).contains("is not known"));
     run.outcome.is_simulated = true;
@@ -97,7 +99,7 @@ fn the_contract_has_its_members() {
     let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
     assert_eq!((&document["schema"], &document["seed"]), (&"canvass/fuzz/1".into(), &7.into()));
     let left = serde_json::json!({ "index": 0x1015, "sub": 0, "value": 0xFF00, "power_on": 0 });
-    assert_eq!(document["left"], serde_json::json!({ "compared": 9, "different": [left] }));
+    assert_eq!(document["left"], serde_json::json!({ "settings": 9, "compared": 9, "different": [left] }));
     let violation = &document["violations"][0];
     assert_eq!(violation["frames"][0]["data"], "4000100000000000");
     assert_eq!((&violation["confirmed"], &violation["evidence"][0]["t"]), (&false.into(), &1.into()));

@@ -78,6 +78,9 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
         let outcome = with(Liberties::from(liberty), Target::All, 150);
         assert!(outcome.violations.is_empty(), "{liberty}: {:#?}", told(&outcome));
         assert!(outcome.executions > 500 && outcome.unjudged == 0 && !outcome.dead, "{liberty}");
+        let left = outcome.left.unwrap();
+        let is_slow = matches!(liberty, Liberty::AnswersIn900Ms | Liberty::AnswersVary);
+        assert!(left.different.is_empty() && (left.compared == left.settings) != is_slow, "{liberty}: {left:?}");
     }
 }
 

@@ -31,8 +31,8 @@ impl Bench<'_> {
     }
 
     /// Resets the device and tells it to become operational; `None` if it does, or shows no state. What is sent here is no part of
-    /// the case before.
-    pub(crate) fn kept_out_of_operational(&mut self, case: &'static str) -> Option<KeptOut> {
+    /// the case before. `case`: that one, if it can fail.
+    pub(crate) fn kept_out_of_operational(&mut self, case: Option<&'static str>) -> Option<KeptOut> {
         self.watch.forget();
         let found = self.unjudged(Self::state_after_start);
         self.restore();
@@ -47,14 +47,17 @@ impl Bench<'_> {
         if !self.knowledge.was_operational {
             return Some(KeptOut::Known(reason));
         }
-        Some(match self.knowledge.kept_out_since {
-            None => {
-                self.knowledge.kept_out_since = Some(case);
+        Some(match (self.knowledge.kept_out_since, case) {
+            (None, None) => KeptOut::Known(reason),
+            (None, Some(_)) => {
+                self.knowledge.kept_out_since = case;
                 let breach = Breach::new(Subject::Device, "the device can be brought into operational, as before");
                 let breach = breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(state));
                 KeptOut::Newly(breach.told(reason.actual))
             }
-            Some(since) => KeptOut::Known(Reason { actual: format!("{}, since {since}", reason.actual), ..reason }),
+            (Some(since), _) => {
+                KeptOut::Known(Reason { actual: format!("{}, since {since}", reason.actual), ..reason })
+            }
         })
     }
 

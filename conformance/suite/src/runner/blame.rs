@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, HOST_LATE, KEEPS_UP, KeptOut};
 use crate::case::Case;
+use crate::clause::Level;
 use crate::verdict::{Breach, End, Reason};
 use canvass_analyzer::Service;
 use canvass_analyzer::wire::error_control::State;
@@ -85,7 +86,7 @@ pub(super) fn not_kept_out(
     if judges_states || !bench.has_started_it() || !is_doubtful {
         return (breaches, end);
     }
-    match bench.kept_out_of_operational(case.id) {
+    match bench.kept_out_of_operational((case.level != Level::Open).then_some(case.id)) {
         None => (breaches, end),
         Some(KeptOut::Newly(breach)) => (breaches.into_iter().chain([breach]).collect(), end),
         Some(KeptOut::Known(reason)) => {
