@@ -153,6 +153,7 @@ pub fn outcome(run: &Run) -> String {
     let dead = if outcome.dead { "; the device is dead" } else { "" };
     let unjudged = match outcome.unjudged {
         0 => String::new(),
+        1 => "; 1 sequence could not be judged".to_owned(),
         count => format!("; {count} sequences could not be judged"),
     };
     let cancelled = if run.cancelled { " (cancelled before the end)" } else { "" };

@@ -105,4 +105,5 @@ fn the_contract_has_its_members() {
     assert_eq!((&violation["confirmed"], &violation["evidence"][0]["t"]), (&false.into(), &1.into()));
     assert!(violation["test"].as_str().unwrap().contains("#[test]"));
     assert!(rendered(text::render).contains("seen once"));
+    assert!(rendered(text::render).contains("; 1 sequence could not be judged"));
 }
