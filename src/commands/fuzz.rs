@@ -37,8 +37,8 @@ use std::time::Instant;
 ///
 /// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send. Each
 /// violation is repeated to confirm it, and its sequence of frames is shortened as far as possible. Nothing is done
-/// that writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow
-/// names it, on a simulated bus as on a live one.
+/// that writes the device's non-volatile memory, moves its zero point, changes its node-ID or bit rate or commands other
+/// nodes unless --allow names it, on a simulated bus as on a live one.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -67,7 +67,7 @@ pub struct Args {
     /// How many tries are spent on shortening a sequence; without it 2000 on a simulated bus, 100 on a live one
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
-    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
+    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     /// Only send the frames of this log or reproducer again, and judge what comes back

@@ -37,7 +37,7 @@ use std::path::PathBuf;
 /// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///
 /// The device is left as it was found, also after a failure or Ctrl-C. Nothing is done that writes its non-volatile
-/// memory or changes its node-ID or bit rate unless --allow names it.
+/// memory, moves its zero point or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -50,7 +50,7 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]

@@ -1,5 +1,6 @@
 //! The object dictionary before a run and after it: what a device is left with.
 
+use crate::zero_point::Moved;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 
@@ -14,6 +15,10 @@ pub struct Comparison {
     pub changes: Vec<Change>,
     /// The commands that give the device its values again, in the order in which it takes them.
     pub commands: Vec<String>,
+    /// Settings that a start brings with another value than before, by rising index: they are stored so.
+    pub stored: Vec<Change>,
+    /// Zero points that are not where they were: that in use, and that which a start brings.
+    pub zero_points: Vec<Moved>,
 }
 
 /// An object whose value is another one than before.
@@ -75,6 +80,6 @@ impl Comparison {
 
     /// Whether the device is known to be as it was.
     pub fn is_as_found(&self) -> bool {
-        self.is_complete && self.left().next().is_none()
+        self.is_complete && self.left().next().is_none() && self.stored.is_empty() && self.zero_points.is_empty()
     }
 }

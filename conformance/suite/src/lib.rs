@@ -19,6 +19,7 @@ pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
+mod profile;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]
@@ -28,6 +29,7 @@ pub mod situation;
 pub mod touch;
 pub mod verdict;
 pub mod waiver;
+pub mod zero_point;
 
 pub(crate) use canvass_device::Fault;
 use canvass_macros::case;

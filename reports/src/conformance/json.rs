@@ -14,6 +14,7 @@ use canvass_suite::comparison::{Change, Comparison};
 use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
+use canvass_suite::zero_point::Moved;
 use canvass_traces::{Direction, hex};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -84,6 +85,16 @@ struct Compared<'a> {
     objects: usize,
     changes: Vec<Changed<'a>>,
     commands: &'a [String],
+    stored: Vec<Changed<'a>>,
+    zero_points: Vec<MovedZeroPoint>,
+}
+
+#[derive(Serialize)]
+struct MovedZeroPoint {
+    steps: i64,
+    uncertain: bool,
+    stored: bool,
+    text: String,
 }
 
 #[derive(Serialize)]
@@ -246,7 +257,14 @@ fn compared(comparison: &Comparison) -> Compared<'_> {
         objects: comparison.objects,
         changes: comparison.changes.iter().map(changed).collect(),
         commands: &comparison.commands,
+        stored: comparison.stored.iter().map(changed).collect(),
+        zero_points: comparison.zero_points.iter().map(zero_point).collect(),
     }
+}
+
+fn zero_point(moved: &Moved) -> MovedZeroPoint {
+    let (steps, uncertain, stored) = (moved.steps, moved.is_uncertain, moved.is_stored);
+    MovedZeroPoint { steps, uncertain, stored, text: moved.to_string() }
 }
 
 fn changed(change: &Change) -> Changed<'_> {

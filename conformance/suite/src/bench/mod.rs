@@ -9,8 +9,10 @@
 //! - `features`: what this device has;
 //! - `restore`: as it was found.
 
+mod acting;
 mod answers;
 mod attempt;
+mod baseline;
 pub mod block;
 mod decoder;
 mod dictionary;
@@ -49,6 +51,7 @@ pub use traffic::{Sent, is_from};
 
 use crate::journal::Journal;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
+use baseline::Baseline;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
@@ -82,8 +85,6 @@ pub struct Bench<'a> {
     uses: Vec<Use>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
-    /// The case did not come to its own end, nor to the putting right that belongs to it.
-    ended_early: bool,
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
@@ -94,6 +95,12 @@ pub struct Bench<'a> {
     /// Frames taken since then.
     taken: u64,
     knowledge: Knowledge,
+    /// What the device was before the run.
+    baseline: Baseline,
+    /// A zero point is being put back: the only write to what moves it outside of a case that may move it.
+    moving_zero_point: bool,
+    /// The case wrote an object that is stored as soon as it is written.
+    wrote_memory: bool,
 }
 
 /// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
@@ -154,13 +161,15 @@ impl<'a> Bench<'a> {
             measurements: Vec::new(),
             uses: Vec::new(),
             restoring: false,
-            ended_early: false,
             started: false,
             foreign: Foreign::default(),
             gone: None,
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
+            baseline: Baseline::default(),
+            moving_zero_point: false,
+            wrote_memory: false,
         }
     }
 
@@ -370,10 +379,6 @@ impl<'a> Bench<'a> {
     pub(crate) fn finish(&mut self) -> Remains {
         self.lost_before = None;
         self.restore();
-        if std::mem::take(&mut self.ended_early) {
-            self.store_again();
-        }
-        self.settle_journal();
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
         let measurements = std::mem::take(&mut self.measurements);

@@ -90,10 +90,15 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         cases: plan.cases.len(),
         dictionary: if asks { bench.dump() } else { Vec::new() },
     };
+    if asks {
+        bench.note_zero_point();
+    }
     bench
         .begin_journal(plan.bus, was_operational, &info.dictionary)
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
+    // If the dictionary was not read to its end, a reset would lose values that nobody knows.
+    let has_restarted = asks && !bench.is_cancelled() && has_learned_memory(bench, &info)?;
     let mut summary = Summary::default();
     let (undescribed, ended_by) = run_cases(bench, plan, &mut summary, report);
     summary.cancelled = bench.is_cancelled() || ended_by.is_some();
@@ -102,12 +107,10 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         let (run, of) = (summary.total(), plan.cases.len());
         report(&RunEvent::Noticed(&format!("the run ended after {run} of {of} cases: {why}")));
     }
-    // Where no case has run, nothing was changed, and the dictionary may not have been read to its end: a reset would lose
-    // values that nobody knows.
+    // Where nothing was restarted and no case has run, nothing was changed.
     summary.is_as_found = !asks;
-    if asks && summary.total() > 0 {
-        bench.leave(was_operational);
-        let comparison = bench.put_back_dictionary(plan.bus, &info.dictionary);
+    if has_restarted || asks && summary.total() > 0 {
+        let comparison = bench.put_back_device(plan.bus, was_operational, &info.dictionary);
         summary.is_as_found = comparison.is_as_found();
         report(&RunEvent::DictionaryCompared(&comparison));
         let notice = bench.end_journal(comparison.is_as_found());
@@ -129,6 +132,15 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)
+}
+
+/// Restarts the device and learns what that brings; `true`: it was restarted.
+fn has_learned_memory(bench: &mut Bench<'_>, info: &RunInfo) -> Result<bool, RunError> {
+    match bench.learn_memory(&info.dictionary) {
+        Err(Stop::Error(reason)) => Err(RunError::Bus(reason.actual)),
+        // A device that does not start, and a user who cancels: the cases say so.
+        _ => Ok(true),
+    }
 }
 
 /// Runs one case after the other; gives how many could not be judged as nobody has described the device, and why the run

@@ -46,6 +46,7 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     });
     let (breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
     let (mut breaches, end) = if ran && !has_left { not_kept_out(bench, case, breaches, end) } else { (breaches, end) };
+    settle(bench, case, ran);
     breaches.extend(has_left.then(stopped_answering));
     if breaches.is_empty() && end.is_none() {
         breaches.extend(restarted.map(restarted_by_itself));
@@ -57,6 +58,19 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let outcomes = vec![verdict.kind()];
     let duration = bench.now().since(started);
     CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, quarantine: None, duration }
+}
+
+/// What the case may have stored is put back, and the journal knows.
+fn settle(bench: &mut Bench<'_>, case: &Case, ran: bool) {
+    let settled = catch_unwind(AssertUnwindSafe(|| {
+        if ran {
+            bench.settle_memory(case.touches)
+        }
+    }));
+    // If the tester fails here, the journal goes on telling of the case.
+    if settled.is_ok() {
+        bench.settle_journal();
+    }
 }
 
 /// What fails on a device that is simulated from its description alone is not its simulation.
@@ -125,6 +139,9 @@ fn restarted_by_itself(at: Timestamp) -> Breach {
 fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
         return Err(Stop::NotApplicable(not_allowed(*touch)));
+    }
+    if case.touches.contains(&Touch::FactoryDefaults) && bench.would_lose_zero_point() {
+        return Err(Stop::NotApplicable(not_allowed(Touch::Preset)));
     }
     if case.asks_the_device() {
         bench.end_when_frames_are_lost();

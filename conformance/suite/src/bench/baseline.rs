@@ -1,0 +1,276 @@
+//! What the device was before the run: its values while nothing was reset, and what a start brings. What a run leaves is
+//! compared with that.
+
+use super::Bench;
+use super::rewrite::Original;
+use crate::comparison::{Change, Comparison, Nature};
+use crate::journal::Interrupted;
+use crate::touch::Touch;
+use crate::verdict::Stop;
+use crate::zero_point::{Moved, ZeroPoint};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::client::sdo::Mode;
+use canvass_traces::Duration;
+
+/// After "save" was confirmed: some devices go on writing their memory, and a reset meanwhile would tear it.
+const WRITTEN: Duration = Duration::from_millis(200);
+
+/// The device before the first case.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Baseline {
+    /// Where the zero point was while nothing was reset.
+    pub zero_point: Option<ZeroPoint>,
+    /// What a start brings: settings that are stored, or the defaults. `None`: not known yet.
+    pub stored: Option<Vec<Original>>,
+    /// Of these, objects that a reset sets to their defaults and only power-on loads: what is stored does not show. The values
+    /// that were in use are taken for it.
+    pub unseen: Vec<Multiplexer>,
+    /// Where the zero point is after a start.
+    pub stored_zero_point: Option<ZeroPoint>,
+}
+
+/// What is not in the device's memory as it was.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct MemoryLeft {
+    pub changes: Vec<Change>,
+    pub zero_point: Option<Moved>,
+}
+
+impl Baseline {
+    /// What the journal of an interrupted run tells.
+    pub fn of(run: &Interrupted) -> Self {
+        let stored: Vec<Original> = run.memory.iter().map(Original::from).collect();
+        Self {
+            zero_point: run.zero_point,
+            stored: (!stored.is_empty()).then_some(stored),
+            stored_zero_point: run.stored_zero_point,
+            unseen: Vec::new(),
+        }
+    }
+}
+
+impl Bench<'_> {
+    /// Looks where the zero point is, before anything is reset.
+    pub(crate) fn note_zero_point(&mut self) {
+        // A device that does not tell it has none that could be compared.
+        self.baseline.zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
+    }
+
+    /// Restarts the device once, and learns what a start brings: what it has stored. `known`: its objects.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't be
+    /// written.
+    pub(crate) fn learn_memory(&mut self, known: &[(Multiplexer, Vec<u8>)]) -> Result<(), Stop> {
+        self.unjudged(|bench| bench.restart())?;
+        let mut stored = Vec::new();
+        for (at, in_use) in known {
+            if !self.is_put_back(*at) {
+                continue;
+            }
+            let value = if self.is_unseen(*at) {
+                self.baseline.unseen.push(*at);
+                Some(in_use.clone())
+            } else {
+                self.unjudged(|bench| bench.value_at_last(*at))?
+            };
+            stored.extend(value.map(|value| Original { multiplexer: *at, value }));
+        }
+        self.baseline.stored_zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
+        self.journal_memory(&stored)?;
+        self.baseline.stored = Some(stored);
+        Ok(())
+    }
+
+    /// Whether reset node gives an object its default, whatever is stored, as the manual of the device says; power-on does not.
+    pub(super) fn is_unseen(&self, at: Multiplexer) -> bool {
+        let is_reset_to_defaults = self.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile);
+        is_reset_to_defaults && !self.can_power_cycle() && at.index.0 >= 0x6000
+    }
+
+    fn can_power_cycle(&self) -> bool {
+        self.may_store() && self.options.power_cycle.is_some()
+    }
+
+    /// A start as at power-on: by the user's own command where there is one, else by reset node.
+    fn restart(&mut self) -> Result<(), Stop> {
+        let was_switched = self.can_power_cycle() && self.power_cycle()?;
+        if was_switched { Ok(()) } else { self.reset(Command::RESET_NODE) }
+    }
+
+    /// A case that may have stored has ended and its settings are put back: sees that the memory is as it was, and puts it back
+    /// where it is not.
+    pub(crate) fn settle_memory(&mut self, touches: &[Touch]) {
+        let may_store =
+            touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
+        let is_suspect = may_store || self.watch.has_stored() || std::mem::take(&mut self.wrote_memory);
+        if is_suspect && !self.has_gone() && self.baseline.stored.is_some() {
+            let may_store = self.may_store();
+            let may_preset = self.options.allow.contains(&Touch::Preset)
+                && touches.iter().any(|touch| matches!(touch, Touch::Preset | Touch::FactoryDefaults));
+            // What is left is told at the end of the run.
+            let _ = self.uncancelled(|bench| bench.put_back_memory(may_store, may_preset));
+        }
+    }
+
+    /// Whether restoring the defaults would move the zero point, which only the leave to preset lets a case put back: it is not
+    /// that of the delivery, or the device does not tell.
+    pub(crate) fn would_lose_zero_point(&self) -> bool {
+        let is_moved = self.baseline.stored_zero_point.is_some_and(|zero_point| !zero_point.is_as_delivered());
+        is_moved && !self.options.allow.contains(&Touch::Preset)
+    }
+
+    /// Restarts the device, compares what that brings with what it brought before the run, and puts back what may be: settings
+    /// by writing and storing them, the zero point by a preset at rest.
+    pub(crate) fn put_back_memory(&mut self, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
+        self.unjudged(|bench| {
+            bench.restart()?;
+            let mut left = bench.memory_left()?;
+            // What does not show may have changed.
+            if may_store && !(left.changes.is_empty() && bench.baseline.unseen.is_empty()) {
+                bench.store_settings()?;
+                bench.restart()?;
+                left = bench.memory_left()?;
+            }
+            if left.zero_point.is_some() && may_preset {
+                left.zero_point = bench.put_back_stored_zero_point(may_store)?;
+            }
+            Ok(left)
+        })
+    }
+
+    /// What a start has brought that is not as before the run. The device has just started.
+    fn memory_left(&mut self) -> Result<MemoryLeft, Stop> {
+        let mut changes = Vec::new();
+        for original in self.baseline.stored.clone().unwrap_or_default() {
+            if self.baseline.unseen.contains(&original.multiplexer) {
+                continue;
+            }
+            let now = self.value_at_last(original.multiplexer)?;
+            if now.as_ref() != Some(&original.value) {
+                let change = self.change(original.multiplexer, Some(original.value), now);
+                changes.push(Change { nature: Nature::Setting, ..change });
+            }
+        }
+        changes.iter_mut().for_each(|change| self.see_whether_it_moves(change));
+        changes.retain(Change::is_left);
+        let zero_point = match self.baseline.stored_zero_point {
+            Some(before) => ZeroPoint::look(self)?.and_then(|now| before.moved(&now)),
+            None => None,
+        };
+        let zero_point = zero_point.map(|moved| Moved { is_stored: true, ..moved });
+        Ok(MemoryLeft { changes, zero_point })
+    }
+
+    fn put_back_stored_zero_point(&mut self, may_store: bool) -> Result<Option<Moved>, Stop> {
+        let Some(before) = self.baseline.stored_zero_point else { return Ok(None) };
+        self.put_back_zero_point(&before)?;
+        // The other settings are those that are stored: the device has just started.
+        if may_store {
+            self.save()?;
+        }
+        self.restart()?;
+        let now = ZeroPoint::look(self)?;
+        Ok(now.and_then(|now| before.moved(&now)).map(|moved| Moved { is_stored: true, ..moved }))
+    }
+
+    /// Writes the settings that a start brought before the run, and stores them.
+    fn store_settings(&mut self) -> Result<(), Stop> {
+        let originals = self.baseline.stored.clone().unwrap_or_default();
+        self.write_back(&originals);
+        self.save()
+    }
+
+    fn save(&mut self) -> Result<(), Stop> {
+        if self.has(super::restore::STORE)? {
+            // A device that refuses it shows that in what the next start brings.
+            self.download_as(super::restore::STORE, b"save", Mode::Shortest)?;
+            self.listen(WRITTEN)?;
+        }
+        Ok(())
+    }
+
+    /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
+    pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
+        use canvass_bus::client::Outcome;
+        const TRIES: usize = 3;
+        for _ in 0..TRIES {
+            match self.upload(at)?.outcome {
+                Outcome::Uploaded(value) => return Ok(Some(value)),
+                Outcome::Aborted(_) => return Ok(None),
+                // Silence, or an answer that fits no question.
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// The run is over: sees what the memory holds, gives the device the values again that it had, and compares all of it.
+    pub(crate) fn put_back_device(
+        &mut self,
+        bus: &str,
+        operational: bool,
+        before: &[(Multiplexer, Vec<u8>)],
+    ) -> Comparison {
+        let memory = match self.baseline.stored {
+            // What fails here shows in the dictionary.
+            // Each case has put back what it stored: what is left here was stored unasked.
+            Some(_) => {
+                let may_store = self.may_store() && self.stores() > 0;
+                self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default()
+            }
+            None => MemoryLeft::default(),
+        };
+        self.leave(operational);
+        let comparison = self.put_back_dictionary(bus, before);
+        self.with_memory(comparison, bus, before, memory)
+    }
+
+    fn may_store(&self) -> bool {
+        self.options.allow.contains(&Touch::Nvm)
+    }
+
+    /// The whole comparison: what is in use, what is stored, and the zero point of both.
+    pub(crate) fn with_memory(
+        &mut self,
+        comparison: Comparison,
+        bus: &str,
+        before: &[(Multiplexer, Vec<u8>)],
+        memory: MemoryLeft,
+    ) -> Comparison {
+        if !comparison.is_complete {
+            return comparison;
+        }
+        let zero_points: Vec<Moved> = self.put_back_zero_point_in_use().into_iter().chain(memory.zero_point).collect();
+        let commands = self.commands(bus, before, &comparison.changes, &memory.changes);
+        Comparison { stored: memory.changes, zero_points, commands, ..comparison }
+    }
+
+    /// Puts back the zero point that was in use and that no start brings, where the user allows presets; gives by how much it
+    /// is still moved.
+    pub(crate) fn put_back_zero_point_in_use(&mut self) -> Option<Moved> {
+        let before = self.baseline.zero_point?;
+        let act = |bench: &mut Self| {
+            if bench.options.allow.contains(&Touch::Preset) {
+                return bench.put_back_zero_point(&before);
+            }
+            Ok(ZeroPoint::look(bench)?.and_then(|now| before.moved(&now)))
+        };
+        // Whether the device answers is told apart from this.
+        self.uncancelled(|bench| bench.unjudged(act)).ok().flatten()
+    }
+
+    /// Acts to the end, with leave to move a zero point back to where it was.
+    pub(crate) fn with_leave_to_move<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.moving_zero_point, true);
+        let result = self.uncancelled(act);
+        self.moving_zero_point = before;
+        result
+    }
+
+    /// Writes an object now, and remembers nothing of it.
+    pub(crate) fn download_now(&mut self, at: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        self.download_as(at, value, Mode::Shortest).map(|_| ())
+    }
+}
