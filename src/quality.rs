@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use canvass_reports::escape::Printable;
 use canvass_reports::quality::{self, CaptureQuality};
 use canvass_traces::Channels;
+use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ impl QualityOptions {
         let shown = match self.quality {
             None => return Ok(()),
             Some(QualityFormat::Text) => Printable::document(&quality::text(captures, channels)),
-            Some(QualityFormat::Json) => Printable::pretty_json(&quality::json(captures, channels)),
+            Some(QualityFormat::Json) => Printable::pretty_json(&json!(quality::json(captures, channels))),
         };
         match &self.quality_out {
             None => diagnostics(shown.as_str().trim_end()),

@@ -14,6 +14,7 @@
 //! - [`history`]: which case was how in which release;
 //! - [`provenance`]: where a result comes from;
 //! - [`quality`]: what captures hold and lack;
+//! - [`results`]: what the commands print as JSON, as types;
 //! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
@@ -40,6 +41,7 @@ mod page_text;
 pub mod provenance;
 mod push;
 pub mod quality;
+pub mod results;
 pub mod selftest;
 pub mod signals;
 mod table;

@@ -1,12 +1,10 @@
-//! The quality of captures, as text and as JSON (`canvass/quality/1`, described in `docs/quality.md`).
+//! The quality of captures, as text and as JSON ([`QualityResult`], described in `docs/quality.md`).
 
+use crate::results::quality::{Channel, Gap, Place, QualityResult, Source, Steps};
+use crate::results::{self, Contract};
 use canvass_traces::quality::{Gaps, Sighting};
 use canvass_traces::{Capture, ChannelId, Channels, Format, Quality, Reader, TimeBase};
-use serde_json::{Value, json};
 use std::fmt::Write;
-
-/// The contract's name and version.
-const SCHEMA: &str = "canvass/quality/1";
 
 /// One capture and what was seen of it.
 #[derive(Clone, Copy, Debug)]
@@ -141,56 +139,50 @@ pub fn warnings(quality: &Quality) -> Vec<String> {
     warnings
 }
 
-/// The object of schema `canvass/quality/1`: times and spans are integer nanoseconds.
-pub fn json(captures: &[CaptureQuality<'_>], channels: &Channels) -> Value {
-    let source = |capture: &CaptureQuality<'_>| {
-        let mut object = quality_json(capture.quality, channels);
-        object["name"] = json!(capture.name);
-        object["format"] = json!(capture.format.id());
-        object["time_base"] = json!(time_base(capture.time_base));
-        object
+/// The same as a result.
+pub fn json(captures: &[CaptureQuality<'_>], channels: &Channels) -> QualityResult {
+    let source = |capture: &CaptureQuality<'_>| Source {
+        format: capture.format.id().into(),
+        name: capture.name.to_owned(),
+        time_base: time_base(capture.time_base).into(),
+        quality: figures(capture.quality, channels),
     };
-    json!({
-        "schema": SCHEMA,
-        "sources": captures.iter().map(source).collect::<Vec<_>>(),
-        "total": quality_json(&total(captures), channels),
-    })
+    QualityResult {
+        schema: QualityResult::SCHEMA.into(),
+        sources: captures.iter().map(source).collect(),
+        total: figures(&total(captures), channels),
+    }
 }
 
-fn quality_json(quality: &Quality, channels: &Channels) -> Value {
-    let object = |counts: &[(&'static str, u64)]| {
-        counts.iter().map(|&(name, count)| (name.to_owned(), json!(count))).collect::<serde_json::Map<_, _>>()
+fn figures(quality: &Quality, channels: &Channels) -> results::quality::Quality {
+    let by_kind = |counts: &[(&'static str, u64)]| counts.iter().map(|&(name, count)| (name.into(), count)).collect();
+    let channel = |(name, frames): (&str, u64)| Channel { frames, name: name.to_owned() };
+    let gap = |gap: canvass_traces::quality::Gap| Gap {
+        end: seen(gap.end),
+        length_ns: gap.length.nanos(),
+        usual_ns: gap.usual.nanos(),
     };
-    let channels: Vec<Value> =
-        by_channel(quality, channels).map(|(name, frames)| json!({ "name": name, "frames": frames })).collect();
-    json!({
-        "frames": quality.frames.total(),
-        "kinds": object(&quality.frames.by_kind()),
-        "channels": channels,
-        "damages": object(&quality.damages.by_kind()),
-        "first_t": quality.first.map(|time| time.nanos()),
-        "last_t": quality.last.map(|time| time.nanos()),
-        "duration_ns": quality.duration().nanos(),
-        "resolution_ns": quality.resolution.get().map(|unit| unit.nanos()),
-        "clock_steps_back": {
-            "count": quality.steps.count,
-            "largest_ns": quality.steps.largest.nanos(),
-            "first": quality.steps.first.map(sighting),
+    results::quality::Quality {
+        channels: by_channel(quality, channels).map(channel).collect(),
+        clock_steps_back: Steps {
+            count: quality.steps.count,
+            first: quality.steps.first.map(seen),
+            largest_ns: quality.steps.largest.nanos(),
         },
-        "gaps": {
-            "count": quality.gaps.count,
-            "largest": quality.gaps.largest.map(|gap| json!({
-                "length_ns": gap.length.nanos(),
-                "usual_ns": gap.usual.nanos(),
-                "end": sighting(gap.end),
-            })),
-        },
-        "warnings": warnings(quality),
-    })
+        damages: by_kind(&quality.damages.by_kind()),
+        duration_ns: quality.duration().nanos(),
+        first_t: quality.first.map(|time| time.nanos()),
+        frames: quality.frames.total(),
+        gaps: results::quality::Gaps { count: quality.gaps.count, largest: quality.gaps.largest.map(gap) },
+        kinds: by_kind(&quality.frames.by_kind()),
+        last_t: quality.last.map(|time| time.nanos()),
+        resolution_ns: quality.resolution.get().map(|unit| unit.nanos()),
+        warnings: warnings(quality),
+    }
 }
 
-fn sighting(at: Sighting) -> Value {
-    json!({ "t": at.time.nanos(), "number": at.place.number, "offset": at.place.offset })
+fn seen(at: Sighting) -> Place {
+    Place { number: at.place.number, offset: at.place.offset, t: at.time.nanos() }
 }
 
 /// What times count from, in JSON.
@@ -217,7 +209,8 @@ fn printable(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_traces::{CanId, Damage, DamageKind, Frame, Place, Record, Timestamp};
+    use canvass_traces::{CanId, Damage, DamageKind, Frame, Record, Timestamp};
+    use serde_json::json as value_of;
 
     const SECOND: u64 = 1_000_000_000;
 
@@ -228,7 +221,7 @@ mod tests {
             let record = Record::new(Timestamp(time * SECOND), channels.intern(channel), frame);
             quality.record(&record.at(n as u64 + 1, 100));
         }
-        quality.damage(&Damage::new(DamageKind::Dropped(7), Place::default(), "", b""));
+        quality.damage(&Damage::new(DamageKind::Dropped(7), canvass_traces::Place::default(), "", b""));
         quality
     }
 
@@ -261,16 +254,16 @@ mod tests {
         let quality = seen(&mut channels);
         let capture =
             CaptureQuality { name: "a.log", format: Format::Candump, time_base: TimeBase::Start, quality: &quality };
-        let value = json(&[capture, capture], &channels);
+        let value = value_of!(json(&[capture, capture], &channels));
         assert_eq!(value["schema"], "canvass/quality/1");
         let source = &value["sources"][1];
         assert_eq!(
             (&source["name"], &source["format"], &source["time_base"]),
-            (&json!("a.log"), &json!("candump"), &json!("start"))
+            (&value_of!("a.log"), &value_of!("candump"), &value_of!("start"))
         );
-        assert_eq!(source["channels"][1], json!({ "name": "can\u{1b}[31m", "frames": 1 }));
+        assert_eq!(source["channels"][1], value_of!({ "name": "can\u{1b}[31m", "frames": 1 }));
         assert_eq!(source["first_t"], SECOND);
-        assert_eq!(source["clock_steps_back"]["first"], json!({ "t": 29 * SECOND, "number": 4, "offset": 100 }));
+        assert_eq!(source["clock_steps_back"]["first"], value_of!({ "t": 29 * SECOND, "number": 4, "offset": 100 }));
         assert_eq!(source["gaps"]["largest"]["length_ns"], 28 * SECOND);
         assert_eq!(value["total"]["frames"], 8);
         assert_eq!(value["total"]["damages"]["dropped"], 14);
@@ -280,8 +273,8 @@ mod tests {
     fn nothing_seen() {
         let quality = Quality::default();
         let capture = CaptureQuality { name: "-", format: Format::Mcap, time_base: TimeBase::Utc, quality: &quality };
-        let value = json(&[capture], &Channels::new());
-        assert_eq!((&value["total"]["first_t"], &value["total"]["resolution_ns"]), (&Value::Null, &Value::Null));
+        let total = json(&[capture], &Channels::new()).total;
+        assert_eq!((total.first_t, total.resolution_ns), (None, None));
         assert!(text(&[capture], &Channels::new()).contains("  frames     0\n  damage     none\n"));
     }
 }

@@ -1,120 +1,133 @@
-//! The selftest's matrix: which case failed on which fault.
-//!
-//! JSON, `"schema": "canvass/selftest/1"`: `summary` counts; `matrix` has a row for each fault; `models` one for each
-//! model without fault; `vacuous_cases` names the cases that failed on no fault.
+//! The selftest's matrix: which case failed on which fault. As JSON it is a [`SelftestResult`].
 
+use crate::results::selftest::{
+    FalseAlarm, FaultBesideLiberties, FuzzedViolation, MissedCase, SelftestResult, Summary,
+};
+use crate::results::{self, Contract, Verdict, Word};
 use canvass_device::{Fault, Liberties, Liberty};
+use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::liberties::{FuzzedLiberties, Sparing};
 use canvass_fuzzer::reproducer;
 use canvass_suite::case::Case;
 use canvass_suite::selftest::{self, Chance, FaultRow, LibertyRow, Masked, Masking, Matrix, ModelRow};
-use serde_json::{Value, json};
+use canvass_suite::verdict::{Kind, Reason};
 use std::fmt::Write as _;
 use std::io::{self, Write};
-
-/// The name and version of the contract.
-pub const SCHEMA: &str = "canvass/selftest/1";
 
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn json(matrix: &Matrix, fuzzed: &Sparing, out: &mut dyn Write) -> io::Result<()> {
-    let document = json!({
-        "schema": SCHEMA,
-        "summary": {
-            "cases": matrix.cases.len(),
-            "models": matrix.models.len(),
-            "faults": matrix.faults.len(),
-            "detected": matrix.detected(),
-            "false_alarms": matrix.false_alarms(),
-            "vacuous_cases": matrix.vacuous_cases().len(),
-            "beside_deviations": matrix.masking.beside_deviations,
-            "masked": matrix.masking.masked.len(),
-            "liberties": matrix.sparing.alone.len(),
-            "spared": matrix.sparing.spared(),
-            "combinations": matrix.sparing.combined.len(),
-            "combinations_spared": matrix.sparing.combined.iter().filter(|row| row.is_spared()).count(),
-            "put_beside_liberties": matrix.sparing.tried,
-            "beside_liberties": matrix.sparing.looked_for,
-            "missed_beside_liberties": matrix.sparing.missed.len(),
-            "fuzzed": fuzzed.rows().count(),
-            "fuzzed_spared": fuzzed.spared(),
-            "fuzzed_exchanges": fuzzed.exchanges(),
-        },
-        "fuzzed_not_spared": fuzzed.rows().filter(|row| !row.violations.is_empty()).map(violations).collect::<Vec<_>>(),
-        "liberties": matrix.sparing.alone.iter().map(liberty).collect::<Vec<_>>(),
-        "combinations": matrix.sparing.combined.iter().map(liberty).collect::<Vec<_>>(),
-        "missed_beside_liberties": matrix.sparing.missed.iter().map(missed).collect::<Vec<_>>(),
-        "matrix": matrix.faults.iter().map(fault).collect::<Vec<_>>(),
-        "models": matrix.models.iter().map(model).collect::<Vec<_>>(),
-        "vacuous_cases": ids(&matrix.vacuous_cases()),
-        "masked": matrix.masking.masked.iter().map(masked).collect::<Vec<_>>(),
-    });
-    writeln!(out, "{document:#}")
+    let not_spared = fuzzed.rows().filter(|row| !row.violations.is_empty());
+    let result = SelftestResult {
+        combinations: matrix.sparing.combined.iter().map(liberty).collect(),
+        fuzzed_not_spared: not_spared.map(violations).collect(),
+        liberties: matrix.sparing.alone.iter().map(liberty).collect(),
+        masked: matrix.masking.masked.iter().map(masked).collect(),
+        matrix: matrix.faults.iter().map(fault).collect(),
+        missed_beside_liberties: matrix.sparing.missed.iter().map(missed).collect(),
+        models: matrix.models.iter().map(model).collect(),
+        schema: SelftestResult::SCHEMA.into(),
+        summary: summary(matrix, fuzzed),
+        vacuous_cases: ids(&matrix.vacuous_cases()),
+    };
+    results::write(&result, out)
 }
 
-fn ids(cases: &[&'static Case]) -> Vec<&'static str> {
-    cases.iter().map(|case| case.id).collect()
+fn summary(matrix: &Matrix, fuzzed: &Sparing) -> Summary {
+    Summary {
+        beside_deviations: matrix.masking.beside_deviations,
+        beside_liberties: matrix.sparing.looked_for,
+        cases: matrix.cases.len(),
+        combinations: matrix.sparing.combined.len(),
+        combinations_spared: matrix.sparing.combined.iter().filter(|row| row.is_spared()).count(),
+        detected: matrix.detected(),
+        false_alarms: matrix.false_alarms(),
+        faults: matrix.faults.len(),
+        fuzzed: fuzzed.rows().count(),
+        fuzzed_exchanges: fuzzed.exchanges(),
+        fuzzed_spared: fuzzed.spared(),
+        liberties: matrix.sparing.alone.len(),
+        masked: matrix.masking.masked.len(),
+        missed_beside_liberties: matrix.sparing.missed.len(),
+        models: matrix.models.len(),
+        put_beside_liberties: matrix.sparing.tried,
+        spared: matrix.sparing.spared(),
+        vacuous_cases: matrix.vacuous_cases().len(),
+    }
 }
 
-fn fault(row: &FaultRow) -> Value {
-    let missed = row.missed.iter().map(|(case, kind)| json!({ "case": case.id, "verdict": kind.name() }));
-    json!({
-        "fault": row.fault.id(),
-        "model": row.model,
-        "detected": row.is_detected(),
-        "failed": ids(&row.failed),
-        "missed": missed.collect::<Vec<_>>(),
-        "unrelated": ids(&row.unrelated),
-    })
+fn ids(cases: &[&'static Case]) -> Vec<Word> {
+    cases.iter().map(|case| case.id.into()).collect()
 }
 
-fn masked(row: &Masked) -> Value {
-    json!({ "model": row.model, "fault": row.fault.id(), "case": row.case.id, "verdict": row.kind.name() })
+fn fault(row: &FaultRow) -> results::selftest::FaultRow {
+    let missed = row.missed.iter().map(|(case, kind)| MissedCase { case: case.id.into(), verdict: Verdict(*kind) });
+    results::selftest::FaultRow {
+        detected: row.is_detected(),
+        failed: ids(&row.failed),
+        fault: row.fault.id().into(),
+        missed: missed.collect(),
+        model: row.model.into(),
+        unrelated: ids(&row.unrelated),
+    }
+}
+
+fn masked(row: &Masked) -> results::selftest::Masked {
+    let (case, fault, model) = (row.case.id.into(), row.fault.id().into(), row.model.into());
+    results::selftest::Masked { case, fault, model, verdict: Verdict(row.kind) }
 }
 
 fn names(liberties: Liberties) -> Vec<&'static str> {
     liberties.iter().map(Liberty::id).collect()
 }
 
-fn missed((fault, liberties): &(Fault, Liberties)) -> Value {
-    json!({ "fault": fault.id(), "liberties": names(*liberties) })
+fn words(liberties: Liberties) -> Vec<Word> {
+    liberties.iter().map(|liberty| liberty.id().into()).collect()
 }
 
-fn liberty(row: &LibertyRow) -> Value {
-    let alarms = row
-        .alarms
-        .iter()
-        .map(|(case, kind, reason)| json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() }));
-    json!({
-        "liberties": names(row.liberties),
-        "model": row.model,
-        "executed": row.executed,
-        "false_alarms": alarms.collect::<Vec<_>>(),
-    })
+fn missed((fault, liberties): &(Fault, Liberties)) -> FaultBesideLiberties {
+    FaultBesideLiberties { fault: fault.id().into(), liberties: words(*liberties) }
 }
 
-fn violations(row: &FuzzedLiberties) -> Value {
-    let found = row.violations.iter().map(|found| {
-        let violation = &found.violation;
-        json!({
-            "property": violation.property.id(),
-            "rule": violation.rule,
-            "expected": violation.expected,
-            "actual": violation.actual,
-            "log": reproducer::candump(&found.sequence),
-        })
-    });
-    json!({ "liberties": names(row.liberties), "model": row.model, "violations": found.collect::<Vec<_>>() })
+fn false_alarms(alarms: &[(&'static Case, Kind, Reason)]) -> Vec<FalseAlarm> {
+    let alarm = |(case, kind, reason): &(&Case, Kind, Reason)| FalseAlarm {
+        case: case.id.into(),
+        reason: reason.to_string(),
+        verdict: Verdict(*kind),
+    };
+    alarms.iter().map(alarm).collect()
 }
 
-fn model(row: &ModelRow) -> Value {
-    let alarms = row
-        .alarms
-        .iter()
-        .map(|(case, kind, reason)| json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() }));
-    json!({ "model": row.model, "executed": row.executed, "false_alarms": alarms.collect::<Vec<_>>() })
+fn liberty(row: &LibertyRow) -> results::selftest::Liberties {
+    results::selftest::Liberties {
+        executed: row.executed,
+        false_alarms: false_alarms(&row.alarms),
+        liberties: words(row.liberties),
+        model: row.model.into(),
+    }
+}
+
+fn violations(row: &FuzzedLiberties) -> results::selftest::FuzzedLiberties {
+    let violations = row.violations.iter().map(violation).collect();
+    results::selftest::FuzzedLiberties { liberties: words(row.liberties), model: row.model.into(), violations }
+}
+
+fn violation(found: &Found) -> FuzzedViolation {
+    let violation = &found.violation;
+    FuzzedViolation {
+        actual: violation.actual.clone(),
+        expected: violation.expected.clone(),
+        log: reproducer::candump(&found.sequence),
+        property: violation.property.id().into(),
+        rule: violation.rule.into(),
+    }
+}
+
+fn model(row: &ModelRow) -> results::selftest::ModelRow {
+    let (executed, false_alarms, model) = (row.executed, false_alarms(&row.alarms), row.model.into());
+    results::selftest::ModelRow { executed, false_alarms, model }
 }
 
 /// The matrix for people: a line for each fault with the cases that failed on it, then what is wrong with the catalogue,

@@ -5,7 +5,8 @@ use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::comparison::{Comparison, Missing, TestResult, compare, html, junit, markdown};
+use canvass_reports::comparison::{Comparison, Missing, compare, html, json, junit, markdown};
+use canvass_reports::results::{self, TestResult};
 use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -60,7 +61,7 @@ impl Args {
 fn render(comparison: &Comparison, format: ReportFormat, out: &mut dyn Write) -> io::Result<()> {
     match format {
         ReportFormat::Table => out.write_all(comparison.text().as_bytes()),
-        ReportFormat::Json => out.write_all(comparison.json().as_bytes()),
+        ReportFormat::Json => json(comparison, out),
         ReportFormat::Junit => junit::render(comparison, out),
         ReportFormat::Html => html::render(comparison, out),
         ReportFormat::Markdown => markdown::render(comparison, out),
@@ -84,5 +85,5 @@ pub fn release(typed: Option<&str>, result: &TestResult, path: &Path) -> String 
 /// A result of `canvass test`.
 pub fn read(path: &Path) -> anyhow::Result<TestResult> {
     let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
-    TestResult::read(&text).with_context(|| format!("{}", path.display()))
+    results::read(&text).with_context(|| format!("{}", path.display()))
 }

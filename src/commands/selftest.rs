@@ -111,7 +111,7 @@ impl Args {
         let table = Table { rows, limit };
         match self.format {
             MatrixFormat::Table => print(&Printable::document(&detection::text(&table)))?,
-            MatrixFormat::Json => print(&Printable::pretty_json(&detection::json(&table)))?,
+            MatrixFormat::Json => unless_closed(detection::json(&table, &mut document(false)))?,
         }
         let good = table.rows.iter().all(|row| row.is_good(table.limit));
         Ok(if good { Status::Good } else { Status::Findings })

@@ -14,8 +14,8 @@ use canvass_bus::Bus;
 use canvass_bus::transcript::{Replay, Transcript};
 use canvass_device::address::{BusAddress, DeviceName};
 use canvass_device::models::Model;
-use canvass_reports::comparison::TestResult;
 use canvass_reports::escape::{Printable, printable};
+use canvass_reports::results::{self, TestResult};
 use canvass_suite::bench::{Bench, Target};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
@@ -118,7 +118,7 @@ fn text<'a>(entries: &'a [Entry], name: &str) -> Result<&'a str> {
 
 /// Runs the cases against the recording.
 fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
-    let told = TestResult::read(text(entries, RESULT)?).context("result.json is not that of a bundle")?;
+    let told: TestResult = results::read(text(entries, RESULT)?).context("result.json is not that of a bundle")?;
     let transcript: Transcript =
         text(entries, TRANSCRIPT)?.parse().context("transcript.txt is not that of a bundle")?;
     let folder = tempfile::tempdir().context("can't make a temporary folder")?;

@@ -40,6 +40,6 @@ impl Rows for Findings {
         "title" word "the rule in a few words" = |row| Some(row.finding.rule.title);
         "message" text "what happened" = |row, out| write_str(out, Some(&row.finding.message));
         "advice" word "what to do about it" = |row| Some(row.finding.rule.advice);
-        "evidence" text "the frames that prove it: a JSON array, as `canvass diagnose --format json` has it" = |row, out| write(out, Some(evidence(row.diagnosed, row.finding)));
+        "evidence" text "the frames that prove it: a JSON array, as `canvass diagnose --format json` has it" = |row, out| write(out, Some(serde_json::json!(evidence(row.diagnosed, row.finding))));
     ];
 }

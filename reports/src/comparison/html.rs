@@ -1,9 +1,10 @@
 //! The differences as one self-contained HTML page.
 
-use super::{Comparison, Direction, ResultChange};
+use super::{Comparison, Direction};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
+use crate::results::compare::Change;
 use maud::{Markup, html};
 use std::io::{self, Write};
 
@@ -51,7 +52,7 @@ fn section(comparison: &Comparison, direction: Direction) -> Markup {
     }
 }
 
-fn row(change: &ResultChange) -> Markup {
+fn row(change: &Change) -> Markup {
     let (old, new) = change.values();
     html! {
         tr {

@@ -1,8 +1,9 @@
 //! The differences as JUnit XML: what got worse fails. The names are those of the cases, so that a server shows since when.
 
-use super::{Comparison, Direction, ResultChange};
+use super::{Comparison, Direction};
 use crate::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
+use crate::results::compare::Change;
 use std::io::{self, Write};
 
 /// Writes the document.
@@ -19,7 +20,7 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     write("compare", &[suite], out)
 }
 
-fn case(change: &ResultChange) -> Case {
+fn case(change: &Change) -> Case {
     let (old, new) = change.values();
     let told = format!("{old} -> {new}");
     let case = Case::passed(format!("compare.{}", change.kind), &*change.subject);

@@ -21,7 +21,7 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
         for change in changes {
             let (old, new) = change.values();
             let why = change.why().unwrap_or_default();
-            let cells = [change.kind, &change.subject, old, new, &why];
+            let cells = [&*change.kind, &change.subject, old, new, &why];
             writeln!(out, "| {} |", cells.map(markdown).join(" | "))?;
         }
     }

@@ -1,262 +1,77 @@
-//! The result as JSON: `"schema": "canvass/test/1"`.
-//!
-//! Contract: numbers are numbers, times are integer nanoseconds on the clock of the bus; nothing but the date in
-//! `provenance` is of the wall clock, so on the simulated bus two runs give the same bytes. New keys may be added; none changes its meaning within
-//! a version.
+//! The result as JSON: [`TestResult`].
 
 use super::Run;
 use super::told::{Named, Told};
-use crate::{escape, provenance};
+use crate::provenance;
+use crate::results::test::{
+    Breach, Case, Compared, Frame, HostTiming, Measurement, MovedZeroPoint, ObjectChange, ObjectRead, Quarantine,
+    Reason, Use,
+};
+use crate::results::{self, Contract, TestResult, Verdict};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
-use canvass_suite::bench::{Exhibit, Measurement, Use};
+use canvass_suite::bench::{self, Exhibit};
 use canvass_suite::comparison::{Change, Comparison};
-use canvass_suite::quarantine::Quarantine;
-use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
-use canvass_suite::verdict::{Authority, Kind, Reason};
+use canvass_suite::runner::{self, CaseReport};
+use canvass_suite::verdict::{Authority, Kind};
 use canvass_suite::zero_point::Moved;
+use canvass_suite::{quarantine, verdict};
 use canvass_traces::{Direction, hex};
-use serde::Serialize;
-use std::collections::BTreeMap;
 use std::io::{self, Write};
-
-/// The name and version of the contract.
-pub const SCHEMA: &str = "canvass/test/1";
-
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    bus: &'a str,
-    bit_rate: Option<u32>,
-    node: u8,
-    model: Option<&'a str>,
-    device: Device<'a>,
-    seed: u64,
-    cancelled: bool,
-    duration_ns: u64,
-    stores: u32,
-    notices: &'a [String],
-    provenance: serde_json::Value,
-    dictionary: Vec<Object>,
-    comparison: Option<Compared<'a>>,
-    summary: BTreeMap<&'static str, usize>,
-    /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    host: Option<Host>,
-    cases: Vec<Case<'a>>,
-}
-
-/// How well the tester's own machine kept up.
-#[derive(Serialize)]
-struct Host {
-    receive_p99_ns: u64,
-    receive_max_ns: u64,
-    transmit_p99_ns: u64,
-    transmit_max_ns: u64,
-    lost: u64,
-    interruptions: u64,
-}
-
-impl From<&HostTiming> for Host {
-    fn from(host: &HostTiming) -> Self {
-        Self {
-            receive_p99_ns: host.receive_usually.nanos(),
-            receive_max_ns: host.receive_always.nanos(),
-            transmit_p99_ns: host.transmit_usually.nanos(),
-            transmit_max_ns: host.transmit_always.nanos(),
-            lost: host.lost,
-            interruptions: host.interruptions,
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct Object {
-    index: u16,
-    sub: u8,
-    data: String,
-}
-
-/// The object dictionary before and after.
-#[derive(Serialize)]
-struct Compared<'a> {
-    as_found: bool,
-    complete: bool,
-    objects: usize,
-    changes: Vec<Changed<'a>>,
-    commands: &'a [String],
-    stored: Vec<Changed<'a>>,
-    zero_points: Vec<MovedZeroPoint>,
-}
-
-#[derive(Serialize)]
-struct MovedZeroPoint {
-    steps: i64,
-    uncertain: bool,
-    stored: bool,
-    text: String,
-}
-
-#[derive(Serialize)]
-struct Changed<'a> {
-    index: u16,
-    sub: u8,
-    name: Option<&'a str>,
-    r#type: Option<&'static str>,
-    nature: &'static str,
-    before: Option<String>,
-    after: Option<String>,
-}
-
-#[derive(Serialize)]
-struct Value<'a> {
-    name: &'a str,
-    unit: &'static str,
-    value: u64,
-}
-
-#[derive(Serialize)]
-struct Device<'a> {
-    device_type: Option<u32>,
-    vendor_id: Option<u32>,
-    product_code: Option<u32>,
-    revision_number: Option<u32>,
-    serial_number: Option<u32>,
-    name: Option<&'a str>,
-    hardware_version: Option<&'a str>,
-    software_version: Option<&'a str>,
-}
-
-#[derive(Serialize)]
-struct Case<'a> {
-    id: &'static str,
-    requirement: &'static str,
-    clause: String,
-    clause_confidence: &'static str,
-    level: &'static str,
-    cct: Option<&'static str>,
-    cct_forecast: Option<&'static str>,
-    verdict: &'static str,
-    reason: Option<CaseReason>,
-    breaches: Vec<Breach>,
-    documented: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    waiver_line: Option<usize>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    repetitions: Vec<&'static str>,
-    flaky: bool,
-    /// Only where the failure does not count yet.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    quarantine: Option<Quarantined<'a>>,
-    measurements: Vec<Value<'a>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    uses: Vec<Used>,
-    notes: &'a [String],
-    /// Only where the run was recorded: the first and the last frame of the case in the recording.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    recorded: Option<[u64; 2]>,
-    evidence: Vec<Frame<'a>>,
-    evidence_omitted: u64,
-    duration_ns: u64,
-}
-
-/// Why a failure does not count yet.
-#[derive(Serialize)]
-struct Quarantined<'a> {
-    until: &'a str,
-    owner: &'a str,
-    reason: &'a str,
-}
-
-/// An object that served a case.
-#[derive(Serialize)]
-struct Used {
-    index: u16,
-    sub: u8,
-    purpose: &'static str,
-}
-
-#[derive(Serialize)]
-struct CaseReason {
-    duty: String,
-    expected: String,
-    actual: String,
-}
-
-#[derive(Serialize)]
-struct Breach {
-    subject: String,
-    observation: String,
-    verdict: &'static str,
-    duty: String,
-    expected: String,
-    actual: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    t: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    documented: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    waiver_line: Option<usize>,
-}
-
-#[derive(Serialize)]
-struct Frame<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    number: Option<u64>,
-    t: u64,
-    channel: &'a str,
-    id: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    extended: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    remote: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<bool>,
-    direction: &'static str,
-    data: String,
-    text: &'a str,
-}
 
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let document = Document {
-        schema: SCHEMA,
-        bus: &run.info.bus,
+    results::write(&result(run), out)
+}
+
+/// The run as its result.
+pub fn result(run: &Run) -> TestResult {
+    TestResult {
+        schema: TestResult::SCHEMA.into(),
+        bus: run.info.bus.clone(),
         bit_rate: run.info.bit_rate,
         node: run.info.node.raw(),
-        model: Some(run.info.model.as_str()).filter(|model| !model.is_empty()),
-        device: device(&run.info.device),
+        model: Some(run.info.model.clone()).filter(|model| !model.is_empty()),
+        device: (&run.info.device).into(),
         seed: run.info.seed,
         cancelled: run.summary.cancelled,
         duration_ns: run.summary.duration.nanos(),
         stores: run.summary.stores,
-        notices: &run.notices,
+        notices: run.notices.clone(),
         provenance: provenance::json(&run.provenance),
         dictionary: run.info.dictionary.iter().map(object).collect(),
         comparison: run.comparison.as_ref().map(compared),
-        summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
-        host: run.summary.host.as_ref().map(Host::from),
+        summary: Kind::ALL.into_iter().map(|kind| (kind.name().into(), run.summary.count(kind))).collect(),
+        host: run.summary.host.as_ref().map(host),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
-    };
-    let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
-    out.write_all(escape::json(&text).as_bytes())?;
-    out.write_all(b"\n")
+    }
 }
 
-fn object((multiplexer, value): &(Multiplexer, Vec<u8>)) -> Object {
-    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data: hex::compact(value).to_string() }
+fn host(host: &runner::HostTiming) -> HostTiming {
+    HostTiming {
+        receive_p99_ns: host.receive_usually.nanos(),
+        receive_max_ns: host.receive_always.nanos(),
+        transmit_p99_ns: host.transmit_usually.nanos(),
+        transmit_max_ns: host.transmit_always.nanos(),
+        lost: host.lost,
+        interruptions: host.interruptions,
+    }
 }
 
-fn compared(comparison: &Comparison) -> Compared<'_> {
+fn object((multiplexer, value): &(Multiplexer, Vec<u8>)) -> ObjectRead {
+    ObjectRead { index: multiplexer.index.0, sub: multiplexer.sub.0, data: hex::compact(value).to_string() }
+}
+
+fn compared(comparison: &Comparison) -> Compared {
     Compared {
         as_found: comparison.is_as_found(),
         complete: comparison.is_complete,
         objects: comparison.objects,
         changes: comparison.changes.iter().map(changed).collect(),
-        commands: &comparison.commands,
+        commands: comparison.commands.clone(),
         stored: comparison.stored.iter().map(changed).collect(),
         zero_points: comparison.zero_points.iter().map(zero_point).collect(),
     }
@@ -267,69 +82,53 @@ fn zero_point(moved: &Moved) -> MovedZeroPoint {
     MovedZeroPoint { steps, uncertain, stored, text: moved.to_string() }
 }
 
-fn changed(change: &Change) -> Changed<'_> {
-    Changed {
+fn changed(change: &Change) -> ObjectChange {
+    let shown = |value: &Option<Vec<u8>>| value.as_deref().map(|value| hex::compact(value).to_string());
+    ObjectChange {
         index: change.multiplexer.index.0,
         sub: change.multiplexer.sub.0,
-        name: change.name.as_deref(),
-        r#type: change.data_type.and_then(DataType::name),
-        nature: change.nature.name(),
-        before: change.before.as_deref().map(|value| hex::compact(value).to_string()),
-        after: change.after.as_deref().map(|value| hex::compact(value).to_string()),
+        name: change.name.clone(),
+        r#type: change.data_type.and_then(DataType::name).map(Into::into),
+        nature: change.nature.name().into(),
+        before: shown(&change.before),
+        after: shown(&change.after),
     }
 }
 
-fn used(Use { multiplexer, purpose }: &Use) -> Used {
-    Used { index: multiplexer.index.0, sub: multiplexer.sub.0, purpose }
+fn used(bench::Use { multiplexer, purpose }: &bench::Use) -> Use {
+    Use { index: multiplexer.index.0, sub: multiplexer.sub.0, purpose: (*purpose).into() }
 }
 
-fn value(measurement: &Measurement) -> Value<'_> {
-    Value { name: &measurement.name, unit: measurement.unit.name(), value: measurement.value }
+fn measured(measurement: &bench::Measurement) -> Measurement {
+    Measurement { name: measurement.name.clone(), unit: measurement.unit.name().into(), value: measurement.value }
 }
 
-fn device(device: &DeviceIdentity) -> Device<'_> {
-    let [vendor_id, product_code, revision_number, serial_number] = device.identity;
-    let [name, hardware_version, software_version] = device.names.each_ref().map(Option::as_deref);
-    let device_type = device.device_type;
-    Device {
-        device_type,
-        vendor_id,
-        product_code,
-        revision_number,
-        serial_number,
-        name,
-        hardware_version,
-        software_version,
-    }
-}
-
-fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
-    let reason = |Reason { duty, expected, actual, .. }| CaseReason { duty, expected, actual };
+fn case(report: &CaseReport, channel: &str) -> Case {
     Case {
-        id: report.case.id,
-        requirement: report.case.requirement,
+        id: report.case.id.into(),
+        requirement: report.case.requirement.into(),
         clause: report.case.clause.bare(),
-        clause_confidence: report.case.clause.confidence.name(),
-        level: report.case.level.name(),
-        cct: report.case.cct,
-        cct_forecast: super::cct_forecast(report),
-        verdict: report.verdict.kind().name(),
+        clause_confidence: report.case.clause.confidence.name().into(),
+        level: report.case.level.name().into(),
+        cct: report.case.cct.map(Into::into),
+        cct_forecast: super::cct_forecast(report).map(Into::into),
+        verdict: Verdict(report.verdict.kind()),
         reason: report.verdict.reason().map(reason),
         breaches: Told::all(report).into_iter().filter_map(breach).collect(),
-        documented: report.verdict.documented(),
+        documented: report.verdict.documented().map(str::to_owned),
         waiver_line: match report.verdict.authority() {
             Some(Authority::Waiver { line }) => Some(line),
             _ => None,
         },
         repetitions: match report.outcomes.len() {
             0 | 1 => Vec::new(),
-            _ => report.outcomes.iter().map(|kind| kind.name()).collect(),
+            _ => report.outcomes.iter().copied().map(Verdict).collect(),
         },
         flaky: report.is_flaky(),
         quarantine: report.quarantine.as_ref().map(quarantined),
-        measurements: report.measurements.iter().map(value).collect(),
+        measurements: report.measurements.iter().map(measured).collect(),
         uses: report.uses.iter().map(used).collect(),
-        notes: &report.notes,
+        notes: report.notes.clone(),
         recorded: super::recorded(report),
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),
@@ -337,8 +136,12 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
     }
 }
 
-fn quarantined(Quarantine { until, owner, reason, .. }: &Quarantine) -> Quarantined<'_> {
-    Quarantined { until, owner, reason }
+fn reason(verdict::Reason { duty, expected, actual, .. }: verdict::Reason) -> Reason {
+    Reason { duty, expected, actual }
+}
+
+fn quarantined(quarantine::Quarantine { until, owner, reason, .. }: &quarantine::Quarantine) -> Quarantine {
+    Quarantine { until: until.clone(), owner: owner.clone(), reason: reason.clone() }
 }
 
 fn breach(told: Told) -> Option<Breach> {
@@ -347,7 +150,7 @@ fn breach(told: Told) -> Option<Breach> {
     Some(Breach {
         subject,
         observation: does,
-        verdict: told.kind.name(),
+        verdict: Verdict(told.kind),
         duty: told.duty,
         expected: told.expected,
         actual: told.found,
@@ -357,18 +160,17 @@ fn breach(told: Told) -> Option<Breach> {
     })
 }
 
-fn frame<'a>(exhibit: &'a Exhibit, channel: &'a str) -> Frame<'a> {
-    let Exhibit { record, text } = exhibit;
+fn frame(Exhibit { record, text }: &Exhibit, channel: &str) -> Frame {
     Frame {
         number: Some(record.place.number).filter(|&number| number > 0),
         t: record.timestamp.nanos(),
-        channel,
+        channel: channel.to_owned(),
         id: record.frame.id().raw(),
         extended: record.frame.id().is_extended().then_some(true),
         remote: record.frame.is_remote().then_some(true),
         error: record.frame.is_error().then_some(true),
-        direction: if record.direction == Direction::Tx { "tx" } else { "rx" },
+        direction: if record.direction == Direction::Tx { "tx" } else { "rx" }.into(),
         data: hex::compact(record.data()).to_string(),
-        text,
+        text: text.clone(),
     }
 }

@@ -1,12 +1,11 @@
-//! How fast the fuzzer finds which fault: a table, text or JSON (`"schema": "canvass/selftest-fuzz/1"`).
+//! How fast the fuzzer finds which fault: a table, text or JSON ([`FuzzSelftestResult`]).
 
-use canvass_fuzzer::detection::{FuzzedFault, Table};
-use serde_json::{Value, json};
+use crate::results::selftest::{FuzzSelftestResult, FuzzSummary, Trial};
+use crate::results::{self, Contract};
+use canvass_fuzzer::detection::{self, FuzzedFault, Table};
 use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::time::Duration;
-
-/// The name and version of the contract.
-pub const SCHEMA: &str = "canvass/selftest-fuzz/1";
 
 /// The table for people: a line for each fault with the time to find it, median and longest of all seeds, the frames of
 /// the minimal sequence, and what showed it.
@@ -53,39 +52,46 @@ pub fn text(table: &Table) -> String {
 }
 
 /// The same for programs.
-pub fn json(table: &Table) -> Value {
-    json!({
-        "schema": SCHEMA,
-        "summary": {
-            "faults": table.rows.len(),
-            "detected": table.rows.iter().filter(|row| row.is_good(table.limit)).count(),
-            "median_ns": table.median_time().map(nanos),
-            "median_frames": table.median_frames(),
+///
+/// # Errors
+/// What `out` gives.
+pub fn json(table: &Table, out: &mut dyn Write) -> io::Result<()> {
+    let result = FuzzSelftestResult {
+        faults: table.rows.iter().map(|one| row(one, table.limit)).collect(),
+        schema: FuzzSelftestResult::SCHEMA.into(),
+        summary: FuzzSummary {
+            detected: table.rows.iter().filter(|row| row.is_good(table.limit)).count(),
+            faults: table.rows.len(),
+            median_frames: table.median_frames(),
+            median_ns: table.median_time().map(nanos),
         },
-        "faults": table.rows.iter().map(|one| row(one, table.limit)).collect::<Vec<_>>(),
-    })
+    };
+    results::write(&result, out)
 }
 
-fn row(row: &FuzzedFault, limit: Duration) -> Value {
-    let trials = row.trials.iter().map(|trial| {
-        json!({
-            "seed": trial.seed,
-            "exchanges": trial.exchanges,
-            "elapsed_ns": trial.found.as_ref().map(|detected| nanos(detected.elapsed)),
-            "caused": trial.found.as_ref().map(|detected| detected.caused),
-            "confirmed": trial.found.as_ref().map(|detected| detected.found.confirmed),
-            "frames": trial.found.as_ref().map(|detected| detected.found.sequence.stimuli.len()),
-            "property": trial.found.as_ref().map(|detected| detected.found.violation.property.id()),
-            "rule": trial.found.as_ref().map(|detected| detected.found.violation.rule),
-        })
-    });
-    json!({
-        "fault": row.fault.id(),
-        "model": row.fault.model(),
-        "allow": row.fault.fuzz_needs(),
-        "good": row.is_good(limit),
-        "trials": trials.collect::<Vec<_>>(),
-    })
+fn row(row: &FuzzedFault, limit: Duration) -> results::selftest::FuzzedFault {
+    results::selftest::FuzzedFault {
+        allow: row.fault.fuzz_needs().map(Into::into),
+        fault: row.fault.id().into(),
+        good: row.is_good(limit),
+        model: row.fault.model().into(),
+        trials: row.trials.iter().map(trial).collect(),
+    }
+}
+
+fn trial(trial: &detection::Trial) -> Trial {
+    let detected = trial.found.as_ref();
+    let found = detected.map(|detected| &detected.found);
+    Trial {
+        caused: detected.map(|detected| detected.caused),
+        confirmed: found.map(|found| found.confirmed),
+        elapsed_ns: detected.map(|detected| nanos(detected.elapsed)),
+        exchanges: trial.exchanges,
+        frames: found.map(|found| found.sequence.stimuli.len()),
+        property: found.map(|found| found.violation.property.id().into()),
+        rule: found.map(|found| found.violation.rule.into()),
+        seed: trial.seed,
+    }
 }
 
 fn nanos(time: Duration) -> u64 {

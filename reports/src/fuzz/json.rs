@@ -1,73 +1,75 @@
-//! The result as JSON: `"schema": "canvass/fuzz/1"`.
+//! The result as JSON: [`FuzzResult`].
 
 use super::{Run, Words, rust_test, sdo_rows};
-use crate::{escape, provenance};
+use crate::provenance;
+use crate::results::fuzz::{Coverage, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation};
+use crate::results::{self, Contract, FuzzResult};
 use canvass_fuzzer::campaign::Found;
-use canvass_fuzzer::{FinalState, Kept, Start, Stimulus, Then, reproducer};
+use canvass_fuzzer::{FinalState, Start, Stimulus, Then, reproducer};
 use canvass_traces::{Direction, Frame, Record, hex};
-use serde_json::{Map, Value, json};
 use std::io::{self, Write};
-
-/// The name and version of the contract.
-pub const SCHEMA: &str = "canvass/fuzz/1";
 
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let document = json!({
-        "schema": SCHEMA,
-        "version": env!("CARGO_PKG_VERSION"),
-        "provenance": provenance::json(&run.provenance),
-        "bus": run.bus,
-        "bit_rate": run.bit_rate,
-        "node": run.node.raw(),
-        "model": Some(&run.model).filter(|model| !model.is_empty()),
-        "target": run.targets.to_string(),
-        "seed": run.seed,
-        "repeat": run.repeat,
-        "cancelled": run.cancelled,
-        "allow": run.allow.iter().map(|touch| touch.name()).collect::<Vec<_>>(),
-        "executions": run.outcome.executions,
-        "frames": run.outcome.frames,
-        "sequences": run.outcome.sequences,
-        "unjudged": run.outcome.unjudged,
-        "dead": run.outcome.dead,
-        "left": run.outcome.left.as_ref().map(left),
-        "coverage": coverage(run),
-        "violations": run.violations().map(|(found, words)| violation(run, found, words)).collect::<Vec<_>>(),
-    });
-    writeln!(out, "{}", escape::json(&format!("{document:#}")))
+    results::write(&result(run), out)
 }
 
-fn coverage(run: &Run) -> Value {
+fn result(run: &Run) -> FuzzResult {
+    FuzzResult {
+        allow: run.allow.iter().map(|touch| touch.name().into()).collect(),
+        bit_rate: run.bit_rate,
+        bus: run.bus.clone(),
+        cancelled: run.cancelled,
+        coverage: coverage(run),
+        dead: run.outcome.dead,
+        executions: run.outcome.executions,
+        frames: run.outcome.frames,
+        left: run.outcome.left.as_ref().map(left),
+        model: Some(run.model.clone()).filter(|model| !model.is_empty()),
+        node: run.node.raw(),
+        provenance: provenance::json(&run.provenance),
+        repeat: run.repeat.clone(),
+        schema: FuzzResult::SCHEMA.into(),
+        seed: run.seed,
+        sequences: run.outcome.sequences,
+        target: run.targets.to_string(),
+        unjudged: run.outcome.unjudged,
+        version: provenance::VERSION.into(),
+        violations: run.violations().map(|(found, words)| violation(run, found, words)).collect(),
+    }
+}
+
+fn coverage(run: &Run) -> Coverage {
     let sdo = sdo_rows(run).into_iter().map(|(state, command, answers)| {
-        let answers: Map<String, Value> =
-            answers.iter().map(|(answer, count)| (answer.name().to_owned(), (*count).into())).collect();
-        json!({ "state": state, "command": command, "answers": answers })
+        let answers = answers.iter().map(|(answer, count)| (answer.name().into(), *count)).collect();
+        SdoPair { answers, command: command.into(), state: state.into() }
     });
-    let lss = run.coverage().lss_rows().map(|(state, command, answered, count)| {
-        json!({ "state": state.name(), "command": command.name(), "answered": answered, "count": count })
+    let lss = run.coverage().lss_rows().map(|(state, command, answered, count)| LssPair {
+        answered,
+        command: command.name().into(),
+        count,
+        state: state.name().into(),
     });
-    let (sdo_share, lss_share) = (run.sdo_share(), run.lss_share());
-    json!({
-        "sdo": { "reached": sdo_share.reached, "reachable": sdo_share.reachable, "pairs": sdo.collect::<Vec<_>>() },
-        "lss": { "reached": lss_share.reached, "reachable": lss_share.reachable, "pairs": lss.collect::<Vec<_>>() },
-    })
+    let (of_sdo, of_lss) = (run.sdo_share(), run.lss_share());
+    Coverage {
+        lss: Share { pairs: lss.collect(), reachable: of_lss.reachable, reached: of_lss.reached },
+        sdo: Share { pairs: sdo.collect(), reachable: of_sdo.reachable, reached: of_sdo.reached },
+    }
 }
 
-/// What the settings hold after the run.
-fn left(left: &FinalState) -> Value {
-    json!({ "settings": left.settings, "compared": left.compared, "different": left.different.iter().map(state).collect::<Vec<_>>() })
+fn left(left: &FinalState) -> SettingsLeft {
+    let different = left.different.iter().map(kept).collect();
+    SettingsLeft { compared: left.compared, different, settings: left.settings }
 }
 
-/// An object that had not its value of power-on.
-fn state(kept: &Kept) -> Value {
-    json!({ "index": kept.at.index.0, "sub": kept.at.sub.0, "value": kept.value, "power_on": kept.power_on })
+fn kept(kept: &canvass_fuzzer::Kept) -> Kept {
+    Kept { index: kept.at.index.0, power_on: kept.power_on, sub: kept.at.sub.0, value: kept.value }
 }
 
-fn violation(run: &Run, found: &Found, words: &Words) -> Value {
+fn violation(run: &Run, found: &Found, words: &Words) -> Violation {
     let violation = &found.violation;
     let start = match found.sequence.start {
         Start::Configured => "configured",
@@ -75,57 +77,57 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Value {
     };
     let frames = found.sequence.stimuli.iter().zip(&words.sequence);
     let evidence = found.evidence.iter().zip(&words.evidence);
-    json!({
-        "property": violation.property.id(),
-        "title": violation.property.title(),
-        "rule": violation.rule,
-        "expected": violation.expected,
-        "actual": violation.actual,
-        "t": violation.at.nanos(),
-        "confirmed": found.confirmed,
-        "state": found.state.iter().map(state).collect::<Vec<_>>(),
-        "start": start,
-        "frames": frames.map(|(stimulus, words)| step(stimulus, words)).collect::<Vec<_>>(),
-        "evidence": evidence.map(|(record, words)| exhibit(record, words)).collect::<Vec<_>>(),
-        "log": reproducer::candump(&found.sequence),
-        "test": rust_test(run, found),
-    })
+    Violation {
+        actual: violation.actual.clone(),
+        confirmed: found.confirmed,
+        evidence: evidence.map(|(record, words)| seen(record, words)).collect(),
+        expected: violation.expected.clone(),
+        frames: frames.map(|(stimulus, words)| sent(stimulus, words)).collect(),
+        log: reproducer::candump(&found.sequence),
+        property: violation.property.id().into(),
+        rule: violation.rule.into(),
+        start: start.into(),
+        state: found.state.iter().map(kept).collect(),
+        t: violation.at.nanos(),
+        test: rust_test(run, found),
+        title: violation.property.title().into(),
+    }
 }
 
-fn step(stimulus: &Stimulus, words: &str) -> Value {
-    let mut value = frame(&stimulus.frame, words);
+fn sent(stimulus: &Stimulus, words: &str) -> SentFrame {
     let (then, wait) = match stimulus.then {
         Then::Settle => ("settle", None),
         Then::AtOnce => ("at-once", None),
         Then::Pause(time) => ("pause", Some(time.nanos())),
     };
-    value.insert("then".to_owned(), then.into());
-    if let Some(wait) = wait {
-        value.insert("wait_ns".to_owned(), wait.into());
+    let frame = &stimulus.frame;
+    SentFrame {
+        data: hex::compact(frame.data()).to_string(),
+        dlc: dlc(frame),
+        extended: frame.id().is_extended().then_some(true),
+        id: frame.id().raw(),
+        remote: frame.is_remote().then_some(true),
+        text: words.to_owned(),
+        then: then.into(),
+        wait_ns: wait,
     }
-    Value::Object(value)
 }
 
-fn exhibit(record: &Record, words: &str) -> Value {
-    let mut value = frame(&record.frame, words);
-    let direction = if record.direction == Direction::Tx { "tx" } else { "rx" };
-    value.insert("t".to_owned(), record.timestamp.nanos().into());
-    value.insert("direction".to_owned(), direction.into());
-    Value::Object(value)
+fn seen(record: &Record, words: &str) -> SeenFrame {
+    let frame = &record.frame;
+    SeenFrame {
+        data: hex::compact(frame.data()).to_string(),
+        direction: if record.direction == Direction::Tx { "tx" } else { "rx" }.into(),
+        dlc: dlc(frame),
+        extended: frame.id().is_extended().then_some(true),
+        id: frame.id().raw(),
+        remote: frame.is_remote().then_some(true),
+        t: record.timestamp.nanos(),
+        text: words.to_owned(),
+    }
 }
 
-fn frame(frame: &Frame, words: &str) -> Map<String, Value> {
-    let data = hex::compact(frame.data()).to_string();
-    let mut value = Map::new();
-    value.insert("id".to_owned(), frame.id().raw().into());
-    if frame.id().is_extended() {
-        value.insert("extended".to_owned(), true.into());
-    }
-    if frame.is_remote() {
-        value.insert("remote".to_owned(), true.into());
-        value.insert("dlc".to_owned(), frame.len().into());
-    }
-    value.insert("data".to_owned(), data.into());
-    value.insert("text".to_owned(), words.into());
-    value
+/// The length that a remote frame asks for.
+fn dlc(frame: &Frame) -> Option<usize> {
+    frame.is_remote().then(|| frame.len())
 }

@@ -1,9 +1,10 @@
 //! The history as one self-contained page: the matrix of cases and releases, and times over the releases.
 
-use super::{Cell, Course, History, ReleaseRow, sign};
+use super::{Course, History, ReleaseRow, sign};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
+use crate::results::history::Cell;
 use maud::{Markup, html};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -84,12 +85,12 @@ fn line(history: &History, row: &ReleaseRow, course: &Course) -> Markup {
 }
 
 fn mark(cell: &Cell, turned: bool) -> Markup {
-    let (kind, title) = cell.verdict.map_or(("none", "did not run"), |kind| (kind.name(), kind.title()));
+    let (kind, title) = cell.kind().map_or(("none", "did not run"), |kind| (kind.name(), kind.title()));
     html! {
         td.verdict.(kind).turned[turned] title=(title) {
-            span aria-hidden="true" { (sign(cell.verdict)) }
+            span aria-hidden="true" { (sign(cell.kind())) }
             span.unseen { (title) }
-            @if cell.is_flaky { span.flaky title="flaky" { "~" } }
+            @if cell.flaky { span.flaky title="flaky" { "~" } }
         }
     }
 }
@@ -108,13 +109,13 @@ fn times() -> Markup {
 /// Milliseconds over the releases: of each case its duration, and each time that was measured in it.
 fn series(history: &History) -> Value {
     let of_case = |row: &ReleaseRow| {
-        let mut names: Vec<&String> = row.cells.iter().flat_map(|cell| cell.times.keys()).collect();
+        let mut names: Vec<&String> = row.cells.iter().flat_map(|cell| cell.times_ns.keys()).collect();
         names.sort_unstable();
         names.dedup();
         let milliseconds = |nanos: Option<u64>| nanos.map(|nanos| nanos as f64 / 1e6);
-        let duration: Vec<_> = row.cells.iter().map(|cell| milliseconds(cell.duration)).collect();
+        let duration: Vec<_> = row.cells.iter().map(|cell| milliseconds(cell.duration_ns)).collect();
         let measured = names.into_iter().map(|name| {
-            let values = row.cells.iter().map(|cell| milliseconds(cell.times.get(name).copied()));
+            let values = row.cells.iter().map(|cell| milliseconds(cell.times_ns.get(name).copied()));
             json!({ "name": name, "values": values.collect::<Vec<_>>() })
         });
         let measured: Vec<Value> = measured.collect();

@@ -1,58 +1,38 @@
-//! The history as JSON: `"schema": "canvass/history/1"`.
+//! The history as JSON: [`HistoryResult`].
 
-use super::{Cell, Column, History, ReleaseRow};
-use crate::{escape, provenance};
-use canvass_suite::verdict::Kind;
-use serde_json::{Value, json};
+use super::{History, ReleaseRow};
+use crate::provenance;
+use crate::results::history::Case;
+use crate::results::{self, Contract, HistoryResult};
 use std::io::{self, Write};
 
-/// The name and version of the contract.
-pub const SCHEMA: &str = "canvass/history/1";
-
-/// Writes the document, indented, with a line end.
+/// Writes the document.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
-    let document = json!({
-        "schema": SCHEMA,
-        "provenance": provenance::json(&history.provenance),
-        "releases": history.releases.iter().map(release).collect::<Vec<_>>(),
-        "cases": history.cases.iter().map(|row| case(history, row)).collect::<Vec<_>>(),
-    });
-    writeln!(out, "{}", escape::json(&format!("{document:#}")))
+    let result = HistoryResult {
+        cases: history.cases.iter().map(|row| case(history, row)).collect(),
+        provenance: provenance::json(&history.provenance),
+        releases: history.releases.clone(),
+        schema: HistoryResult::SCHEMA.into(),
+    };
+    results::write(&result, out)
 }
 
-fn release(column: &Column) -> Value {
-    json!({
-        "name": column.name,
-        "software": column.software,
-        "samples": column.samples,
-        "cancelled": column.is_cancelled,
-    })
-}
-
-fn case(history: &History, row: &ReleaseRow) -> Value {
+fn case(history: &History, row: &ReleaseRow) -> Case {
     let course = row.course();
-    let name = |at: usize| history.name(at);
-    json!({
-        "id": row.id,
-        "first_bad": course.first_bad.map(name),
-        "became_bad": course.became_bad.iter().map(|at| name(*at)).collect::<Vec<_>>(),
-        "returned": course.returned.iter().map(|at| name(*at)).collect::<Vec<_>>(),
-        "became_good": course.became_good.iter().map(|at| name(*at)).collect::<Vec<_>>(),
-        "new_in": course.new_in.map(name),
-        "gone_in": course.gone_in.map(name),
-        "flaky": row.is_flaky(),
-        "releases": row.cells.iter().map(cell).collect::<Vec<_>>(),
-    })
-}
-
-fn cell(cell: &Cell) -> Value {
-    json!({
-        "verdict": cell.verdict.map(Kind::name),
-        "flaky": cell.is_flaky,
-        "duration_ns": cell.duration,
-        "times_ns": cell.times,
-    })
+    let name = |at: usize| history.name(at).to_owned();
+    let names = |releases: &[usize]| releases.iter().map(|at| name(*at)).collect();
+    Case {
+        became_bad: names(&course.became_bad),
+        became_good: names(&course.became_good),
+        first_bad: course.first_bad.map(name),
+        flaky: row.is_flaky(),
+        gone_in: course.gone_in.map(name),
+        id: row.id.clone(),
+        new_in: course.new_in.map(name),
+        releases: row.cells.clone(),
+        returned: names(&course.returned),
+    }
 }

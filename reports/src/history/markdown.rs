@@ -16,7 +16,7 @@ pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "| case | {} | |", names.join(" | "))?;
     writeln!(out, "|---|{}---|", ":-:|".repeat(names.len()))?;
     for (row, course) in history.telling() {
-        let signs: Vec<&str> = row.cells.iter().map(|cell| sign(cell.verdict)).collect();
+        let signs: Vec<&str> = row.cells.iter().map(|cell| sign(cell.kind())).collect();
         let flaky = if row.is_flaky() { ", flaky" } else { "" };
         writeln!(
             out,

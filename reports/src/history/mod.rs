@@ -12,10 +12,10 @@ pub use json::render as json;
 pub use markdown::render as markdown;
 pub use text::render as text;
 
-use crate::comparison::TestResult;
 use crate::provenance::Provenance;
+use crate::results::history::{self, Cell};
+use crate::results::{TestResult, Verdict};
 use canvass_suite::verdict::Kind;
-use std::collections::BTreeMap;
 
 /// A release with its results, in the order in which they were given.
 #[derive(Clone, Debug)]
@@ -30,24 +30,11 @@ pub struct Release {
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// The releases, oldest first.
-    pub releases: Vec<Column>,
+    pub releases: Vec<history::Release>,
     /// The cases by rising id.
     pub cases: Vec<ReleaseRow>,
     /// Where it comes from.
     pub provenance: Provenance,
-}
-
-/// A release.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Column {
-    /// What it is called.
-    pub name: String,
-    /// What its devices call their software, each once.
-    pub software: Vec<String>,
-    /// How many results there are of it.
-    pub samples: usize,
-    /// Whether a run of it did not come to its end.
-    pub is_cancelled: bool,
 }
 
 /// A case over the releases.
@@ -57,19 +44,6 @@ pub struct ReleaseRow {
     pub id: String,
     /// How it was in each release.
     pub cells: Vec<Cell>,
-}
-
-/// A case in a release.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Cell {
-    /// The worst of its samples; none where it did not run.
-    pub verdict: Option<Kind>,
-    /// Whether it did not always end the same way.
-    pub is_flaky: bool,
-    /// The longest of its durations, in nanoseconds.
-    pub duration: Option<u64>,
-    /// The longest of each of its measured times, in nanoseconds.
-    pub times: BTreeMap<String, u64>,
 }
 
 /// What a case did over the releases.
@@ -105,7 +79,7 @@ impl History {
             cells: releases.iter().map(|release| Cell::of(id, &release.results)).collect(),
         };
         let cases = ids.into_iter().map(row).collect();
-        Self { releases: releases.iter().map(Column::of).collect(), cases, provenance: Provenance::default() }
+        Self { releases: releases.iter().map(column).collect(), cases, provenance: Provenance::default() }
     }
 
     fn name(&self, release: usize) -> &str {
@@ -133,52 +107,55 @@ impl History {
     }
 }
 
-impl Column {
-    fn of(release: &Release) -> Self {
-        let identities = release.results.iter().map(TestResult::identity);
-        let mut software: Vec<String> = identities.filter_map(|identity| identity.names[2].clone()).collect();
-        software.sort_unstable();
-        software.dedup();
-        Self {
-            name: release.name.clone(),
-            software,
-            samples: release.results.len(),
-            is_cancelled: release.results.iter().any(TestResult::is_cancelled),
-        }
+fn column(release: &Release) -> history::Release {
+    let mut software: Vec<String> =
+        release.results.iter().filter_map(|result| result.device.software_version.clone()).collect();
+    software.sort_unstable();
+    software.dedup();
+    history::Release {
+        cancelled: release.results.iter().any(|result| result.cancelled),
+        name: release.name.clone(),
+        samples: release.results.len(),
+        software,
     }
 }
 
 impl Cell {
     fn of(id: &str, samples: &[TestResult]) -> Self {
         let mut cell = Self::default();
-        for sample in samples.iter().filter_map(|result| result.sample(id)) {
-            let worse = cell.verdict.is_none_or(|known| sample.verdict.badness() > known.badness());
-            let differs = cell.verdict.is_some_and(|known| known != sample.verdict);
-            cell.is_flaky |= sample.is_flaky || differs;
-            cell.verdict = if worse { Some(sample.verdict) } else { cell.verdict };
-            cell.duration = cell.duration.max(sample.duration);
-            for (name, time) in sample.times {
-                let longest = cell.times.entry(name).or_insert(time);
-                *longest = time.max(*longest);
+        for case in samples.iter().filter_map(|result| result.cases.iter().find(|case| case.id == id)) {
+            let verdict = case.verdict;
+            let worse = cell.verdict.is_none_or(|known| verdict.0.badness() > known.0.badness());
+            cell.flaky |= case.flaky || cell.verdict.is_some_and(|known| known != verdict);
+            cell.verdict = if worse { Some(verdict) } else { cell.verdict };
+            cell.duration_ns = cell.duration_ns.max(Some(case.duration_ns));
+            for measured in case.measurements.iter().filter(|measured| measured.unit == "ns") {
+                let longest = cell.times_ns.entry(measured.name.clone()).or_default();
+                *longest = measured.value.max(*longest);
             }
         }
         cell
+    }
+
+    /// As a kind of verdict, if it ran.
+    fn kind(&self) -> Option<Kind> {
+        self.verdict.map(|Verdict(kind)| kind)
     }
 }
 
 impl ReleaseRow {
     fn verdict(&self, release: usize) -> Option<Kind> {
-        self.cells.get(release).and_then(|cell| cell.verdict)
+        self.cells.get(release).and_then(Cell::kind)
     }
 
     /// Whether it did not always end the same way in a release.
     pub fn is_flaky(&self) -> bool {
-        self.cells.iter().any(|cell| cell.is_flaky)
+        self.cells.iter().any(|cell| cell.flaky)
     }
 
     /// What it did over the releases.
     pub fn course(&self) -> Course {
-        let verdicts: Vec<Option<Kind>> = self.cells.iter().map(|cell| cell.verdict).collect();
+        let verdicts: Vec<Option<Kind>> = self.cells.iter().map(Cell::kind).collect();
         let bad: Vec<bool> = verdicts.iter().map(|verdict| verdict.is_some_and(is_bad)).collect();
         let ran = |verdict: &Option<Kind>| verdict.is_some();
         let turned = |to: bool| -> Vec<usize> {

@@ -15,7 +15,7 @@ fn result(verdicts: &[(&str, &str)]) -> TestResult {
         "device": { "software_version": HOSTILE },
         "cases": verdicts.iter().map(case).collect::<Vec<_>>(),
     });
-    TestResult::read(&document.to_string()).unwrap()
+    crate::results::read(&document.to_string()).unwrap()
 }
 
 fn history() -> History {
@@ -53,8 +53,8 @@ fn the_first_bad_release_of_each_case_is_found() {
 fn samples_that_differ_are_flaky_and_the_worst_counts() {
     let history = history();
     let cell = &history.cases[0].cells[1];
-    assert_eq!((cell.verdict, cell.is_flaky, cell.duration), (Some(Kind::Fail), true, Some(7_000_000)));
-    assert!(!history.cases[0].cells[2].is_flaky);
+    assert_eq!((cell.kind(), cell.flaky, cell.duration_ns), (Some(Kind::Fail), true, Some(7_000_000)));
+    assert!(!history.cases[0].cells[2].flaky);
 }
 
 #[test]

@@ -1,49 +1,39 @@
-//! The provenance as JSON: the same member `provenance` in all documents.
+//! The provenance as the member `provenance` of results.
 
 use super::{BusUsed, Choice, FileUsed, Host, Provenance, VERSION};
-use canvass_suite::runner::DeviceIdentity;
-use serde_json::{Map, Value, json};
+use crate::results::provenance as results;
 
 /// The member.
-pub fn json(provenance: &Provenance) -> Value {
-    let notes = provenance.notes.iter().map(|(key, value)| (key.clone(), Value::from(value.as_str())));
-    json!({
-        "version": VERSION,
-        "date": provenance.date.as_ref().map(|date| &date.rfc3339),
-        "zone": provenance.date.as_ref().map(|date| &date.zone),
-        "host": provenance.host.as_ref().map(|Host { name, system }| json!({ "name": name, "system": system })),
-        "bus": provenance.bus.as_ref().map(|BusUsed { address, adapter, bit_rate }| {
-            json!({ "address": address, "adapter": adapter, "bit_rate": bit_rate })
+pub fn json(provenance: &Provenance) -> results::Provenance {
+    let named = |(name, identity): &(String, _)| {
+        let identity = crate::results::Device::from(identity);
+        results::NamedDevice { device: name.clone(), identity }
+    };
+    let (date, zone) = provenance.date.clone().map(|date| (date.rfc3339, date.zone)).unzip();
+    results::Provenance {
+        bus: provenance.bus.clone().map(|BusUsed { address, adapter, bit_rate }| results::Bus {
+            adapter,
+            address,
+            bit_rate,
         }),
-        "devices": provenance.devices.iter().map(|(name, identity)| device(name, identity)).collect::<Vec<_>>(),
-        "seed": provenance.seed,
-        "files": provenance.files.iter().map(file).collect::<Vec<_>>(),
-        "options": provenance.options.iter().map(choice).collect::<Vec<_>>(),
-        "notes": Value::Object(notes.collect::<Map<_, _>>()),
-    })
+        date,
+        devices: provenance.devices.iter().map(named).collect(),
+        files: provenance.files.iter().map(file).collect(),
+        host: provenance.host.clone().map(|Host { name, system }| results::Host { name, system }),
+        notes: provenance.notes.iter().cloned().collect(),
+        options: provenance.options.iter().map(choice).collect(),
+        seed: provenance.seed,
+        version: VERSION.into(),
+        zone,
+    }
 }
 
-fn device(name: &str, identity: &DeviceIdentity) -> Value {
-    let [vendor_id, product_code, revision_number, serial_number] = identity.identity;
-    let [device_name, hardware_version, software_version] = &identity.names;
-    json!({
-        "device": name,
-        "device_type": identity.device_type,
-        "vendor_id": vendor_id,
-        "product_code": product_code,
-        "revision_number": revision_number,
-        "serial_number": serial_number,
-        "name": device_name,
-        "hardware_version": hardware_version,
-        "software_version": software_version,
-    })
+fn file(FileUsed { role, path, content }: &FileUsed) -> results::File {
+    let (bytes, sha256) = content.clone().unzip();
+    results::File { bytes, path: path.clone(), role: (*role).into(), sha256 }
 }
 
-fn file(FileUsed { role, path, content }: &FileUsed) -> Value {
-    let (bytes, sha256) = content.as_ref().map(|(bytes, sha256)| (bytes, sha256)).unzip();
-    json!({ "role": role, "path": path, "bytes": bytes, "sha256": sha256 })
-}
-
-fn choice(Choice { name, value, default, by }: &Choice) -> Value {
-    json!({ "name": name, "value": value, "default": default, "by": by.name() })
+fn choice(Choice { name, value, default, by }: &Choice) -> results::Choice {
+    let (name, value, default) = (name.clone(), value.clone(), default.clone());
+    results::Choice { by: by.name().into(), default, name, value }
 }

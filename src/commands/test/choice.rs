@@ -3,7 +3,7 @@
 use crate::output::diagnostic;
 use crate::status::Failure;
 use anyhow::{Context, anyhow};
-use canvass_reports::comparison::TestResult;
+use canvass_reports::results::{self, TestResult};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue::{Selector, cases, find, nearest, select};
 use canvass_traces::small_file::{self, OF_PROGRAM};
@@ -95,7 +95,7 @@ fn selects_nothing(option: &str, selector: &Selector) -> Failure {
 
 fn failed_in(path: &Path) -> Result<Vec<&'static str>, Failure> {
     let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
-    let result = TestResult::read(&text).with_context(|| format!("{}", path.display()))?;
+    let result: TestResult = results::read(&text).with_context(|| format!("{}", path.display()))?;
     let mut failed = Vec::new();
     for id in result.failed() {
         match find(id) {
@@ -109,7 +109,7 @@ fn failed_in(path: &Path) -> Result<Vec<&'static str>, Failure> {
             "no case was executed: in {path} nothing failed that could run again"
         )));
     }
-    if result.is_cancelled() {
+    if result.cancelled {
         diagnostic(&format!(
             "canvass: {} is of a cancelled run: cases that it had not reached do not run now",
             path.display()

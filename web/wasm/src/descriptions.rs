@@ -81,7 +81,7 @@ impl Described {
     /// What is wrong in it, each with its place, and how it is fixed.
     pub fn findings(&self) -> Value {
         let Some(file) = self.checked() else { return Value::Null };
-        canvass_reports::descriptions::json::document(&[file])
+        json!(canvass_reports::descriptions::json::document(&[file]))
     }
 
     /// The same in words.

@@ -1,8 +1,9 @@
 //! Results of `canvass test`, as their pages: two compared, many as a history.
 
 use crate::provenance::{Surroundings, used};
-use canvass_reports::comparison::{self, Missing, TestResult, compare};
+use canvass_reports::comparison::{self, Missing, compare};
 use canvass_reports::history::{self, History, Release};
+use canvass_reports::results::{self, TestResult};
 
 /// A result as it was chosen.
 pub struct ChosenResult {
@@ -56,6 +57,6 @@ impl ChosenResult {
     fn read(&self) -> Result<TestResult, String> {
         let told = |error: &dyn std::fmt::Display| format!("{}: {error}", self.name);
         let text = str::from_utf8(&self.bytes).map_err(|error| told(&error))?;
-        TestResult::read(text).map_err(|error| told(&error))
+        results::read(text).map_err(|error| told(&error))
     }
 }

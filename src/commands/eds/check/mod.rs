@@ -13,6 +13,7 @@ use canvass_reports::descriptions::text::{self, Style};
 use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
 use canvass_reports::escape::Printable;
 use selection::Selection;
+use serde_json::json;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -148,7 +149,7 @@ impl Args {
     fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
         let text = match self.format {
             CheckFormat::Text => summary(files),
-            CheckFormat::Json => Printable::pretty_json(&json::document(files)).into_string(),
+            CheckFormat::Json => Printable::pretty_json(&json!(json::document(files))).into_string(),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
             CheckFormat::Markdown => markdown::document(files),
             CheckFormat::Github => files.iter().map(github::render).collect(),

@@ -1,0 +1,178 @@
+//! `canvass selftest`.
+
+use super::{Contract, Verdict, Word};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The result of `canvass selftest`: which case failed on which fault.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct SelftestResult {
+    /// Liberties taken together.
+    pub combinations: Vec<Liberties>,
+    /// Liberties on which the fuzzer found violations.
+    pub fuzzed_not_spared: Vec<FuzzedLiberties>,
+    /// Each liberty alone.
+    pub liberties: Vec<Liberties>,
+    /// Faults that a deviation of the model hides.
+    pub masked: Vec<Masked>,
+    /// One row for each fault.
+    pub matrix: Vec<FaultRow>,
+    pub missed_beside_liberties: Vec<FaultBesideLiberties>,
+    /// One row for each model without fault.
+    pub models: Vec<ModelRow>,
+    #[schemars(extend("const" = Self::SCHEMA))]
+    pub schema: Word,
+    pub summary: Summary,
+    /// The cases that failed on no fault.
+    pub vacuous_cases: Vec<Word>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Summary {
+    pub beside_deviations: usize,
+    pub beside_liberties: usize,
+    pub cases: usize,
+    pub combinations: usize,
+    pub combinations_spared: usize,
+    pub detected: usize,
+    pub false_alarms: usize,
+    pub faults: usize,
+    /// Firmwares that the fuzzer tried, with liberties alone and combined.
+    pub fuzzed: usize,
+    pub fuzzed_exchanges: u64,
+    /// Of `fuzzed` those without a violation.
+    pub fuzzed_spared: usize,
+    pub liberties: usize,
+    pub masked: usize,
+    pub missed_beside_liberties: usize,
+    pub models: usize,
+    pub put_beside_liberties: usize,
+    pub spared: usize,
+    pub vacuous_cases: usize,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FaultRow {
+    pub detected: bool,
+    /// The cases that failed.
+    pub failed: Vec<Word>,
+    pub fault: Word,
+    /// Cases that name the fault and did not fail.
+    pub missed: Vec<MissedCase>,
+    pub model: Word,
+    /// Cases that failed without being about it.
+    pub unrelated: Vec<Word>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MissedCase {
+    pub case: Word,
+    pub verdict: Verdict,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Masked {
+    pub case: Word,
+    pub fault: Word,
+    pub model: Word,
+    pub verdict: Verdict,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FaultBesideLiberties {
+    pub fault: Word,
+    pub liberties: Vec<Word>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Liberties {
+    /// The number of cases that were executed.
+    pub executed: usize,
+    pub false_alarms: Vec<FalseAlarm>,
+    pub liberties: Vec<Word>,
+    pub model: Word,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ModelRow {
+    /// The number of cases that were executed.
+    pub executed: usize,
+    pub false_alarms: Vec<FalseAlarm>,
+    pub model: Word,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FalseAlarm {
+    pub case: Word,
+    pub reason: String,
+    pub verdict: Verdict,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FuzzedLiberties {
+    pub liberties: Vec<Word>,
+    pub model: Word,
+    pub violations: Vec<FuzzedViolation>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FuzzedViolation {
+    pub actual: String,
+    pub expected: String,
+    /// The sequence as candump log.
+    pub log: String,
+    pub property: Word,
+    pub rule: Word,
+}
+
+impl Contract for SelftestResult {
+    const SCHEMA: &'static str = "canvass/selftest/1";
+    const COMMAND: &'static str = "canvass selftest";
+}
+
+/// The result of `canvass selftest --fuzz`: how fast the fuzzer finds which fault.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FuzzSelftestResult {
+    pub faults: Vec<FuzzedFault>,
+    #[schemars(extend("const" = Self::SCHEMA))]
+    pub schema: Word,
+    pub summary: FuzzSummary,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FuzzSummary {
+    pub detected: usize,
+    pub faults: usize,
+    pub median_frames: Option<usize>,
+    pub median_ns: Option<u64>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FuzzedFault {
+    /// What the fuzzer was allowed for it.
+    pub allow: Option<Word>,
+    pub fault: Word,
+    /// Whether it was found with every seed, in time.
+    pub good: bool,
+    pub model: Word,
+    pub trials: Vec<Trial>,
+}
+
+/// Members are `null` where nothing was found.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Trial {
+    /// Whether the same sequence shows nothing without the fault.
+    pub caused: Option<bool>,
+    pub confirmed: Option<bool>,
+    pub elapsed_ns: Option<u64>,
+    pub exchanges: u64,
+    pub frames: Option<usize>,
+    pub property: Option<Word>,
+    pub rule: Option<Word>,
+    pub seed: u64,
+}
+
+impl Contract for FuzzSelftestResult {
+    const SCHEMA: &'static str = "canvass/selftest-fuzz/1";
+    const COMMAND: &'static str = "canvass selftest --fuzz";
+}
