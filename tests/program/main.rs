@@ -86,6 +86,7 @@ mod rows;
 #[cfg(test)]
 mod running;
 #[cfg(test)]
+mod schemas;
 mod settings;
 #[cfg(test)]
 #[cfg(unix)] // pseudo-terminals, and what they say of themselves

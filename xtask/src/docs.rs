@@ -23,5 +23,5 @@ pub fn docs() -> Result<()> {
         std::fs::write(page, output.stdout).with_context(|| format!("can't write {page}"))?;
         eprintln!("{page}");
     }
-    Ok(())
+    run("cargo", &["run", "--quiet", "--locked", "--package", "canvass-reports", "--example", "schemas", "--", "docs/schemas"])
 }

@@ -13,6 +13,7 @@ pub mod fuzz;
 pub mod history;
 pub mod provenance;
 pub mod quality;
+pub mod schemas;
 pub mod selftest;
 pub mod test;
 mod verdict;
