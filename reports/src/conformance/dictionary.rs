@@ -45,8 +45,10 @@ pub(super) fn sentence(comparison: &Comparison) -> String {
         1 => Some("1 setting is stored with another value than before: the next start brings it.".to_owned()),
         many => Some(format!("{many} settings are stored with other values than before: the next start brings them.")),
     };
-    let zero_points = comparison.zero_points.iter().map(|moved| capitalised(&moved.to_string()) + ".");
-    [in_use].into_iter().chain(stored).chain(zero_points).collect::<Vec<_>>().join(" ")
+    let sentence = |text: String| capitalised(&text) + ".";
+    let zero_points = comparison.zero_points.iter().map(|moved| sentence(moved.to_string()));
+    let behaviour = comparison.behaviour.iter().map(|changed| sentence(changed.to_string()));
+    [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
 }
 
 fn capitalised(text: &str) -> String {

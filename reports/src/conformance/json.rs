@@ -87,6 +87,7 @@ struct Compared<'a> {
     commands: &'a [String],
     stored: Vec<Changed<'a>>,
     zero_points: Vec<MovedZeroPoint>,
+    behaviour: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -259,6 +260,7 @@ fn compared(comparison: &Comparison) -> Compared<'_> {
         commands: &comparison.commands,
         stored: comparison.stored.iter().map(changed).collect(),
         zero_points: comparison.zero_points.iter().map(zero_point).collect(),
+        behaviour: comparison.behaviour.iter().map(ToString::to_string).collect(),
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::Bench;
 use super::rewrite::Original;
+use crate::behaviour::{Behaviour, Changed};
 use crate::comparison::{Change, Comparison, Nature};
 use crate::journal::Interrupted;
 use crate::touch::Touch;
@@ -28,6 +29,10 @@ pub(crate) struct Baseline {
     pub unseen: Vec<Multiplexer>,
     /// Where the zero point is after a start.
     pub stored_zero_point: Option<ZeroPoint>,
+    /// What the device does after a start.
+    pub behaviour: Option<Behaviour>,
+    /// Whether it was operational before the run, or becomes so in it: its behaviour is looked at there, too.
+    pub has_operational: bool,
 }
 
 /// What is not in the device's memory as it was.
@@ -35,6 +40,7 @@ pub(crate) struct Baseline {
 pub(crate) struct MemoryLeft {
     pub changes: Vec<Change>,
     pub zero_point: Option<Moved>,
+    pub behaviour: Vec<Changed>,
 }
 
 impl Baseline {
@@ -46,13 +52,17 @@ impl Baseline {
             stored: (!stored.is_empty()).then_some(stored),
             stored_zero_point: run.stored_zero_point,
             unseen: Vec::new(),
+            behaviour: None,
+            has_operational: run.operational,
         }
     }
 }
 
 impl Bench<'_> {
-    /// Looks where the zero point is, before anything is reset.
-    pub(crate) fn note_zero_point(&mut self) {
+    /// Looks where the zero point is, before anything is reset. `has_operational`: the device is operational at some time, before
+    /// the run or in it.
+    pub(crate) fn note_zero_point(&mut self, has_operational: bool) {
+        self.baseline.has_operational = has_operational;
         // A device that does not tell it has none that could be compared.
         self.baseline.zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
     }
@@ -80,6 +90,7 @@ impl Bench<'_> {
         self.baseline.stored_zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
         self.journal_memory(&stored)?;
         self.baseline.stored = Some(stored);
+        self.baseline.behaviour = Some(self.unjudged(Self::behaviour)?);
         Ok(())
     }
 
@@ -160,7 +171,7 @@ impl Bench<'_> {
             None => None,
         };
         let zero_point = zero_point.map(|moved| Moved { is_stored: true, ..moved });
-        Ok(MemoryLeft { changes, zero_point })
+        Ok(MemoryLeft { changes, zero_point, behaviour: Vec::new() })
     }
 
     fn put_back_stored_zero_point(&mut self, may_store: bool) -> Result<Option<Moved>, Stop> {
@@ -218,7 +229,8 @@ impl Bench<'_> {
             // Each case has put back what it stored: what is left here was stored unasked.
             Some(_) => {
                 let may_store = self.may_store() && self.stores() > 0;
-                self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default()
+                let left = self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default();
+                MemoryLeft { behaviour: self.changed_behaviour(), ..left }
             }
             None => MemoryLeft::default(),
         };
@@ -244,7 +256,7 @@ impl Bench<'_> {
         }
         let zero_points: Vec<Moved> = self.put_back_zero_point_in_use().into_iter().chain(memory.zero_point).collect();
         let commands = self.commands(bus, before, &comparison.changes, &memory.changes);
-        Comparison { stored: memory.changes, zero_points, commands, ..comparison }
+        Comparison { stored: memory.changes, zero_points, behaviour: memory.behaviour, commands, ..comparison }
     }
 
     /// Puts back the zero point that was in use and that no start brings, where the user allows presets; gives by how much it

@@ -31,6 +31,7 @@ mod provide;
 mod restore;
 mod rewrite;
 pub mod sdo;
+mod start;
 pub mod state;
 mod target;
 #[cfg(test)]

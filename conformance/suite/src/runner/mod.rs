@@ -91,7 +91,8 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         dictionary: if asks { bench.dump() } else { Vec::new() },
     };
     if asks {
-        bench.note_zero_point();
+        let starts = plan.cases.iter().any(|case| case.may_start_the_device());
+        bench.note_zero_point(was_operational || starts);
     }
     bench
         .begin_journal(plan.bus, was_operational, &info.dictionary)

@@ -46,7 +46,7 @@ fn at_work(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     bench.write(HEARTBEAT, &[0xE8, 3]).unwrap();
     bench.begin();
     bench.changes.clear();
-    bench.note_zero_point();
+    bench.note_zero_point(true);
     let dictionary = bench.dump();
     bench.learn_memory(&dictionary).unwrap();
     dictionary
@@ -135,7 +135,7 @@ fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
     bench.write(STORE, b"save").unwrap();
     bench.listen(Duration::from_millis(500)).unwrap();
     bench.begin();
-    bench.note_zero_point();
+    bench.note_zero_point(true);
     let dictionary = bench.dump();
     bench.learn_memory(&dictionary).unwrap();
     bench.read_number(OFFSET).unwrap()
