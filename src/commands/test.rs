@@ -97,6 +97,10 @@ pub struct Args {
     /// A shell command that switches the supply of the device off and on; it is run when the device stops answering
     #[arg(long, value_name = "COMMAND")]
     power_cycle: Option<String>,
+    /// The zero point of the encoder is stored, so that a reset does not lose it; without it, an encoder whose 6509h is not 0 is
+    /// not tested
+    #[arg(long)]
+    zero_point_stored: bool,
     /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -219,6 +223,7 @@ impl Args {
             power_cycle: self.power_cycle.clone(),
             exhaustive: self.exhaustive,
             limit: self.span,
+            zero_point_is_stored: self.zero_point_stored,
             journal: None,
         }
     }

@@ -13,9 +13,36 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::Mode;
 use canvass_traces::Duration;
+use std::fmt;
 
 /// After "save" was confirmed: some devices go on writing their memory, and a reset meanwhile would tear it.
 const WRITTEN: Duration = Duration::from_millis(200);
+
+/// What a reset would take from the device.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Harm {
+    /// A zero point that may not be stored: the object that has moved it.
+    ZeroPoint(Multiplexer),
+    /// An object that a reset sets to its default, and only power-on, or storing, brings back.
+    Defaults(Multiplexer),
+}
+
+impl fmt::Display for Harm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroPoint(at) => write!(
+                f,
+                "its zero point was moved ({at}), and the first reset would lose one that is not stored: store it, and say so by \
+                 --zero-point-stored"
+            ),
+            Self::Defaults(at) => write!(
+                f,
+                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: --allow nvm \
+                 lets it be put back, and so does --power-cycle COMMAND with --allow nvm"
+            ),
+        }
+    }
+}
 
 /// The device before the first case.
 #[derive(Clone, Debug, Default)]
@@ -202,6 +229,11 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// The number that an object holds; `None`: it can't be read.
+    pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
+        Ok(self.value_at_last(at)?.map(|value| super::sdo::number(&value)))
+    }
+
     /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
         use canvass_bus::client::Outcome;
@@ -228,7 +260,7 @@ impl Bench<'_> {
             // What fails here shows in the dictionary.
             // Each case has put back what it stored: what is left here was stored unasked.
             Some(_) => {
-                let may_store = self.may_store() && self.stores() > 0;
+                let may_store = self.may_store() && (self.stores() > 0 || !self.baseline.unseen.is_empty());
                 let left = self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default();
                 MemoryLeft { behaviour: self.changed_behaviour(), ..left }
             }
@@ -254,23 +286,38 @@ impl Bench<'_> {
         if !comparison.is_complete {
             return comparison;
         }
-        let zero_points: Vec<Moved> = self.put_back_zero_point_in_use().into_iter().chain(memory.zero_point).collect();
+        let zero_points: Vec<Moved> = self.moved_in_use().into_iter().chain(memory.zero_point).collect();
         let commands = self.commands(bus, before, &comparison.changes, &memory.changes);
         Comparison { stored: memory.changes, zero_points, behaviour: memory.behaviour, commands, ..comparison }
     }
 
-    /// Puts back the zero point that was in use and that no start brings, where the user allows presets; gives by how much it
-    /// is still moved.
-    pub(crate) fn put_back_zero_point_in_use(&mut self) -> Option<Moved> {
+    /// By how much the zero point is moved that was in use before the run.
+    fn moved_in_use(&mut self) -> Option<Moved> {
         let before = self.baseline.zero_point?;
-        let act = |bench: &mut Self| {
-            if bench.options.allow.contains(&Touch::Preset) {
-                return bench.put_back_zero_point(&before);
-            }
-            Ok(ZeroPoint::look(bench)?.and_then(|now| before.moved(&now)))
-        };
         // Whether the device answers is told apart from this.
-        self.uncancelled(|bench| bench.unjudged(act)).ok().flatten()
+        let now = self.uncancelled(|bench| bench.unjudged(ZeroPoint::look)).ok().flatten()?;
+        before.moved(&now)
+    }
+
+    /// Why a reset, with which each case begins, would take something from the device that no case puts back; `None`: it would
+    /// not, as far as is known.
+    pub(crate) fn harm_of_a_reset(&mut self, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
+        let zero_point = self.baseline.zero_point.filter(|_| !self.options.zero_point_is_stored);
+        if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {
+            let is_stored = self.stores_at_once(zero_point.preset());
+            if !is_stored {
+                return Some(Harm::ZeroPoint(zero_point.preset()));
+            }
+        }
+        let is_default = |at: Multiplexer, value: &[u8]| {
+            let description = self.target.description.as_ref();
+            let entry = description.and_then(|description| description.dictionary.entry(at).ok());
+            let default = entry.and_then(|entry| entry.start_value(self.target.node)?.encode(entry.data_type).ok());
+            default.is_none_or(|default| default == value)
+        };
+        let mut lost = known.iter().filter(|(at, _)| self.is_put_back(*at) && self.is_unseen(*at));
+        let lost = lost.find(|(at, value)| !is_default(*at, value)).map(|(at, _)| *at);
+        lost.filter(|_| !self.may_store()).map(Harm::Defaults)
     }
 
     /// Acts to the end, with leave to move a zero point back to where it was.

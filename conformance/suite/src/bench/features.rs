@@ -98,6 +98,14 @@ impl Bench<'_> {
         Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 
+    /// Whether the object that holds the bit rate to start with, where the device has one, still holds what it held before the run.
+    pub(crate) fn keeps_stored_bit_rate(&mut self) -> bool {
+        let Some(at) = self.target.manual.settings.bit_rate else { return false };
+        let stored = self.baseline.stored.iter().flatten().find(|original| original.multiplexer == at);
+        let Some(before) = stored.map(|original| original.value.clone()) else { return false };
+        matches!(self.unjudged(|bench| bench.value_at_last(at)), Ok(Some(now)) if now == before)
+    }
+
     /// What the manual of the device says, where it is one of the built-in models.
     pub(crate) fn manual(&self) -> Option<&'static Model> {
         Model::by_id(&self.target.model)

@@ -39,6 +39,7 @@ mod tests;
 mod traffic;
 mod watch;
 
+pub use baseline::Harm;
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;

@@ -17,7 +17,7 @@ pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
 pub use one_case::run_case;
 pub use summary::{EndedEarly, HostTiming, Summary};
 
-use crate::bench::{Bench, objects};
+use crate::bench::{Bench, Harm, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
@@ -46,6 +46,14 @@ pub enum RunError {
         node: NodeId,
         /// How long.
         waited: Duration,
+    },
+    /// The first reset would lose what no case puts back.
+    #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
+    WouldHarm {
+        /// The node-ID.
+        node: NodeId,
+        /// What it would lose.
+        harm: Harm,
     },
     /// What is changed could not be written down beforehand.
     #[error("the journal of the run can't be written: {0}")]
@@ -93,6 +101,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     if asks {
         let starts = plan.cases.iter().any(|case| case.may_start_the_device());
         bench.note_zero_point(was_operational || starts);
+        if let Some(harm) = bench.harm_of_a_reset(&info.dictionary) {
+            return Err(RunError::WouldHarm { node: bench.node(), harm });
+        }
     }
     bench
         .begin_journal(plan.bus, was_operational, &info.dictionary)
