@@ -86,7 +86,7 @@ impl Comparison {
         self.is_complete
             && self.left().next().is_none()
             && self.stored.is_empty()
-            && self.zero_points.is_empty()
+            && self.zero_points.iter().all(|moved| moved.is_denied)
             && self.behaviour.is_empty()
     }
 }

@@ -73,6 +73,8 @@ pub struct Moved {
     pub range: u64,
     /// Whether the shaft may have been turned instead: the device does not tell the offset, or tells the same as before.
     pub is_uncertain: bool,
+    /// Whether the device tells the offset, and that it is the same as before: then most likely the shaft was turned.
+    pub is_denied: bool,
     /// Whether it is moved in the device's memory: the next start brings it.
     pub is_stored: bool,
 }
@@ -116,6 +118,11 @@ impl ZeroPoint {
         self.offset.is_none_or(|offset| offset == 0)
     }
 
+    /// Whether a preset can put it back from every position.
+    pub(crate) const fn takes_position(&self) -> bool {
+        self.takes_position
+    }
+
     /// What moves it.
     pub(crate) const fn preset(&self) -> Multiplexer {
         self.preset
@@ -132,6 +139,7 @@ impl ZeroPoint {
             Some(_) => TREMBLE.max(self.spread).max(now.spread),
             None => self.spread + now.spread,
         };
+        let is_denied = by_offset == Some(0);
         let (steps, is_uncertain) = match by_offset {
             Some(steps) if steps != 0 && takes_position => (steps, false),
             // What was set on the spot tells that it was, and not by how much.
@@ -139,7 +147,7 @@ impl ZeroPoint {
             _ if both_at_rest && !has_turned && by_position.abs() > excused => (by_position, true),
             _ => return None,
         };
-        Some(Moved { steps, preset, takes_position, position, range, is_uncertain, is_stored: false })
+        Some(Moved { steps, preset, takes_position, position, range, is_uncertain, is_denied, is_stored: false })
     }
 
     /// The preset that moves the zero point from `now` back to here, at rest.
@@ -226,7 +234,8 @@ impl Bench<'_> {
         for _ in 0..TRIES {
             let Some(now) = ZeroPoint::look(self)? else { return Ok(None) };
             left = before.moved(&now);
-            let Some(moved) = left.filter(|moved| now.is_at_rest() && moved.takes_position) else { break };
+            let may_be_put_back = |moved: &Moved| now.is_at_rest() && moved.takes_position && !moved.is_denied;
+            let Some(moved) = left.filter(may_be_put_back) else { break };
             let value = before.preset_back(&now, &moved);
             self.with_leave_to_move(|bench| bench.download_now(moved.preset, &value.to_le_bytes()))?;
         }

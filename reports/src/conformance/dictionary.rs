@@ -57,7 +57,7 @@ fn capitalised(text: &str) -> String {
 }
 
 fn names(comparison: &Comparison) -> String {
-    const MOST: usize = 8;
+    const MOST: usize = 20;
     let mut names: Vec<String> = comparison.own().take(MOST).map(|change| change.multiplexer.to_string()).collect();
     let more = comparison.own().count() - names.len();
     if more > 0 {
@@ -145,6 +145,8 @@ mod tests {
             position: Multiplexer::new(0x6004, 0),
             range: 10_000,
             is_uncertain: false,
+            is_denied: false,
+            takes_position: true,
             is_stored: true,
         };
         let comparison = Comparison {

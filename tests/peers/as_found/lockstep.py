@@ -18,9 +18,7 @@ class Lockstep:
     """The program `lockstep`: a request and its answer, a JSON object a line each."""
 
     def __init__(self, program):
-        self._process = subprocess.Popen(
-            [program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
-        )
+        self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
 
     def ask(self, do, **words):
         self._process.stdin.write(json.dumps({"do": do, **words}) + "\n")
@@ -45,6 +43,8 @@ class LockstepBus(can.BusABC):
         self.channel_info = "a simulated device in virtual time"
         self._lockstep = lockstep
         self._received = collections.deque()
+        self.now = 0.0
+        """Seconds since the device was first switched on."""
 
     def send(self, msg, timeout=None):
         data = f"R{msg.dlc or ''}" if msg.is_remote_frame else msg.data.hex()
@@ -57,17 +57,19 @@ class LockstepBus(can.BusABC):
             self._take(self._lockstep.ask("wait", ms=round(timeout * 1_000)))
         return self._received.popleft() if self._received else None
 
-    def forget(self):
-        """Frames of a state that was left are of no concern any more."""
+    def forget(self, nanoseconds):
+        """It is another time: frames of a state that was left are of no concern any more."""
         self._received.clear()
+        self.now = nanoseconds / 1e9
 
     def _take(self, answer):
+        self.now = answer["now"] / 1e9
         for frame in answer["frames"]:
             identifier, _, data = frame.partition("#")
             is_remote = data.startswith("R")
             self._received.append(
                 can.Message(
-                    timestamp=answer["now"] / 1e9,
+                    timestamp=self.now,
                     arbitration_id=int(identifier, 16),
                     is_extended_id=len(identifier) > 3,
                     is_remote_frame=is_remote,
@@ -85,6 +87,10 @@ class Network(canopen.Network):
     def send_message(self, can_id, data, remote=False):
         super().send_message(can_id, data, remote)
         self.hear(0)
+
+    def now(self):
+        """Seconds on the clock of the bus."""
+        return self.bus.now
 
     def hear(self, seconds):
         """Lets that time pass."""

@@ -3,8 +3,9 @@
 import dataclasses
 import random
 
-from judge import Bench, Trial
 from situation import SITUATIONS
+from stand import Stand
+from trial import Trial
 
 RAN = {"pass", "tolerated", "deviation", "fail", "inconclusive", "error"}
 """Verdicts of cases that did something to the device."""
@@ -23,8 +24,8 @@ class Extent:
     """Whether the cases that touch nothing run by themselves, too, each in one of the situations."""
 
 
-WHOLE = Extent(alone=None, interrupts=3, kills=17, others=True)
-"""Of each of the three situations of a model."""
+WHOLE = Extent(alone=None, interrupts=3, kills=13, others=True)
+"""Of each of the four situations of a model."""
 SAMPLE = Extent(alone=4, interrupts=1, kills=5, others=False)
 
 
@@ -40,11 +41,11 @@ def name_of(allow, words):
 class Matrix:
     """The trials of one model in one situation."""
 
-    def __init__(self, bench, catalogue, extent, seed):
-        self._bench, self._extent = bench, extent
+    def __init__(self, stand, catalogue, extent, seed):
+        self._stand, self._extent = stand, extent
         self._words = tuple(catalogue["words"])
         self._touches = {case["id"]: set(case["touches"]) for case in catalogue["cases"]}
-        self._dice = random.Random(f"{seed} {bench.model} {bench.situation}")
+        self._dice = random.Random(f"{seed} {stand.model} {stand.situation}")
 
     def outcomes(self):
         for allow in allowances(self._words):
@@ -59,15 +60,16 @@ class Matrix:
             yield from self._alone(case)
         if self._extent.others:
             others = [case for case in ran if not self._touches[case]]
-            for case in others[list(SITUATIONS).index(self._bench.situation) :: len(SITUATIONS)]:
+            for case in others[list(SITUATIONS).index(self._stand.situation) :: len(SITUATIONS)]:
                 yield from self._with_interrupts((), case)
-        yield from self._bench.kill(self._trial(self._words), self._moments(whole.frames, [ran[case] for case in acting]))
+        moments = self._moments(whole.frames, [ran[case] for case in acting])
+        yield from self._stand.kill(self._trial(self._words), moments)
 
     def _trial(self, allow, *select):
-        return Trial(self._bench.model, self._bench.situation, allow, name_of(allow, self._words), select)
+        return Trial(self._stand.model, self._stand.situation, allow, name_of(allow, self._words), select)
 
     def _run(self, allow, *select):
-        return self._bench.run(self._trial(allow, *select))
+        return self._stand.run(self._trial(allow, *select))
 
     def _alone(self, case):
         for allow in allowances(self._words):
@@ -81,7 +83,7 @@ class Matrix:
         _, begin, end, _ = complete.cases[-1] if complete.cases else (case, 0, complete.frames, "")
         if end > begin + 1:
             for frame in self._draw(begin + 1, end, self._extent.interrupts):
-                yield self._bench.run(dataclasses.replace(self._trial(allow, case), interrupt=frame))
+                yield self._stand.run(dataclasses.replace(self._trial(allow, case), interrupt=frame))
 
     def _draw(self, first, last, count):
         return sorted(self._dice.sample(range(first, last + 1), min(count, last + 1 - first)))
@@ -98,6 +100,6 @@ class Matrix:
 
 def try_all(job):
     """One job of a pool: the outcomes of a model in a situation."""
-    program, models, model, situation, catalogue, extent, seed = job
-    with Bench(program, models, model, situation) as bench:
-        return list(Matrix(bench, catalogue, extent, seed).outcomes())
+    program, descriptions, model, situation, catalogue, extent, seed = job
+    with Stand(program, descriptions, model, situation) as stand:
+        return list(Matrix(stand, catalogue, extent, seed).outcomes())

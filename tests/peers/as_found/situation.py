@@ -7,24 +7,62 @@ from canopen.objectdictionary import datatypes
 
 from acting import of_the_bus, why_acting
 
-REVOLUTIONS = 0.37
-"""How far the shaft turns after the presets and before the run: a preset that is written again is then another one."""
 
-MOVES = 60
-"""Seconds after power-on at which it turns; after that it is at rest for ever."""
+@dataclasses.dataclass(frozen=True)
+class Situation:
+    """What the user did before."""
 
-COURSE = f"""# seconds, revolutions or millimetres
-0, 0.6
-{MOVES}, 0.6
-{MOVES + 5}, {0.6 + REVOLUTIONS}
-"""
+    is_stored: bool
+    """Values were given to all settings, and stored."""
+    is_working: bool
+    """Other values were given to them later, and not stored."""
+    state: str | None
+    """The NMT state that was commanded."""
+    turns: bool = False
+    """The shaft turns slowly while canvass is there."""
+    is_preset: bool = False
+    """A zero point is set that is not stored: a reset would lose it, and canvass must not begin."""
+
+    @property
+    def rests_at(self):
+        """The second after power-on from which on the shaft is at rest for ever."""
+        return TURNED if self.turns else MOVED
+
 
 SITUATIONS = {
-    # name: (is something stored, are there working values beside, NMT state)
-    "working": (False, True, None),
-    "stored": (True, False, "OPERATIONAL"),
-    "both": (True, True, "OPERATIONAL"),
+    "working": Situation(is_stored=False, is_working=True, state=None),
+    "stored": Situation(is_stored=True, is_working=False, state="OPERATIONAL"),
+    "both": Situation(is_stored=True, is_working=True, state="OPERATIONAL"),
+    "turning": Situation(is_stored=True, is_working=True, state=None, turns=True),
+    "preset": Situation(is_stored=False, is_working=True, state=None, is_preset=True),
 }
+
+MOVES, MOVED = 25, 27
+"""Seconds after power-on: the device is set up before, and the run comes after."""
+
+TURNED = 1_500
+"""When a shaft that turns during the run is at rest: no run takes longer."""
+
+
+BEGIN, END = 0.6, 0.97
+"""Where the shaft is before and after, in revolutions or millimetres: a preset that is written again is then another one."""
+
+
+def course(name):
+    """The motion of the shaft: seconds, and revolutions or millimetres."""
+    points = [(0, BEGIN), (MOVES, BEGIN), (MOVED, END)]
+    if SITUATIONS[name].turns:
+        points += [(MOVED + 1, END), (TURNED, END + 0.05)]
+    return _lines(points)
+
+
+def turned():
+    """The motion of a shaft that has turned before its device was switched on."""
+    return _lines([(0, END), (1, END)])
+
+
+def _lines(points):
+    return "".join(f"{seconds}, {position}\n" for seconds, position in points)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,33 +104,40 @@ class Unfit(Exception):
 
 
 def prepare(subject, model, name):
-    """Sets the device up; gives how many settings it took."""
-    is_stored, is_working, state = SITUATIONS[name]
+    """Sets the device up and lets the shaft turn."""
+    situation = SITUATIONS[name]
+    began = subject.network.now()
     subject.network.hear(3)
     taken = 0
-    if is_stored:
+    if situation.is_stored:
         taken += _write_all(subject, model, lambda pair: pair.stored)
+        taken += _preset(subject, model, lambda pair: pair.stored)
         subject.node.store()
         subject.network.hear(4)
-    if is_working:
+    if situation.is_working:
         taken += _write_all(subject, model, lambda pair: pair.working)
+    if situation.is_preset:
+        taken += _preset(subject, model, lambda pair: pair.working)
     if taken < 4:
         raise Unfit(f"{model} took only {taken} settings")
-    subject.network.hear(MOVES + 10)
-    if state:
-        subject.node.nmt.state = state
-    return taken
+    if subject.network.now() - began >= MOVES:
+        raise Unfit(f"{model} was not set up before its shaft began to turn")
+    if situation.state:
+        subject.node.nmt.state = situation.state
+    subject.network.hear(MOVED + 1 - (subject.network.now() - began))
 
 
 def _write_all(subject, model, of):
     taken = sum(subject.write(*at, subject.encode(at, of(pair))) for at, pair in _settings(subject, model))
-    taken += _map(subject, of(Pair(-1, -2)))
-    taken += sum(
+    return taken + _map(subject, of(Pair(-1, -2)))
+
+
+def _preset(subject, model, of):
+    return sum(
         subject.write(index, 0, subject.encode((index, 0), of(pair)))
         for index, pair in PRESETS.items()
         if index in subject.description and why_acting(model, index)
     )
-    return taken
 
 
 def _settings(subject, model):
@@ -131,11 +176,19 @@ def _map(subject, which):
     if not all((at in known and known[at].writable) for at in [(communication, 1), (mapping, 0), (mapping, 1)]):
         return False
     mappable = [
-        at for at, var in known.items() if at[0] >= 0x2000 and var.pdo_mappable and var.readable and len(var) in (8, 16, 32)
+        at
+        for at, var in known.items()
+        if at[0] >= 0x2000 and var.pdo_mappable and var.readable and len(var) in (8, 16, 32)
     ]
     at = mappable[which % len(mappable)]
     cob_id = subject.read(communication, 1)
     off = bytes(cob_id[:3]) + bytes([cob_id[3] | 0x80])
     entry = subject.encode((mapping, 1), at[0] << 16 | at[1] << 8 | len(known[at]))
-    steps = [(communication, 1, off), (mapping, 0, b"\0"), (mapping, 1, entry), (mapping, 0, b"\1"), (communication, 1, cob_id)]
+    steps = [
+        (communication, 1, off),
+        (mapping, 0, b"\0"),
+        (mapping, 1, entry),
+        (mapping, 0, b"\1"),
+        (communication, 1, cob_id),
+    ]
     return all([subject.write(*step) for step in steps])

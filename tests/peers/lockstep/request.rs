@@ -34,6 +34,8 @@ pub struct Wanted {
     pub allow: Vec<String>,
     /// The ids of the cases; empty: all cases.
     pub select: Vec<String>,
+    /// `--zero-point-stored`.
+    pub zero_point_stored: bool,
     /// Presses Ctrl-C at this frame, counted from 1.
     pub interrupt: Option<u64>,
     /// Keeps what a kill at each of these frames would leave, under the name `kill N`.

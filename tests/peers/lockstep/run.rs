@@ -36,7 +36,8 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     let _ = std::fs::remove_file(&journal);
     let cases = chosen(&wanted.select)?;
     let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
-    let options = Options { allow, journal: Some(journal.clone()), ..Options::default() };
+    let zero_point_is_stored = wanted.zero_point_stored;
+    let options = Options { allow, zero_point_is_stored, journal: Some(journal.clone()), ..Options::default() };
     let moments = Moments {
         interrupt: wanted.interrupt,
         kill: wanted.kill.clone(),

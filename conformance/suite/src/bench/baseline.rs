@@ -23,7 +23,7 @@ const WRITTEN: Duration = Duration::from_millis(200);
 pub enum Harm {
     /// A zero point that may not be stored: the object that has moved it.
     ZeroPoint(Multiplexer),
-    /// An object that a reset sets to its default, and only power-on, or storing, brings back.
+    /// An object that a reset sets to its default, and only power-on brings back.
     Defaults(Multiplexer),
 }
 
@@ -37,8 +37,8 @@ impl fmt::Display for Harm {
             ),
             Self::Defaults(at) => write!(
                 f,
-                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: --allow nvm \
-                 lets it be put back, and so does --power-cycle COMMAND with --allow nvm"
+                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: a command that \
+                 switches its supply (--power-cycle COMMAND, with --allow nvm) brings it back"
             ),
         }
     }
@@ -155,8 +155,9 @@ impl Bench<'_> {
     /// Whether restoring the defaults would move the zero point, which only the leave to preset lets a case put back: it is not
     /// that of the delivery, or the device does not tell.
     pub(crate) fn would_lose_zero_point(&self) -> bool {
-        let is_moved = self.baseline.stored_zero_point.is_some_and(|zero_point| !zero_point.is_as_delivered());
-        is_moved && !self.options.allow.contains(&Touch::Preset)
+        let moved = self.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
+        let may_preset = self.options.allow.contains(&Touch::Preset);
+        moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
     }
 
     /// Restarts the device, compares what that brings with what it brought before the run, and puts back what may be: settings
@@ -317,7 +318,8 @@ impl Bench<'_> {
         };
         let mut lost = known.iter().filter(|(at, _)| self.is_put_back(*at) && self.is_unseen(*at));
         let lost = lost.find(|(at, value)| !is_default(*at, value)).map(|(at, _)| *at);
-        lost.filter(|_| !self.may_store()).map(Harm::Defaults)
+        // Where the supply can be switched, nothing is unseen.
+        lost.map(Harm::Defaults)
     }
 
     /// Acts to the end, with leave to move a zero point back to where it was.

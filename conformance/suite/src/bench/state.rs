@@ -237,8 +237,14 @@ impl Bench<'_> {
         if let Some(state) = self.heard_state(LONGEST_HEARTBEAT)? {
             return Ok(state == State::OPERATIONAL);
         }
-        if let Some(number) = self.unjudged(|bench| bench.number_at_last(HEARTBEAT_TIME))?.filter(|time| *time != 0) {
-            let period = Duration::from_millis(u64::from(number) + u64::from(number / 4)) + LONGEST_HEARTBEAT;
+        let heartbeat_time = self.unjudged(|bench| bench.upload(HEARTBEAT_TIME))?;
+        if heartbeat_time.is_silent() {
+            // Nobody who can be asked, and nobody who says anything.
+            return Ok(false);
+        }
+        let time = heartbeat_time.value().map_or(0, |value| super::sdo::number(&value));
+        if time != 0 {
+            let period = Duration::from_millis(u64::from(time) + u64::from(time / 4)) + LONGEST_HEARTBEAT;
             return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
         }
         // The first request would begin life guarding, and a device that nobody guards then reports an error.

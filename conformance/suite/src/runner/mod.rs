@@ -22,6 +22,7 @@ use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
 use crate::journal::Interrupted;
+use crate::touch::Touch;
 use crate::verdict::{End, Kind, Lack, Stop};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
@@ -202,6 +203,9 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     }
     let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
     let case = run.case.as_deref().and_then(catalogue::find);
+    if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
+        bench.assume_configured_bit_rate();
+    }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
     bench.put_back(run, rescue).ok_or(unreachable)
 }

@@ -242,5 +242,5 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
 fn only_an_encoder_has_a_zero_point() {
     on("reference-301", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
     on("reference-406", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some()));
-    on("kuebler-c100", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
+    on("kuebler-c100", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some(), "that of its angle"));
 }

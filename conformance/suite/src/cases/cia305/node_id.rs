@@ -77,7 +77,7 @@ pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
     let rate = bench.bit_rate().and_then(Lss::bit_rate_index);
     // A device may be delivered without one, which no command gives back.
-    let keeps_bit_rate = bench.keeps_stored_bit_rate();
+    let keeps_bit_rate = bench.keeps_bit_rate();
     configure(bench)?;
     set_node_id(bench, own)?;
     if let Some(index) = rate.filter(|_| !keeps_bit_rate) {
