@@ -23,6 +23,48 @@ pub struct Health {
     pub transmit: Latencies,
     /// By how much the time that a frame was given may be later than its arrival, where frames bring none of their own.
     pub stamping: Latencies,
+    /// What is wrong with the time stamps of the adapter: those since are not used, and the ones before may be wrong. It stays.
+    pub stamps: Option<StampTrouble>,
+}
+
+/// What is wrong with the time stamps of an adapter.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StampTrouble {
+    /// All frames get the same time.
+    Still,
+    /// The clock was set, starts again too early or too late, or runs at another speed.
+    Jump,
+    /// A time that the protocol does not have.
+    Range,
+}
+
+impl StampTrouble {
+    const ALL: [Self; 3] = [Self::Still, Self::Jump, Self::Range];
+
+    /// The word for it in JSON and in transcripts.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Still => "still",
+            Self::Jump => "jump",
+            Self::Range => "range",
+        }
+    }
+
+    /// The trouble of that name.
+    pub(crate) fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trouble| trouble.name() == name)
+    }
+}
+
+/// What the time stamps do: `stand still`.
+impl fmt::Display for StampTrouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Still => "stand still",
+            Self::Jump => "jump or run at another speed",
+            Self::Range => "exceed 59999 ms",
+        })
+    }
 }
 
 impl Health {
@@ -52,6 +94,7 @@ impl Health {
             receive: self.receive.since(&before.receive),
             transmit: self.transmit.since(&before.transmit),
             stamping: self.stamping.since(&before.stamping),
+            stamps: self.stamps,
         }
     }
 }

@@ -25,7 +25,7 @@ pub mod slcan;
 pub mod socketcan;
 pub mod transcript;
 
-pub use health::{Health, Latencies};
+pub use health::{Health, Latencies, StampTrouble};
 pub use machine::Machine;
 pub use participant::{Participation, participate};
 pub use simulated::SimulatedBus;

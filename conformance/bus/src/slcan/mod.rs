@@ -6,6 +6,7 @@
 mod codec;
 mod link;
 mod reader;
+mod stamps;
 
 pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
 #[cfg(windows)]
@@ -247,6 +248,7 @@ impl Drop for SlCan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::StampTrouble;
     use canvass_traces::{CanId, Duration};
     use std::io::Read;
     use std::net::TcpListener;
@@ -344,6 +346,50 @@ mod tests {
             }
             told
         })
+    }
+
+    /// An adapter whose clock shows the time since it was opened until it stands still, and sends a frame each 40 ms.
+    fn stamping(listener: TcpListener, stands_still_after: u64) -> JoinHandle<()> {
+        std::thread::spawn(move || {
+            let mut stream = listener.accept().unwrap().0;
+            let mut answers = stream.try_clone().unwrap();
+            std::thread::spawn(move || {
+                let (mut byte, mut asked) = ([0], stream.try_clone().unwrap());
+                while asked.read(&mut byte).is_ok_and(|n| n == 1) {
+                    // A client that closes the channel may be gone before the answer.
+                    let _ = (byte[0] == b'\r').then(|| stream.write_all(b"\r"));
+                }
+            });
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            let begun = std::time::Instant::now();
+            for n in 0_u64.. {
+                std::thread::sleep(std::time::Duration::from_millis(40));
+                let stamp = (begun.elapsed().as_millis() as u64).min(if n < stands_still_after { u64::MAX } else { 9 });
+                if answers.write_all(format!("t12310F{stamp:04X}\r").as_bytes()).is_err() {
+                    break;
+                }
+            }
+        })
+    }
+
+    #[test]
+    fn time_stamps_that_stand_still_are_told_and_not_used() {
+        for (after, trouble) in [(0, Some(StampTrouble::Still)), (u64::MAX, None)] {
+            let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+            let address = listener.local_addr().unwrap();
+            let adapter = stamping(listener, after);
+            let mut bus = SlCan::open(&format!("tcp://{address}"), Some(250_000)).unwrap();
+            let (begun, mut times) = (bus.now(), Vec::new());
+            while times.len() < 15 && bus.now().since(begun) < Duration::from_secs(30) {
+                let deadline = bus.now() + Duration::from_secs(1);
+                times.extend(bus.receive(deadline).unwrap().map(|record| record.timestamp));
+            }
+            assert_eq!(bus.health().stamps, trouble);
+            let spans: Vec<u64> = times.windows(2).map(|pair| pair[1].since(pair[0]).0 / 1_000_000).collect();
+            assert!(spans[8..].iter().all(|&span| span > 0), "frames have times of their own: {spans:?}");
+            drop(bus);
+            adapter.join().unwrap();
+        }
     }
 
     #[test]

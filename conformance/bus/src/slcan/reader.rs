@@ -2,6 +2,7 @@
 
 use super::codec::{Command, Decoder, Message, MinuteClock, Status};
 use super::link::{LOOK, Link, Place, is_silence};
+use super::stamps::{StampCheck, StampWatch};
 use super::{Change, Shared, SlCanError};
 use crate::Health;
 use crate::hardware_clock::HardwareClock;
@@ -36,6 +37,7 @@ pub(super) struct Reader {
     decoder: Decoder,
     minute: MinuteClock,
     hardware: HardwareClock,
+    stamps: StampWatch,
     records: Vec<Record>,
     /// Whether the adapter answers the question for its status flags.
     has_status: bool,
@@ -84,6 +86,7 @@ impl Reader {
             decoder: Decoder::default(),
             minute: MinuteClock::default(),
             hardware: HardwareClock::default(),
+            stamps: StampWatch::default(),
             records: Vec::new(),
             has_status: true,
             asks_status: false,
@@ -101,6 +104,7 @@ impl Reader {
         (self.decoder, self.has_status) = (Decoder::default(), true);
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
+        self.stamps = StampWatch::default();
         // A client that connects to a listener opens this end; it is not opened from here.
         if matches!(self.place, Place::Listener(_)) {
             return Ok(());
@@ -267,13 +271,7 @@ impl Reader {
     fn take(&mut self, message: Message, arrived: Timestamp) {
         match message {
             Message::Frame { mut record, milliseconds } => {
-                record.timestamp = match milliseconds {
-                    Some(milliseconds) => {
-                        let adapter = self.minute.unwrap(milliseconds, arrived);
-                        self.hardware.system_time(adapter, arrived)
-                    }
-                    None => arrived,
-                };
+                record.timestamp = milliseconds.map_or(arrived, |stamp| self.stamped(stamp, arrived));
                 (record.channel, record.direction) = (ChannelId(0), Direction::Rx);
                 self.records.push(record);
             }
@@ -290,6 +288,20 @@ impl Reader {
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}
         }
+    }
+
+    /// When a frame was on the bus: by the adapter's clock while it can be trusted.
+    fn stamped(&mut self, milliseconds: u16, arrived: Timestamp) -> Timestamp {
+        let adapter = self.minute.unwrap(milliseconds, arrived);
+        match self.stamps.check(milliseconds, arrived) {
+            StampCheck::Wrong(trouble) => {
+                self.shared.inbox.note(|health| _ = health.stamps.get_or_insert(trouble));
+                return arrived;
+            }
+            StampCheck::Doubtful(late) => self.shared.inbox.note(|health| health.stamping.add(late)),
+            StampCheck::Right => {}
+        }
+        self.hardware.system_time(adapter, arrived)
     }
 
     /// What the adapter says went wrong on its bus.

@@ -8,12 +8,13 @@
 //! frames 0 0 1 0               how often there was none before each frame
 //! time 12 1700000000000000000  after so many questions as expected, the clock said
 //! health 3 0 0 0 0 / 3:1 7:2 / 4:9 ; 5:1 / the controller is bus-off
+//! health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; still /    the adapter's time stamps stand still
 //! rate set                     or fixed
 //! trouble the bus failed
 //! ```
 
 use super::Transcript;
-use crate::{Health, Latencies};
+use crate::{Health, Latencies, StampTrouble};
 use canvass_traces::Timestamp;
 use std::fmt;
 use std::str::FromStr;
@@ -48,11 +49,13 @@ impl fmt::Display for Transcript {
             writeln!(f, "time {after} {}", time.nanos())?;
         }
         for (after, health) in &self.health {
-            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping } = health;
+            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping, stamps } =
+                health;
             let trouble = trouble.as_deref().unwrap_or_default().replace(['\n', '\r'], " ");
             let (receive, transmit, stamping) = (counts(receive), counts(transmit), counts(stamping));
             write!(f, "health {after} {lost} {interruptions} {error_frames} {waits}")?;
-            writeln!(f, " / {receive} / {transmit} ; {stamping} / {trouble}")?;
+            let stamps = stamps.map(|trouble| format!("; {} ", trouble.name())).unwrap_or_default();
+            writeln!(f, " / {receive} / {transmit} ; {stamping} {stamps}/ {trouble}")?;
         }
         for set in &self.bit_rates {
             writeln!(f, "rate {}", if *set { "set" } else { "fixed" })?;
@@ -122,11 +125,16 @@ fn health(text: &str) -> Option<(u64, Health)> {
     let after = number()?;
     let (lost, interruptions, error_frames, waits) = (number()?, number()?, number()?, number()?);
     let (receive, sent) = (latencies(parts.next()?)?, parts.next()?);
-    // Older transcripts have no third sort.
-    let (transmit, stamping) = sent.split_once(';').unwrap_or((sent, ""));
+    // Older transcripts have no third sort, and only an adapter that can't be trusted has trouble with its time stamps.
+    let mut sorts = sent.split(';');
+    let (transmit, stamping) = (sorts.next()?, sorts.next().unwrap_or_default());
+    let stamps = match sorts.next() {
+        Some(name) => Some(StampTrouble::by_name(name.trim())?),
+        None => None,
+    };
     let (transmit, stamping) = (latencies(transmit)?, latencies(stamping)?);
     let trouble = Some(parts.next()?.trim().to_owned()).filter(|trouble| !trouble.is_empty());
-    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping }))
+    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping, stamps }))
 }
 
 fn latencies(text: &str) -> Option<Latencies> {

@@ -9,6 +9,7 @@ mod left_behind;
 mod nonsense;
 mod one_case;
 mod repetition;
+mod restart;
 mod summary;
 #[cfg(test)]
 mod tests;
