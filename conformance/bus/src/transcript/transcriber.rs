@@ -121,6 +121,10 @@ impl Bus for Transcriber<'_> {
         health
     }
 
+    fn is_interrupted(&self) -> bool {
+        self.bus.is_interrupted()
+    }
+
     fn limit_backlog(&mut self, frames: usize) {
         self.bus.limit_backlog(frames);
     }
