@@ -87,6 +87,14 @@ pub trait Bus {
         false
     }
 
+    /// Waits while the way to it is interrupted, where it is waited for: see [`PatientBus`].
+    ///
+    /// # Errors
+    /// [`BusError::Interrupted`] if it does not come back in time.
+    fn wait_until_back(&mut self) -> Result<(), BusError> {
+        Ok(())
+    }
+
     /// Limits how many frames wait for a slow reader: beyond that number the oldest are lost.
     fn limit_backlog(&mut self, frames: usize) {
         let _ = frames;

@@ -41,15 +41,20 @@ impl<'a> PatientBus<'a> {
         Self { bus, endurance, waits_since: None, cancelled_at: None }
     }
 
-    /// Whether the bus is waited for longer.
-    fn may_wait(&mut self, since: Instant) -> bool {
+    /// Waits a moment. `refused`: what a frame was refused with.
+    fn wait(&mut self, refused: Option<&BusError>) -> Result<(), BusError> {
         let now = Instant::now();
+        let since = *self.waits_since.get_or_insert(now);
         if self.endurance.cancelled.load(Ordering::Relaxed) {
             self.cancelled_at.get_or_insert(now);
         }
         let ends = [self.endurance.ends, self.cancelled_at].into_iter().flatten().min();
         let is_over = ends.is_some_and(|ends| now >= ends + LAST);
-        now.duration_since(since) < self.endurance.patience.into() && !is_over
+        if is_over || now.duration_since(since) >= self.endurance.patience.into() {
+            return Err(self.not_back(since, refused));
+        }
+        std::thread::sleep(LOOK);
+        Ok(())
     }
 
     fn not_back(&self, since: Instant, refused: Option<&BusError>) -> BusError {
@@ -80,11 +85,7 @@ impl Bus for PatientBus<'_> {
                     }
                 }
             }
-            let since = *self.waits_since.get_or_insert_with(Instant::now);
-            if !self.may_wait(since) {
-                return Err(self.not_back(since, refused.as_ref()));
-            }
-            std::thread::sleep(LOOK);
+            self.wait(refused.as_ref())?;
         }
     }
 
@@ -114,6 +115,13 @@ impl Bus for PatientBus<'_> {
 
     fn is_interrupted(&self) -> bool {
         self.bus.is_interrupted()
+    }
+
+    fn wait_until_back(&mut self) -> Result<(), BusError> {
+        while self.bus.is_interrupted() {
+            self.wait(None)?;
+        }
+        Ok(())
     }
 
     fn limit_backlog(&mut self, frames: usize) {

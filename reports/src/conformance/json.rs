@@ -54,6 +54,7 @@ struct Host {
     transmit_max_ns: u64,
     lost: u64,
     interruptions: u64,
+    interrupted_ns: u64,
 }
 
 impl From<&HostTiming> for Host {
@@ -65,6 +66,7 @@ impl From<&HostTiming> for Host {
             transmit_max_ns: host.transmit_always.nanos(),
             lost: host.lost,
             interruptions: host.interruptions,
+            interrupted_ns: host.interrupted_for.nanos(),
         }
     }
 }

@@ -34,6 +34,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 mod traffic;
+mod undisturbed;
 mod watch;
 
 pub use decoder::Decoder;
