@@ -55,6 +55,7 @@ struct Host {
     transmit_max_ns: u64,
     lost: u64,
     interruptions: u64,
+    interrupted_ns: u64,
 }
 
 impl From<&HostTiming> for Host {
@@ -66,6 +67,7 @@ impl From<&HostTiming> for Host {
             transmit_max_ns: host.transmit_always.nanos(),
             lost: host.lost,
             interruptions: host.interruptions,
+            interrupted_ns: host.interrupted_for.nanos(),
         }
     }
 }

@@ -37,6 +37,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 mod traffic;
+mod undisturbed;
 mod watch;
 
 pub use baseline::Harm;

@@ -335,7 +335,8 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
             true
         }
         fn health(&self) -> Health {
-            let mut health = Health { lost: 3, interruptions: 2, ..Health::default() };
+            let interrupted_for = Duration::from_secs(4);
+            let mut health = Health { lost: 3, interruptions: 2, interrupted_for, ..Health::default() };
             // The 990th of a thousand.
             for n in 1..=1_000 {
                 health.receive.add(Duration(1 << [8, 10, 20][usize::from(n > 989) + usize::from(n > 990)]));
@@ -351,8 +352,15 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
     let host = told(&mut bench, &[&PASSES]).0.unwrap().host.unwrap();
     let [receive_usually, receive_always, transmit_usually, transmit_always] =
         [11, 21, 13, 23].map(|bits| Duration((1 << bits) - 1));
-    let right =
-        HostTiming { receive_usually, receive_always, transmit_usually, transmit_always, lost: 3, interruptions: 2 };
+    let right = HostTiming {
+        receive_usually,
+        receive_always,
+        transmit_usually,
+        transmit_always,
+        lost: 3,
+        interruptions: 2,
+        interrupted_for: Duration::from_secs(4),
+    };
     assert_eq!(host, right);
 }
 

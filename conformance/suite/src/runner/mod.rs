@@ -139,7 +139,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     }
     summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
-    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health()));
+    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health(), bench.now()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
         let reason = format!("of {} cases none could be judged", summary.total());

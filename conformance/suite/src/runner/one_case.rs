@@ -26,7 +26,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let took = bench.now().since(started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
-    let ran = case.asks_the_device() && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
+    let was_interrupted = bench.health().since(&health).interruptions > 0;
+    let ran = case.asks_the_device() && !was_interrupted && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
     let has_left = ran && bench.has_left(case.id, regain);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
