@@ -13,6 +13,7 @@ use crate::interrupt::Interrupt;
 use crate::live::parse_span;
 use crate::output::{diagnostic, document, unless_closed};
 use crate::provenance::{Collected, Remarks, Subject, Typed};
+use crate::reconnect::ReconnectArg;
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
@@ -80,6 +81,8 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     reproducers: Option<PathBuf>,
     #[command(flatten)]
+    reconnect: ReconnectArg,
+    #[command(flatten)]
     shown: Shown,
     #[command(flatten)]
     remarks: Remarks,
@@ -133,8 +136,7 @@ impl Args {
         unless_closed(printed)?;
         kept?;
         reported.into_iter().collect::<Result<(), _>>()?;
-        let good = run.outcome.violations.is_empty() && !run.cancelled;
-        Ok(if good { Status::Good } else { Status::Findings })
+        Ok(status(&run))
     }
 
     /// What is known before the device is touched.
@@ -163,7 +165,8 @@ impl Args {
             .resolve("device", Some(device.name().to_owned()).filter(|name| !name.is_empty()).into_iter().collect());
         provenance.resolve("for", span.map(|span| span.to_string()).into_iter().collect());
         provenance.resolve("shrink-budget", vec![plan.shrink_budget.to_string()]);
-        let identity = device.on_bus(&self.bus, plan.seed, |bus| identity::ask(bus, node))?;
+        let endurance = self.reconnect.until(None, plan.time.cancelled.clone());
+        let identity = device.on_bus(&self.bus, plan.seed, endurance, |bus| identity::ask(bus, node))?;
         provenance.node(node, identity.map_err(Failure::unreachable)?);
         Ok(())
     }
@@ -194,7 +197,8 @@ impl Args {
     ) -> Result<Outcome, Failure> {
         let begun = Instant::now();
         let mut progress = Progress::new(span);
-        let outcome = device.on_stand(&plan.time, |stand| {
+        let endurance = self.reconnect.until(plan.time.ends, plan.time.cancelled.clone());
+        let outcome = device.on_stand(&plan.time, endurance, |stand| {
             campaign::run(stand, knowledge.clone(), plan, &mut |state| {
                 progress.show(&state);
                 let in_time = span.is_none_or(|span| begun.elapsed().as_nanos() < u128::from(span.nanos()));
@@ -255,6 +259,16 @@ impl Args {
     fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
         let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
         self.shown.in_files().map(open).collect()
+    }
+}
+
+/// What was found goes before what became of the bus.
+fn status(run: &Run) -> Status {
+    match &run.outcome {
+        outcome if !outcome.violations.is_empty() => Status::Findings,
+        outcome if outcome.ended_by.is_some() => Status::Unreachable,
+        _ if run.cancelled => Status::Findings,
+        _ => Status::Good,
     }
 }
 

@@ -174,7 +174,7 @@ fn all_can_be_allowed_at_once() {
         assert_eq!(planned.status, 0, "{}", planned.stderr);
         serde_json::from_str::<serde_json::Value>(&planned.stdout).unwrap()["would_run"].as_u64().unwrap()
     };
-    let named = would_run("nvm,node-id,bit-rate,other-nodes,factory-defaults");
+    let named = would_run("nvm,node-id,bit-rate,other-nodes,factory-defaults,preset");
     assert_eq!(would_run("all"), named);
     assert!(named > would_run("node-id"), "some of them need leave");
 }

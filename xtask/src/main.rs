@@ -8,11 +8,13 @@
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
-//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
+//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo xtask
+//! as-found`: whether a run, complete, interrupted or killed, leaves the simulated devices as it found them. `cargo
 //! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo xtask windows`:
 //! the program for Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as
 //! Debian package, the one for Windows, the page.
 
+mod as_found;
 mod attack;
 mod bench;
 mod browser;
@@ -49,6 +51,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
+    as-found [--all] [--seed N] [--model ID]
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
     bench [--instructions | --descriptions | --fleet] | memory | worst | incidents
@@ -74,6 +77,7 @@ fn main() -> Result<()> {
         Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
         Some("bench") if more.first().is_some_and(|word| word == "--fleet") => fleet::bench::bench(),
         Some("bench") => bench::bench(),
+        Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
         Some("fleet") => fleet::test(),

@@ -11,6 +11,10 @@ pub struct Health {
     pub lost: u64,
     /// How often the way to the bus was interrupted: the interface went down, the adapter was unplugged, bus-off.
     pub interruptions: u64,
+    /// How long the interruptions lasted that are over.
+    pub interrupted_for: Duration,
+    /// When the way to the bus was interrupted that is not back yet.
+    pub interrupted_since: Option<Timestamp>,
     /// What the last interruption was, and the state of the controller as far as it is known.
     pub trouble: Option<String>,
     pub error_frames: u64,
@@ -23,12 +27,84 @@ pub struct Health {
     pub transmit: Latencies,
     /// By how much the time that a frame was given may be later than its arrival, where frames bring none of their own.
     pub stamping: Latencies,
+    /// What is wrong with the time stamps of the adapter: those since are not used, and the ones before may be wrong. It stays.
+    pub stamps: Option<StampTrouble>,
+}
+
+/// What is wrong with the time stamps of an adapter.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StampTrouble {
+    /// All frames get the same time.
+    Still,
+    /// The clock was set, starts again too early or too late, or runs at another speed.
+    Jump,
+    /// A time that the protocol does not have.
+    Range,
+}
+
+impl StampTrouble {
+    const ALL: [Self; 3] = [Self::Still, Self::Jump, Self::Range];
+
+    /// The word for it in JSON and in transcripts.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Still => "still",
+            Self::Jump => "jump",
+            Self::Range => "range",
+        }
+    }
+
+    /// The trouble of that name.
+    pub(crate) fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trouble| trouble.name() == name)
+    }
+}
+
+/// What the time stamps do: `stand still`.
+impl fmt::Display for StampTrouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Still => "stand still",
+            Self::Jump => "jump or run at another speed",
+            Self::Range => "exceed 59999 ms",
+        })
+    }
 }
 
 impl Health {
     /// The longest that this machine was late, of everything that is counted here.
     pub fn latest(&self) -> Option<Duration> {
         [&self.receive, &self.transmit, &self.stamping].into_iter().filter_map(Latencies::longest).max()
+    }
+
+    /// The way to the bus is interrupted from now on.
+    pub(crate) fn went_away(&mut self, now: Timestamp, trouble: String) {
+        self.was_interrupted(trouble);
+        self.interrupted_since.get_or_insert(now);
+    }
+
+    /// The way to the bus was interrupted, and is there again already.
+    pub(crate) fn was_interrupted(&mut self, trouble: String) {
+        self.interruptions += 1;
+        self.trouble = Some(trouble);
+    }
+
+    /// The way to the bus is there.
+    pub(crate) fn came_back(&mut self, now: Timestamp) {
+        if let Some(since) = self.interrupted_since.take() {
+            self.interrupted_for = self.interrupted_for + now.since(since);
+        }
+    }
+
+    /// The interruptions until now; `None` if there was none.
+    pub fn interruptions(&self, now: Timestamp) -> Option<Interruptions> {
+        let lasting = self.interrupted_since.map_or(Duration::ZERO, |since| now.since(since));
+        (self.interruptions > 0).then(|| Interruptions {
+            count: self.interruptions,
+            lasted: self.interrupted_for + lasting,
+            last: self.trouble.clone(),
+            is_over: self.interrupted_since.is_none(),
+        })
     }
 
     /// A wait that had to end at `due` was seen to have ended at `now`. Every wait ends a little late; more than that is
@@ -46,13 +122,42 @@ impl Health {
         Self {
             lost: self.lost.saturating_sub(before.lost),
             interruptions: self.interruptions.saturating_sub(before.interruptions),
+            interrupted_for: Duration(self.interrupted_for.0.saturating_sub(before.interrupted_for.0)),
+            interrupted_since: self.interrupted_since,
             trouble: self.trouble.clone().filter(|_| self.interruptions > before.interruptions),
             error_frames: self.error_frames.saturating_sub(before.error_frames),
             waits: self.waits.saturating_sub(before.waits),
             receive: self.receive.since(&before.receive),
             transmit: self.transmit.since(&before.transmit),
             stamping: self.stamping.since(&before.stamping),
+            stamps: self.stamps,
         }
+    }
+}
+
+/// How often, and for how long, the way to a bus was interrupted.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Interruptions {
+    pub count: u64,
+    /// How long, all of them together.
+    pub lasted: Duration,
+    /// What the last one was.
+    pub last: Option<String>,
+    /// Whether the way is there again.
+    pub is_over: bool,
+}
+
+/// `2 interruptions of the bus, for 1.502 s in all so far (can0 went down)`.
+impl fmt::Display for Interruptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, lasted, last, is_over } = self;
+        let lasted = Duration::from_millis(lasted.nanos() / 1_000_000);
+        match count {
+            1 => write!(f, "1 interruption of the bus, for {lasted}")?,
+            _ => write!(f, "{count} interruptions of the bus, for {lasted} in all")?,
+        }
+        f.write_str(if *is_over { "" } else { " so far" })?;
+        last.as_ref().map_or(Ok(()), |last| write!(f, " ({last})"))
     }
 }
 
@@ -140,6 +245,27 @@ impl fmt::Display for Latencies {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn interruptions_are_counted_and_measured() {
+        let at = |seconds: u64| Timestamp(seconds * 1_000_000_000);
+        let mut health = Health::default();
+        assert_eq!(health.interruptions(at(1)), None);
+        health.went_away(at(1), "can0 went down".to_owned());
+        let told = health.interruptions(at(3)).map(|interruptions| interruptions.to_string());
+        assert_eq!(told.as_deref(), Some("1 interruption of the bus, for 2 s so far (can0 went down)"));
+        health.came_back(at(4));
+        health.came_back(at(5));
+        let first = health.clone();
+        health.went_away(at(6), "can0 was removed".to_owned());
+        // Another sign of the same interruption does not make it begin anew.
+        health.went_away(at(7), "can0 was removed".to_owned());
+        health.came_back(at(8));
+        let told = health.interruptions(at(9)).map(|interruptions| interruptions.to_string());
+        assert_eq!(told.as_deref(), Some("3 interruptions of the bus, for 5 s in all (can0 was removed)"));
+        let since = health.since(&first);
+        assert_eq!((since.interruptions, since.interrupted_for), (2, Duration::from_secs(2)));
+    }
 
     #[test]
     fn quantiles_are_bounds() {

@@ -8,6 +8,7 @@
 
 #![warn(clippy::disallowed_methods)]
 
+pub mod behaviour;
 pub mod bench;
 pub mod case;
 mod cases;

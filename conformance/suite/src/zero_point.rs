@@ -21,8 +21,10 @@ const BETWEEN: Duration = Duration::from_millis(30);
 /// The objects by which a device profile shows and moves a zero point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Objects {
-    /// Writing it makes the position that value.
+    /// Writing it moves the zero point. It holds the new position if `takes_position`; else 1 makes the position of now 0, and 0
+    /// takes that back.
     pub preset: Multiplexer,
+    pub takes_position: bool,
     /// The position.
     pub position: Multiplexer,
     /// By how much presets have moved the zero point, where the device tells.
@@ -33,10 +35,20 @@ pub(crate) struct Objects {
     pub range: u64,
 }
 
+impl Objects {
+    /// The position. An angle is shown with a sign, or without.
+    fn shown(&self, bench: &mut Bench<'_>) -> Result<i64, Stop> {
+        let number = bench.read_number(self.position)?;
+        let is_negative = !self.takes_position && u64::from(number) >= self.range;
+        Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
+    }
+}
+
 /// Where a zero point is, as far as it shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ZeroPoint {
     preset: Multiplexer,
+    takes_position: bool,
     position: Multiplexer,
     range: u64,
     /// The position, and how far readings of it differed.
@@ -53,12 +65,16 @@ pub struct Moved {
     pub steps: i64,
     /// What moves it.
     pub preset: Multiplexer,
+    /// Whether that takes the new position; else 1 makes the position of now 0.
+    pub takes_position: bool,
     /// What shows it.
     pub position: Multiplexer,
     /// How many positions there are.
     pub range: u64,
     /// Whether the shaft may have been turned instead: the device does not tell the offset, or tells the same as before.
     pub is_uncertain: bool,
+    /// Whether the device tells the offset, and that it is the same as before: then most likely the shaft was turned.
+    pub is_denied: bool,
     /// Whether it is moved in the device's memory: the next start brings it.
     pub is_stored: bool,
 }
@@ -70,18 +86,19 @@ impl ZeroPoint {
     /// Those of reading the position.
     pub(crate) fn look(bench: &mut Bench<'_>) -> Result<Option<Self>, Stop> {
         let Some(objects) = profile::zero_point(bench)? else { return Ok(None) };
-        let first = i64::from(bench.read_number(objects.position)?);
+        let first = objects.shown(bench)?;
         let mut around = [0, 0];
         for _ in 1..READINGS {
             bench.listen(BETWEEN)?;
-            let away = shorter_way(first, bench.read_number(objects.position)?.into(), objects.range);
+            let away = shorter_way(first, objects.shown(bench)?, objects.range);
             around = [around[0].min(away), around[1].max(away)];
         }
         let mut number = |at: Option<Multiplexer>| at.map(|at| bench.read_number(at)).transpose();
         let (offset, raw) = (number(objects.offset)?, number(objects.raw)?);
-        let Objects { preset, position, range, .. } = objects;
+        let Objects { preset, takes_position, position, range, .. } = objects;
         Ok(Some(Self {
             preset,
+            takes_position,
             position,
             range,
             shown: first,
@@ -96,14 +113,24 @@ impl ZeroPoint {
         self.spread <= TREMBLE
     }
 
-    /// Whether the device says that no preset has moved it.
+    /// Whether the device says that no preset has moved it, or does not tell.
     pub(crate) fn is_as_delivered(&self) -> bool {
-        self.offset == Some(0)
+        self.offset.is_none_or(|offset| offset == 0)
+    }
+
+    /// Whether a preset can put it back from every position.
+    pub(crate) const fn takes_position(&self) -> bool {
+        self.takes_position
+    }
+
+    /// What moves it.
+    pub(crate) const fn preset(&self) -> Multiplexer {
+        self.preset
     }
 
     /// By how much it has moved until `now`; `None` if not at all, or if the shaft turns and nothing tells.
     pub(crate) fn moved(&self, now: &Self) -> Option<Moved> {
-        let Self { preset, position, range, .. } = *self;
+        let Self { preset, takes_position, position, range, .. } = *self;
         let by_offset = self.offset.zip(now.offset).map(|(before, after)| shorter_way(before, after, range));
         let by_position = shorter_way(self.shown, now.shown, range);
         let both_at_rest = self.is_at_rest() && now.is_at_rest();
@@ -112,12 +139,15 @@ impl ZeroPoint {
             Some(_) => TREMBLE.max(self.spread).max(now.spread),
             None => self.spread + now.spread,
         };
+        let is_denied = by_offset == Some(0);
         let (steps, is_uncertain) = match by_offset {
-            Some(steps) if steps != 0 => (steps, false),
+            Some(steps) if steps != 0 && takes_position => (steps, false),
+            // What was set on the spot tells that it was, and not by how much.
+            Some(changed) if changed != 0 => (by_position, false),
             _ if both_at_rest && !has_turned && by_position.abs() > excused => (by_position, true),
             _ => return None,
         };
-        Some(Moved { steps, preset, position, range, is_uncertain, is_stored: false })
+        Some(Moved { steps, preset, takes_position, position, range, is_uncertain, is_denied, is_stored: false })
     }
 
     /// The preset that moves the zero point from `now` back to here, at rest.
@@ -127,13 +157,14 @@ impl ZeroPoint {
     }
 }
 
-/// As a journal keeps it: `6003:00 6004:00 33554432 19642 0 307 -`.
+/// As a journal keeps it: `6003:00 6004:00 33554432 19642 0 307 -`; a `=` before the first object if that takes no position.
 impl fmt::Display for ZeroPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = |at: Multiplexer| format!("{:04X}:{:02X}", at.index.0, at.sub.0);
         let known = |number: Option<i64>| number.map_or_else(|| "-".to_owned(), |number| number.to_string());
-        let Self { preset, position, range, shown, spread, offset, raw } = *self;
-        write!(f, "{} {} {range} {shown} {spread} ", object(preset), object(position))?;
+        let Self { preset, position, range, shown, spread, offset, raw, .. } = *self;
+        let kind = if self.takes_position { "" } else { "=" };
+        write!(f, "{kind}{} {} {range} {shown} {spread} ", object(preset), object(position))?;
         write!(f, "{} {}", known(offset), known(raw))
     }
 }
@@ -150,8 +181,10 @@ impl FromStr for ZeroPoint {
         let known = |text: &str| if text == "-" { Some(None) } else { text.parse().ok().map(Some) };
         let read = |words: &[&str]| {
             let &[preset, position, range, shown, spread, offset, raw] = words else { return None };
+            let takes_position = !preset.starts_with('=');
             Some(Self {
-                preset: object(preset)?,
+                preset: object(preset.trim_start_matches('='))?,
+                takes_position,
                 position: object(position)?,
                 range: range.parse().ok().filter(|range| (1..=1 << 32).contains(range))?,
                 shown: shown.parse().ok()?,
@@ -177,9 +210,14 @@ impl fmt::Display for Moved {
                  the shaft was turned"
             )?,
         }
-        write!(f, ". To set it right by hand, at rest: read {position}, and give {preset} that value ")?;
-        let more = if *steps < 0 { "plus" } else { "minus" };
-        write!(f, "{more} {}, modulo {}", steps.abs(), self.range)?;
+        f.write_str(". To set it right by hand, at rest: ")?;
+        if self.takes_position {
+            let more = if *steps < 0 { "plus" } else { "minus" };
+            let (amount, range) = (steps.abs(), self.range);
+            write!(f, "read {position}, and give {preset} that value {more} {amount}, modulo {range}")?;
+        } else {
+            write!(f, "bring it to where {position} was 0, and write 1 to {preset}")?;
+        }
         if self.is_stored { f.write_str("; then store it") } else { Ok(()) }
     }
 }
@@ -196,7 +234,8 @@ impl Bench<'_> {
         for _ in 0..TRIES {
             let Some(now) = ZeroPoint::look(self)? else { return Ok(None) };
             left = before.moved(&now);
-            let Some(moved) = left.filter(|_| now.is_at_rest()) else { break };
+            let may_be_put_back = |moved: &Moved| now.is_at_rest() && moved.takes_position && !moved.is_denied;
+            let Some(moved) = left.filter(may_be_put_back) else { break };
             let value = before.preset_back(&now, &moved);
             self.with_leave_to_move(|bench| bench.download_now(moved.preset, &value.to_le_bytes()))?;
         }
@@ -218,7 +257,7 @@ mod tests {
 
     fn at(shown: i64, spread: i64, offset: Option<i64>, raw: Option<i64>) -> ZeroPoint {
         let (preset, position) = (Multiplexer::new(0x6003, 0), Multiplexer::new(0x6004, 0));
-        ZeroPoint { preset, position, range: 10_000, shown, spread, offset, raw }
+        ZeroPoint { preset, takes_position: true, position, range: 10_000, shown, spread, offset, raw }
     }
 
     fn steps(before: ZeroPoint, now: ZeroPoint) -> Option<(i64, bool)> {
@@ -260,6 +299,17 @@ mod tests {
                     turned. To set it right by hand, at rest: read 6004h:00, and give 6003h:00 that value plus 1, modulo 10000; \
                     then store it";
         assert_eq!(stored.to_string(), told);
+    }
+
+    /// An angle whose zero is set where it stands can only be set again there.
+    #[test]
+    fn a_zero_that_is_set_on_the_spot_is_set_again_there() {
+        let angle = |shown| ZeroPoint { takes_position: false, ..at(shown, 0, Some(1), None) };
+        let gone = ZeroPoint { offset: Some(0), ..angle(9_000) };
+        assert_eq!(steps(angle(0), gone), Some((-1_000, false)));
+        let told = angle(0).moved(&gone).unwrap().to_string();
+        assert!(told.ends_with("at rest: bring it to where 6004h:00 was 0, and write 1 to 6003h:00"), "{told}");
+        assert_eq!(angle(7).to_string().parse(), Ok(angle(7)));
     }
 
     proptest! {

@@ -45,8 +45,10 @@ pub(super) fn sentence(comparison: &Comparison) -> String {
         1 => Some("1 setting is stored with another value than before: the next start brings it.".to_owned()),
         many => Some(format!("{many} settings are stored with other values than before: the next start brings them.")),
     };
-    let zero_points = comparison.zero_points.iter().map(|moved| capitalised(&moved.to_string()) + ".");
-    [in_use].into_iter().chain(stored).chain(zero_points).collect::<Vec<_>>().join(" ")
+    let sentence = |text: String| capitalised(&text) + ".";
+    let zero_points = comparison.zero_points.iter().map(|moved| sentence(moved.to_string()));
+    let behaviour = comparison.behaviour.iter().map(|changed| sentence(changed.to_string()));
+    [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
 }
 
 fn capitalised(text: &str) -> String {
@@ -55,7 +57,7 @@ fn capitalised(text: &str) -> String {
 }
 
 fn names(comparison: &Comparison) -> String {
-    const MOST: usize = 8;
+    const MOST: usize = 20;
     let mut names: Vec<String> = comparison.own().take(MOST).map(|change| change.multiplexer.to_string()).collect();
     let more = comparison.own().count() - names.len();
     if more > 0 {
@@ -143,6 +145,8 @@ mod tests {
             position: Multiplexer::new(0x6004, 0),
             range: 10_000,
             is_uncertain: false,
+            is_denied: false,
+            takes_position: true,
             is_stored: true,
         };
         let comparison = Comparison {

@@ -16,8 +16,11 @@ pub(super) fn sentence(host: &HostTiming) -> String {
     if host.lost > 0 {
         text += &format!(" It lost {} frames.", host.lost);
     }
-    if host.interruptions > 0 {
-        text += &format!(" The bus was interrupted {} times.", host.interruptions);
+    let interrupted_for = Duration::from_millis(host.interrupted_for.nanos() / 1_000_000);
+    match host.interruptions {
+        0 => {}
+        1 => text += &format!(" The bus was interrupted once, for {interrupted_for}."),
+        times => text += &format!(" The bus was interrupted {times} times, for {interrupted_for} in all."),
     }
     text
 }

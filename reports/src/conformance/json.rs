@@ -58,6 +58,7 @@ fn host(host: &runner::HostTiming) -> HostTiming {
         transmit_max_ns: host.transmit_always.nanos(),
         lost: host.lost,
         interruptions: host.interruptions,
+        interrupted_ns: host.interrupted_for.nanos(),
     }
 }
 
@@ -74,6 +75,7 @@ fn compared(comparison: &Comparison) -> Compared {
         commands: comparison.commands.clone(),
         stored: comparison.stored.iter().map(changed).collect(),
         zero_points: comparison.zero_points.iter().map(zero_point).collect(),
+        behaviour: comparison.behaviour.iter().map(ToString::to_string).collect(),
     }
 }
 

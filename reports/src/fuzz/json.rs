@@ -2,7 +2,7 @@
 
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::provenance;
-use crate::results::fuzz::{Coverage, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation};
+use crate::results::fuzz::{Coverage, Interruptions, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation};
 use crate::results::{self, Contract, FuzzResult};
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::{FinalState, Start, Stimulus, Then, reproducer};
@@ -25,8 +25,10 @@ fn result(run: &Run) -> FuzzResult {
         cancelled: run.cancelled,
         coverage: coverage(run),
         dead: run.outcome.dead,
+        ended_by: run.outcome.ended_by.clone(),
         executions: run.outcome.executions,
         frames: run.outcome.frames,
+        interruptions: run.outcome.interruptions.as_ref().map(interruptions),
         left: run.outcome.left.as_ref().map(left),
         model: Some(run.model.clone()).filter(|model| !model.is_empty()),
         node: run.node.raw(),
@@ -65,6 +67,11 @@ fn left(left: &FinalState) -> SettingsLeft {
     SettingsLeft { compared: left.compared, different, settings: left.settings }
 }
 
+fn interruptions(told: &canvass_bus::Interruptions) -> Interruptions {
+    let (duration_ns, last) = (told.lasted.nanos(), told.last.clone());
+    Interruptions { count: told.count, duration_ns, last, over: told.is_over }
+}
+
 fn kept(kept: &canvass_fuzzer::Kept) -> Kept {
     Kept { index: kept.at.index.0, power_on: kept.power_on, sub: kept.at.sub.0, value: kept.value }
 }
@@ -80,6 +87,7 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Violation {
     Violation {
         actual: violation.actual.clone(),
         confirmed: found.confirmed,
+        cut_off: found.is_cut_off,
         evidence: evidence.map(|(record, words)| seen(record, words)).collect(),
         expected: violation.expected.clone(),
         frames: frames.map(|(stimulus, words)| sent(stimulus, words)).collect(),

@@ -19,10 +19,14 @@ pub struct FuzzResult {
     pub coverage: Coverage,
     /// Whether the device did not come back after a reset, and the run ended.
     pub dead: bool,
+    /// Why the run ended early: the bus did not come back, or failed in another way.
+    pub ended_by: Option<String>,
     /// Exchanges: frames that were sent and after which the answer, or the silence, was judged; those of shrinking included.
     pub executions: u64,
     /// Frames that were sent: with those after which anything may come.
     pub frames: u64,
+    /// `null` where the bus was not interrupted.
+    pub interruptions: Option<Interruptions>,
     /// `null` on the simulated bus and where the device does not answer any more.
     pub left: Option<SettingsLeft>,
     /// The model or description of the device.
@@ -76,6 +80,18 @@ pub struct SdoPair {
     pub state: Word,
 }
 
+/// How the way to the bus was interrupted.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Interruptions {
+    pub count: u64,
+    /// All of them together.
+    pub duration_ns: u64,
+    /// What the last one was.
+    pub last: Option<String>,
+    /// Whether the way is there again.
+    pub over: bool,
+}
+
 /// What the settings of a device on a bus hold at the end.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SettingsLeft {
@@ -101,6 +117,9 @@ pub struct Violation {
     pub actual: String,
     /// Whether it came again when the sequence was repeated from power-on.
     pub confirmed: bool,
+    /// Whether the bus was lost before it could be repeated.
+    #[serde(default)]
+    pub cut_off: bool,
     /// All frames of the sequence on the bus; of a violation that did not come back, those of the one time.
     pub evidence: Vec<SeenFrame>,
     pub expected: String,

@@ -65,6 +65,9 @@ pub struct HostTiming {
     pub lost: u64,
     /// How often the bus was interrupted.
     pub interruptions: u64,
+    /// All interruptions together.
+    #[serde(default)]
+    pub interrupted_ns: u64,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
@@ -90,6 +93,8 @@ pub struct Compared {
     /// Settings that a start brings with another value than before.
     pub stored: Vec<ObjectChange>,
     pub zero_points: Vec<MovedZeroPoint>,
+    /// What the device does otherwise than before after a start: errors, state, PDOs.
+    pub behaviour: Vec<String>,
 }
 
 /// A position whose zero point is not where it was.

@@ -281,7 +281,7 @@ pub struct MinuteClock {
 }
 
 /// One turn of the adapter's clock.
-const MINUTE: u64 = 60_000_000_000;
+pub(super) const MINUTE: u64 = 60_000_000_000;
 
 impl MinuteClock {
     /// The time on a clock that does not start again; `arrived` tells how many minutes have gone by.

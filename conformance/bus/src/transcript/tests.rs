@@ -1,7 +1,7 @@
 //! What a tester did on a bus, it does again on its recording, and nothing else.
 
 use super::*;
-use crate::{Bus, BusError, Latencies};
+use crate::{Bus, BusError, Latencies, StampTrouble};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame};
 
 /// A bus with a clock that goes its own way, and an echo.
@@ -133,6 +133,23 @@ fn what_no_recording_holds_is_told() {
     let transcript = transcriber.finish();
     assert!(transcript.trouble().is_some_and(|trouble| trouble.contains("unplugged")));
     assert_eq!(transcript.to_string().parse(), Ok(transcript));
+}
+
+/// Time stamps that can't be trusted are in it; a transcript without a word of them is one of an adapter without trouble.
+#[test]
+fn trouble_with_time_stamps_is_kept() {
+    let read = |line: &str| format!("canvass-transcript 1\n{line}\n").parse::<Transcript>();
+    for trouble in [StampTrouble::Still, StampTrouble::Jump, StampTrouble::Range] {
+        let line = format!("health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; {} / x", trouble.name());
+        let transcript = read(&line).unwrap();
+        assert_eq!(transcript.health[0].1.stamps, Some(trouble));
+        assert!(transcript.to_string().contains(&line), "{transcript}");
+        let health = Health { stamps: Some(trouble), ..Health::default() };
+        assert_eq!(health.since(&health).stamps, Some(trouble), "it stays");
+    }
+    assert_eq!(read("health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 / x").unwrap().health[0].1.stamps, None);
+    assert_eq!(read("health 4 0 0 0 0 / 3:1 / 4:1 / x").unwrap().health[0].1.stamps, None);
+    assert!(read("health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; slow / x").is_err());
 }
 
 #[test]

@@ -25,7 +25,7 @@ impl Bench<'_> {
     }
 
     /// Whether writing an object stores its value at once, as the manual of the device says.
-    fn stores_at_once(&self, at: Multiplexer) -> bool {
+    pub(super) fn stores_at_once(&self, at: Multiplexer) -> bool {
         self.manual().is_some_and(|model| model.sheet().storage.persist_at_once.contains(&at))
     }
 

@@ -3,6 +3,7 @@
 
 use super::Bench;
 use super::rewrite::Original;
+use crate::behaviour::{Behaviour, Changed};
 use crate::comparison::{Change, Comparison, Nature};
 use crate::journal::Interrupted;
 use crate::touch::Touch;
@@ -12,9 +13,36 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::Mode;
 use canvass_traces::Duration;
+use std::fmt;
 
 /// After "save" was confirmed: some devices go on writing their memory, and a reset meanwhile would tear it.
 const WRITTEN: Duration = Duration::from_millis(200);
+
+/// What a reset would take from the device.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Harm {
+    /// A zero point that may not be stored: the object that has moved it.
+    ZeroPoint(Multiplexer),
+    /// An object that a reset sets to its default, and only power-on brings back.
+    Defaults(Multiplexer),
+}
+
+impl fmt::Display for Harm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroPoint(at) => write!(
+                f,
+                "its zero point was moved ({at}), and the first reset would lose one that is not stored: store it, and say so by \
+                 --zero-point-stored"
+            ),
+            Self::Defaults(at) => write!(
+                f,
+                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: a command that \
+                 switches its supply (--power-cycle COMMAND, with --allow nvm) brings it back"
+            ),
+        }
+    }
+}
 
 /// The device before the first case.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +56,10 @@ pub(crate) struct Baseline {
     pub unseen: Vec<Multiplexer>,
     /// Where the zero point is after a start.
     pub stored_zero_point: Option<ZeroPoint>,
+    /// What the device does after a start.
+    pub behaviour: Option<Behaviour>,
+    /// Whether it was operational before the run, or becomes so in it: its behaviour is looked at there, too.
+    pub has_operational: bool,
 }
 
 /// What is not in the device's memory as it was.
@@ -35,6 +67,7 @@ pub(crate) struct Baseline {
 pub(crate) struct MemoryLeft {
     pub changes: Vec<Change>,
     pub zero_point: Option<Moved>,
+    pub behaviour: Vec<Changed>,
 }
 
 impl Baseline {
@@ -46,13 +79,17 @@ impl Baseline {
             stored: (!stored.is_empty()).then_some(stored),
             stored_zero_point: run.stored_zero_point,
             unseen: Vec::new(),
+            behaviour: None,
+            has_operational: run.operational,
         }
     }
 }
 
 impl Bench<'_> {
-    /// Looks where the zero point is, before anything is reset.
-    pub(crate) fn note_zero_point(&mut self) {
+    /// Looks where the zero point is, before anything is reset. `has_operational`: the device is operational at some time, before
+    /// the run or in it.
+    pub(crate) fn note_zero_point(&mut self, has_operational: bool) {
+        self.baseline.has_operational = has_operational;
         // A device that does not tell it has none that could be compared.
         self.baseline.zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
     }
@@ -80,6 +117,7 @@ impl Bench<'_> {
         self.baseline.stored_zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
         self.journal_memory(&stored)?;
         self.baseline.stored = Some(stored);
+        self.baseline.behaviour = Some(self.unjudged(Self::behaviour)?);
         Ok(())
     }
 
@@ -117,8 +155,9 @@ impl Bench<'_> {
     /// Whether restoring the defaults would move the zero point, which only the leave to preset lets a case put back: it is not
     /// that of the delivery, or the device does not tell.
     pub(crate) fn would_lose_zero_point(&self) -> bool {
-        let is_moved = self.baseline.stored_zero_point.is_some_and(|zero_point| !zero_point.is_as_delivered());
-        is_moved && !self.options.allow.contains(&Touch::Preset)
+        let moved = self.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
+        let may_preset = self.options.allow.contains(&Touch::Preset);
+        moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
     }
 
     /// Restarts the device, compares what that brings with what it brought before the run, and puts back what may be: settings
@@ -160,7 +199,7 @@ impl Bench<'_> {
             None => None,
         };
         let zero_point = zero_point.map(|moved| Moved { is_stored: true, ..moved });
-        Ok(MemoryLeft { changes, zero_point })
+        Ok(MemoryLeft { changes, zero_point, behaviour: Vec::new() })
     }
 
     fn put_back_stored_zero_point(&mut self, may_store: bool) -> Result<Option<Moved>, Stop> {
@@ -191,6 +230,11 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// The number that an object holds; `None`: it can't be read.
+    pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
+        Ok(self.value_at_last(at)?.map(|value| super::sdo::number(&value)))
+    }
+
     /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
         use canvass_bus::client::Outcome;
@@ -217,8 +261,9 @@ impl Bench<'_> {
             // What fails here shows in the dictionary.
             // Each case has put back what it stored: what is left here was stored unasked.
             Some(_) => {
-                let may_store = self.may_store() && self.stores() > 0;
-                self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default()
+                let may_store = self.may_store() && (self.stores() > 0 || !self.baseline.unseen.is_empty());
+                let left = self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default();
+                MemoryLeft { behaviour: self.changed_behaviour(), ..left }
             }
             None => MemoryLeft::default(),
         };
@@ -242,23 +287,39 @@ impl Bench<'_> {
         if !comparison.is_complete {
             return comparison;
         }
-        let zero_points: Vec<Moved> = self.put_back_zero_point_in_use().into_iter().chain(memory.zero_point).collect();
+        let zero_points: Vec<Moved> = self.moved_in_use().into_iter().chain(memory.zero_point).collect();
         let commands = self.commands(bus, before, &comparison.changes, &memory.changes);
-        Comparison { stored: memory.changes, zero_points, commands, ..comparison }
+        Comparison { stored: memory.changes, zero_points, behaviour: memory.behaviour, commands, ..comparison }
     }
 
-    /// Puts back the zero point that was in use and that no start brings, where the user allows presets; gives by how much it
-    /// is still moved.
-    pub(crate) fn put_back_zero_point_in_use(&mut self) -> Option<Moved> {
+    /// By how much the zero point is moved that was in use before the run.
+    fn moved_in_use(&mut self) -> Option<Moved> {
         let before = self.baseline.zero_point?;
-        let act = |bench: &mut Self| {
-            if bench.options.allow.contains(&Touch::Preset) {
-                return bench.put_back_zero_point(&before);
-            }
-            Ok(ZeroPoint::look(bench)?.and_then(|now| before.moved(&now)))
-        };
         // Whether the device answers is told apart from this.
-        self.uncancelled(|bench| bench.unjudged(act)).ok().flatten()
+        let now = self.uncancelled(|bench| bench.unjudged(ZeroPoint::look)).ok().flatten()?;
+        before.moved(&now)
+    }
+
+    /// Why a reset, with which each case begins, would take something from the device that no case puts back; `None`: it would
+    /// not, as far as is known.
+    pub(crate) fn harm_of_a_reset(&mut self, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
+        let zero_point = self.baseline.zero_point.filter(|_| !self.options.zero_point_is_stored);
+        if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {
+            let is_stored = self.stores_at_once(zero_point.preset());
+            if !is_stored {
+                return Some(Harm::ZeroPoint(zero_point.preset()));
+            }
+        }
+        let is_default = |at: Multiplexer, value: &[u8]| {
+            let description = self.target.description.as_ref();
+            let entry = description.and_then(|description| description.dictionary.entry(at).ok());
+            let default = entry.and_then(|entry| entry.start_value(self.target.node)?.encode(entry.data_type).ok());
+            default.is_none_or(|default| default == value)
+        };
+        let mut lost = known.iter().filter(|(at, _)| self.is_put_back(*at) && self.is_unseen(*at));
+        let lost = lost.find(|(at, value)| !is_default(*at, value)).map(|(at, _)| *at);
+        // Where the supply can be switched, nothing is unseen.
+        lost.map(Harm::Defaults)
     }
 
     /// Acts to the end, with leave to move a zero point back to where it was.

@@ -34,6 +34,10 @@ impl Bench<'_> {
     /// Reads every object that the description calls readable; without a description the communication objects that
     /// are there. What does not answer with a value is left out.
     pub(crate) fn dump(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
+        self.undisturbed(Self::dump_once)
+    }
+
+    fn dump_once(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
         let mut values = Vec::new();
         let mut unanswered = 0;
         let mut lost = Vec::new();
@@ -106,19 +110,21 @@ impl Bench<'_> {
     ///
     /// Works after Ctrl-C too.
     pub(crate) fn put_back_dictionary(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
-        self.uncancelled(|bench| {
-            if !bench.answers_at_last() {
-                return Comparison { objects: before.len(), ..Comparison::default() };
-            }
-            let mut changes = bench.changes_since(before);
-            if changes.iter().any(|change| bench.is_put_back(change.multiplexer)) {
-                let configured = before.iter().filter(|(multiplexer, _)| bench.is_put_back(*multiplexer));
-                let originals: Vec<Original> = configured.map(Original::from).collect();
-                bench.write_back(&originals);
-                changes = bench.changes_since(before);
-            }
-            bench.compared(bus, before, changes)
-        })
+        self.uncancelled(|bench| bench.undisturbed(|bench| bench.put_back_settings(bus, before)))
+    }
+
+    fn put_back_settings(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
+        if !self.answers_at_last() {
+            return Comparison { objects: before.len(), ..Comparison::default() };
+        }
+        let mut changes = self.changes_since(before);
+        if changes.iter().any(|change| self.is_put_back(change.multiplexer)) {
+            let configured = before.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
+            let originals: Vec<Original> = configured.map(Original::from).collect();
+            self.write_back(&originals);
+            changes = self.changes_since(before);
+        }
+        self.compared(bus, before, changes)
     }
 
     fn compared(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)], mut changes: Vec<Change>) -> Comparison {

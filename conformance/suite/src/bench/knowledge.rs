@@ -32,6 +32,8 @@ pub(crate) struct Knowledge {
     pub(super) shows_no_state: bool,
     /// Resets were followed by answers, and not by a boot-up message.
     pub(super) starts_silently: bool,
+    /// Each of its starts has two boot-up messages.
+    pub(super) boots_twice: Option<bool>,
     pub(super) heartbeats: Option<Heartbeats>,
     /// Which objects let themselves be written with the value that they have.
     pub(super) willing: BTreeMap<Multiplexer, bool>,

@@ -31,13 +31,16 @@ mod provide;
 mod restore;
 mod rewrite;
 pub mod sdo;
+mod start;
 pub mod state;
 mod target;
 #[cfg(test)]
 mod tests;
 mod traffic;
+mod undisturbed;
 mod watch;
 
+pub use baseline::Harm;
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;
@@ -48,6 +51,7 @@ pub(crate) use operational::KeptOut;
 pub use restore::Rescue;
 pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};
+pub use watch::Boots;
 
 use crate::journal::Journal;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
@@ -117,8 +121,8 @@ pub struct Remains {
     pub evidence: Evidence,
     /// What else happened: an EMCY nobody asked for, a value that could not be restored.
     pub notes: Vec<String>,
-    /// The device restarted without being told to.
-    pub restarted: Option<Timestamp>,
+    /// Boot-up messages that no command explains.
+    pub boots: Boots,
     /// What was measured.
     pub measurements: Vec<Measurement>,
     /// Which of several objects served.
@@ -383,7 +387,7 @@ impl<'a> Bench<'a> {
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
         let measurements = std::mem::take(&mut self.measurements);
         let (evidence, uses) = (std::mem::take(&mut self.evidence), std::mem::take(&mut self.uses));
-        Remains { evidence, notes, restarted: self.watch.restarted(), measurements, uses }
+        Remains { evidence, notes, boots: self.watch.boots(), measurements, uses }
     }
 
     fn check_cancelled(&self) -> Result<(), Stop> {

@@ -1,5 +1,6 @@
 //! NMT commands, resets and boot-up.
 
+use super::watch::SAME_START;
 use super::{Bench, Sent};
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
@@ -154,6 +155,18 @@ impl Bench<'_> {
             start.boot_ups.extend(more.into_iter().filter(|record| self.is_state_zero(&record.frame)));
         }
         Ok(start)
+    }
+
+    /// Whether each start of the device has a second boot-up message, as where a bootloader sends one of its own. Found out once,
+    /// by one more reset. A device that does not start is not known to have only one.
+    pub(crate) fn boots_twice(&mut self) -> bool {
+        if let Some(known) = self.knowledge.boots_twice {
+            return known;
+        }
+        let start = self.uncancelled(|bench| bench.record_start(Command::RESET_NODE, SAME_START));
+        let found = start.ok().map(|start| start.boot_ups.len()).filter(|&boot_ups| boot_ups > 0);
+        self.knowledge.boots_twice = found.map(|boot_ups| boot_ups > 1);
+        self.knowledge.boots_twice.unwrap_or(true)
     }
 
     fn record_until_boot_up(&mut self, span: Duration, start: &mut Start) -> Result<(), Stop> {

@@ -41,7 +41,7 @@ impl Bench<'_> {
 
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if !known && let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {
+        if !known && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome {
             self.journal_value(multiplexer, &value)?;
             self.changes.push(Original { multiplexer, value });
         }

@@ -200,6 +200,10 @@ struct BenchLine<'l, 'b> {
 impl ServerLine for BenchLine<'_, '_> {
     type Error = Stop;
 
+    fn now(&self) -> Timestamp {
+        self.bench.now()
+    }
+
     fn send(&mut self, request: &Request) -> Result<(), Stop> {
         self.asked = self.bench.now();
         self.bench.send_request(request)

@@ -11,10 +11,20 @@ use canvass_traces::{Direction, Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
 /// A second boot-up so soon after the first belongs to the same start: the boot-up cases judge it, the others don't.
-const SAME_START: Duration = Duration::from_millis(500);
+pub(super) const SAME_START: Duration = Duration::from_millis(500);
 
 /// As many EMCYs are remembered: a storm needs no more.
 const EMERGENCIES: usize = 16;
+
+/// Boot-up messages that no command explains: the first of each sort in a case.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Boots {
+    /// The device restarted without being told to.
+    pub unasked: Option<Timestamp>,
+    /// The second one of a start, though the device was sent something after the first: a restart, unless every start of the
+    /// device has two.
+    pub second: Option<Timestamp>,
+}
 
 /// The passive observer.
 #[derive(Debug)]
@@ -23,6 +33,10 @@ pub struct Watch {
     awaiting_boot_up: bool,
     last_boot_up: Option<Timestamp>,
     restarted: Option<Timestamp>,
+    /// The first boot-up so soon after another, though the device had been sent something since that one.
+    second_boot_up: Option<Timestamp>,
+    /// The tester has sent a frame since the last boot-up.
+    sent_since: bool,
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
@@ -31,6 +45,8 @@ pub struct Watch {
     stores: u32,
     /// The case has stored something.
     stored: bool,
+    /// The case has configured another bit rate by LSS.
+    configured_bit_rate: bool,
 }
 
 impl Watch {
@@ -40,12 +56,15 @@ impl Watch {
             awaiting_boot_up: false,
             last_boot_up: None,
             restarted: None,
+            second_boot_up: None,
+            sent_since: false,
             emergencies: Vec::new(),
             provoked: false,
             others: BTreeSet::new(),
             given: BTreeSet::new(),
             stores: 0,
             stored: false,
+            configured_bit_rate: false,
         }
     }
 
@@ -63,9 +82,13 @@ impl Watch {
     pub fn observe(&mut self, record: &Record) {
         let Some(cob_id) = record.frame.cob_id() else { return };
         if record.direction == Direction::Tx {
+            self.sent_since = true;
             let stores = is_store(cob_id, record.data(), self.node);
             self.stores += u32::from(stores);
             self.stored |= stores;
+            let is_lss = cob_id == lss::MASTER_CAN_ID;
+            self.configured_bit_rate |=
+                is_lss && matches!(lss::Request::read(record.data()), Ok(lss::Request::ConfigureBitTiming { .. }));
             return;
         }
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
@@ -90,8 +113,11 @@ impl Watch {
         let same_start = self.last_boot_up.is_some_and(|last| at.since(last) < SAME_START);
         if !self.awaiting_boot_up && !same_start {
             self.restarted.get_or_insert(at);
+        } else if !self.awaiting_boot_up && self.sent_since {
+            self.second_boot_up.get_or_insert(at);
         }
         self.awaiting_boot_up = false;
+        self.sent_since = false;
         self.last_boot_up = Some(at);
     }
 
@@ -102,9 +128,9 @@ impl Watch {
         }
     }
 
-    /// When the device first restarted by itself.
-    pub fn restarted(&self) -> Option<Timestamp> {
-        self.restarted
+    /// The boot-up messages that no command explains.
+    pub fn boots(&self) -> Boots {
+        Boots { unasked: self.restarted, second: self.second_boot_up }
     }
 
     /// The errors that the device reported.
@@ -120,6 +146,16 @@ impl Watch {
     /// Whether the device was told to write its non-volatile memory in this case.
     pub fn has_stored(&self) -> bool {
         self.stored
+    }
+
+    /// Whether the case has configured another bit rate.
+    pub fn has_configured_bit_rate(&self) -> bool {
+        self.configured_bit_rate
+    }
+
+    /// A case of an earlier run may have configured another bit rate.
+    pub fn assume_configured_bit_rate(&mut self) {
+        self.configured_bit_rate = true;
     }
 
     /// Another node has answered.
@@ -148,9 +184,11 @@ impl Watch {
     /// Forgets what belongs to one case.
     pub fn forget(&mut self) {
         self.restarted = None;
+        self.second_boot_up = None;
         self.emergencies.clear();
         self.provoked = false;
         self.stored = false;
+        self.configured_bit_rate = false;
     }
 }
 
@@ -184,9 +222,9 @@ mod tests {
         watch.expect_boot_up();
         watch.observe(&boot_up(100));
         watch.observe(&boot_up(110));
-        assert_eq!(watch.restarted(), None, "twice in one start is another case's matter");
+        assert_eq!(watch.boots().unasked, None, "twice in one start is another case's matter");
         watch.observe(&boot_up(2_000));
-        assert_eq!(watch.restarted(), Some(Timestamp(2_000_000_000)));
+        assert_eq!(watch.boots().unasked, Some(Timestamp(2_000_000_000)));
     }
 
     #[test]
@@ -201,7 +239,7 @@ mod tests {
     fn other_nodes_are_heard() {
         let mut watch = Watch::new(NodeId::new(62).unwrap());
         watch.observe(&boot_up(1));
-        assert_eq!(watch.restarted(), None);
+        assert_eq!(watch.boots().unasked, None);
         assert!(watch.others().contains(&NodeId::new(63).unwrap()));
     }
 
@@ -214,14 +252,14 @@ mod tests {
             watch.observe(&boot_up(100));
             watch.observe(&boot_up(second));
             watch.observe(&boot_up(5_000));
-            watch.restarted().map(|at| at.0 / 1_000_000)
+            watch.boots().unasked.map(|at| at.0 / 1_000_000)
         };
         assert_eq!((restarted(599), restarted(600)), (Some(5_000), Some(600)));
         let mut watch = Watch::new(NodeId::new(63).unwrap());
         watch.observe(&boot_up(1));
-        assert_eq!(watch.restarted(), Some(Timestamp(1_000_000)), "nobody has commanded the first either");
+        assert_eq!(watch.boots().unasked, Some(Timestamp(1_000_000)), "nobody has commanded the first either");
         watch.forget();
-        assert_eq!(watch.restarted(), None);
+        assert_eq!(watch.boots().unasked, None);
     }
 
     fn record(text: &str, direction: Direction) -> Record {

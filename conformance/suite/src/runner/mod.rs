@@ -9,6 +9,7 @@ mod left_behind;
 mod nonsense;
 mod one_case;
 mod repetition;
+mod restart;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -17,11 +18,12 @@ pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
 pub use one_case::run_case;
 pub use summary::{EndedEarly, HostTiming, Summary};
 
-use crate::bench::{Bench, objects};
+use crate::bench::{Bench, Harm, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
 use crate::journal::Interrupted;
+use crate::touch::Touch;
 use crate::verdict::{End, Kind, Lack, Stop};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
@@ -46,6 +48,14 @@ pub enum RunError {
         node: NodeId,
         /// How long.
         waited: Duration,
+    },
+    /// The first reset would lose what no case puts back.
+    #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
+    WouldHarm {
+        /// The node-ID.
+        node: NodeId,
+        /// What it would lose.
+        harm: Harm,
     },
     /// What is changed could not be written down beforehand.
     #[error("the journal of the run can't be written: {0}")]
@@ -91,7 +101,11 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         dictionary: if asks { bench.dump() } else { Vec::new() },
     };
     if asks {
-        bench.note_zero_point();
+        let starts = plan.cases.iter().any(|case| case.may_start_the_device());
+        bench.note_zero_point(was_operational || starts);
+        if let Some(harm) = bench.harm_of_a_reset(&info.dictionary) {
+            return Err(RunError::WouldHarm { node: bench.node(), harm });
+        }
     }
     bench
         .begin_journal(plan.bus, was_operational, &info.dictionary)
@@ -125,7 +139,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     }
     summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
-    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health()));
+    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health(), bench.now()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
         let reason = format!("of {} cases none could be judged", summary.total());
@@ -190,6 +204,9 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     }
     let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
     let case = run.case.as_deref().and_then(catalogue::find);
+    if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
+        bench.assume_configured_bit_rate();
+    }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
     bench.put_back(run, rescue).ok_or(unreachable)
 }

@@ -2,14 +2,14 @@
 
 use super::blame::{blameless, not_kept_out, overload};
 use super::event::CaseReport;
-use crate::bench::{Bench, Evidence, Remains, Target};
+use super::restart::with_restart;
+use crate::bench::{Bench, Boots, Evidence, Remains, Target};
 use crate::case::Case;
 use crate::clause::Level;
 use crate::needs;
 use crate::touch::Touch;
 use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Kind, Lack, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
-use canvass_traces::Timestamp;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -26,7 +26,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let took = bench.now().since(started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
-    let ran = case.asks_the_device() && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
+    let was_interrupted = bench.health().since(&health).interruptions > 0;
+    let ran = case.asks_the_device() && !was_interrupted && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
     let has_left = ran && bench.has_left(case.id, regain);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
@@ -37,20 +38,18 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         bench.finish()
     };
     let remains = catch_unwind(AssertUnwindSafe(clean_up)).ok();
-    let Remains { evidence, notes, restarted, measurements, uses } = remains.unwrap_or_else(|| Remains {
+    let Remains { evidence, notes, boots, measurements, uses } = remains.unwrap_or_else(|| Remains {
         evidence: Evidence::default(),
         notes: vec!["the tester failed while it restored the device".to_owned()],
-        restarted: None,
+        boots: Boots::default(),
         measurements: Vec::new(),
         uses: Vec::new(),
     });
+    let breaches = with_restart(bench, breaches, end.as_ref(), &boots);
     let (breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
     let (mut breaches, end) = if ran && !has_left { not_kept_out(bench, case, breaches, end) } else { (breaches, end) };
     settle(bench, case, ran);
     breaches.extend(has_left.then(stopped_answering));
-    if breaches.is_empty() && end.is_none() {
-        breaches.extend(restarted.map(restarted_by_itself));
-    }
     let graded = breaches.into_iter().map(|breach| graded(breach, case));
     let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);
@@ -128,12 +127,6 @@ fn stopped_answering() -> Breach {
     Breach::new(Subject::Device, "the device stays on the bus")
         .expected("an answer, or a start after a reset")
         .found(Observation::named("the device stopped answering"))
-}
-
-fn restarted_by_itself(at: Timestamp) -> Breach {
-    let breach = Breach::new(Subject::Device, "the device does not restart by itself");
-    let breach = breach.expected("no boot-up message after the case has begun").found(Observation::BootUp);
-    Breach { seen: Some(at), ..breach.told(format!("a boot-up message at {at} s")) }
 }
 
 fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {

@@ -3,7 +3,7 @@
 use super::one_case::rule;
 use super::*;
 use crate::clause::{Clause, Confidence, Level};
-use crate::scripted::{table, with_bench};
+use crate::scripted::{frame, table, with_bench};
 use crate::touch::Touch;
 use crate::verdict::Deviation;
 use crate::verdict::{Authority, Breach, Judged};
@@ -95,20 +95,53 @@ fn a_documented_breach_is_a_deviation_and_hides_no_other() {
     assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);
 }
 
+static UNREACHED: Case =
+    test_case("test/unreached", |_| Err(Stop::Inconclusive(crate::verdict::Reason::new("it is reached", "yes", "no"))));
 static GIVES_UP: Case = test_case("test/gives-up", |bench| {
     (RESETS.run)(bench)?;
-    Err(Stop::Inconclusive(crate::verdict::Reason::new("it is reached", "yes", "no")))
+    (UNREACHED.run)(bench)
 });
 static BREAKS: Case = test_case("test/breaks", |bench| {
     (RESETS.run)(bench)?;
     Err(Stop::from(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))
 });
 
-/// A restart is reported where nothing else is: what broke or was not reached may be why.
+static BREAKS_FIRST: Case = test_case("test/breaks-first", |bench| {
+    bench.listen(Duration::from_secs(1))?;
+    bench.check(Err(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))?;
+    (BREAKS.run)(bench)
+});
+
+/// What is found after a restart, or not reached any more, is what the restart left; what was found before is not.
 #[test]
-fn a_restart_is_no_second_failure() {
-    let (_, events) = run_cases(ROWS, &[&GIVES_UP, &BREAKS]);
-    assert_eq!(events[1..], ["test/gives-up: inconclusive no", "test/breaks: fail no answer"]);
+fn a_restart_is_named_before_what_it_leaves() {
+    let (_, events) = run_cases(ROWS, &[&GIVES_UP, &BREAKS, &BREAKS_FIRST]);
+    assert!(events[1].starts_with("test/gives-up: fail a boot-up message at"), "{events:?}");
+    assert!(events[2].starts_with("test/breaks: fail a boot-up message at"), "{events:?}");
+    assert_eq!(events[3], "test/breaks-first: fail no answer");
+}
+
+static RESTARTS_SOON: Case = test_case("test/restarts-soon", |bench| {
+    bench.send_bytes(0x7E5, &[0x13, 0, 0, 0, 0, 0, 0, 0])?;
+    bench.listen(Duration::from_millis(100))?;
+    Err(Stop::from(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))
+});
+
+/// A boot-up message soon after that of the start is one of a restart, unless the device has two at each start.
+#[test]
+fn a_restart_soon_after_the_start_is_told_from_a_second_boot_up_message() {
+    let found = |starts: &'static [u64]| {
+        let script = move |request: &canvass_traces::Frame| match request.to_string().as_str() {
+            "000#813F" => starts.iter().map(|&ms| (Duration::from_millis(ms), frame("73F#00"))).collect(),
+            "7E5#1300000000000000" if starts.len() == 1 => vec![(Duration::from_millis(20), frame("73F#00"))],
+            request => table(ROWS)(&frame(request)),
+        };
+        let report = with_bench(script, |bench| run_case(bench, &RESTARTS_SOON));
+        assert_eq!(report.verdict.breaches().len(), 3 - starts.len());
+        report.verdict.reason().unwrap().actual
+    };
+    assert!(found(&[10]).starts_with("a boot-up message at"), "{}", found(&[10]));
+    assert_eq!(found(&[10, 100]), "no answer");
 }
 
 #[test]
@@ -122,7 +155,7 @@ fn a_run_ends_at_the_first_failure_where_it_shall() {
     assert_eq!(total(false, &[&PASSES, &BREAKS, &PASSES]), Ok((3, false)));
     assert_eq!(total(true, &[&PASSES, &BREAKS, &PASSES]), Ok((2, true)));
     assert_eq!(total(true, &[&PASSES, &PANICS, &PASSES]), Ok((2, true)));
-    assert_eq!(total(true, &[&PASSES, &GIVES_UP, &TOUCHES]), Ok((3, false)), "nothing has failed");
+    assert_eq!(total(true, &[&PASSES, &UNREACHED, &TOUCHES]), Ok((3, false)), "nothing has failed");
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn at_work(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     bench.write(HEARTBEAT, &[0xE8, 3]).unwrap();
     bench.begin();
     bench.changes.clear();
-    bench.note_zero_point();
+    bench.note_zero_point(true);
     let dictionary = bench.dump();
     bench.learn_memory(&dictionary).unwrap();
     dictionary
@@ -135,7 +135,7 @@ fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
     bench.write(STORE, b"save").unwrap();
     bench.listen(Duration::from_millis(500)).unwrap();
     bench.begin();
-    bench.note_zero_point();
+    bench.note_zero_point(true);
     let dictionary = bench.dump();
     bench.learn_memory(&dictionary).unwrap();
     bench.read_number(OFFSET).unwrap()
@@ -242,5 +242,5 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
 fn only_an_encoder_has_a_zero_point() {
     on("reference-301", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
     on("reference-406", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some()));
-    on("kuebler-c100", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
+    on("kuebler-c100", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some(), "that of its angle"));
 }

@@ -121,7 +121,7 @@ fn a_boot_up_after_the_supply_was_switched_is_expected() {
             } else {
                 bench.listen(MS(1_000)).unwrap();
             }
-            bench.finish().restarted.is_some()
+            bench.finish().boots.unasked.is_some()
         })
     };
     assert_eq!((restarted(true), restarted(false)), (false, true));

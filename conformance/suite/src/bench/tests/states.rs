@@ -237,7 +237,7 @@ fn a_boot_up_is_expected_after_a_reset_of_this_node() {
         with_bench(table(ROWS), |bench| {
             bench.command_to(node, command).unwrap();
             bench.listen(MS(100)).unwrap();
-            bench.finish().restarted.is_some()
+            bench.finish().boots.unasked.is_some()
         })
     };
     assert!(restarted(62, Command::RESET_NODE), "another node was reset");
@@ -331,7 +331,7 @@ fn a_restart_that_may_come_is_no_surprise() {
             }
             bench.send_bytes(0x123, &[]).unwrap();
             bench.listen(MS(5)).unwrap();
-            bench.finish().restarted.is_some()
+            bench.finish().boots.unasked.is_some()
         })
     };
     assert_eq!((restarted(true), restarted(false)), (false, true));

@@ -19,10 +19,10 @@ const TIMER_2: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMET
 const DIRECTION: Multiplexer = Multiplexer::new(0x3003, 0);
 const ANGLE_RANGE: Multiplexer = Multiplexer::new(0x3004, 0);
 const REDUNDANT: Multiplexer = Multiplexer::new(0x3005, 0);
-const ZERO_POINT: Multiplexer = Multiplexer::new(0x3010, 0);
-const ANGLE: Multiplexer = Multiplexer::new(0x5000, 0);
+pub(super) const ZERO_POINT: Multiplexer = Multiplexer::new(0x3010, 0);
+pub(super) const ANGLE: Multiplexer = Multiplexer::new(0x5000, 0);
 /// 360 degrees.
-const TURN: i64 = 36_000;
+pub(super) const TURN: i64 = 36_000;
 /// 2 degrees: a housing may shake.
 const TREMBLE: i64 = 200;
 

@@ -1,12 +1,13 @@
 //! The zero point of an encoder: what moves it (6003h) and what shows it (6004h, 6509h, 600Ch).
 
+use super::draw_wire::{ANGLE, TURN, ZERO_POINT};
 use super::position::{OFFSET, OPERATING_PARAMETERS, POSITION, PRESET, RANGE, SCALING, is_linear};
 use crate::bench::Bench;
 use crate::profile::Profile;
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::object::{self, encoder};
+use canvass_analyzer::object::{self, Acting, encoder};
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 const RAW_POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_RAW_VALUE, 0);
@@ -18,14 +19,25 @@ pub(crate) struct Encoders;
 
 impl Profile for Encoders {
     fn zero_point(&self, bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
-        let is_encoder = bench.read_number(DEVICE_TYPE)? & 0xFFFF == 406;
-        if !is_encoder || !bench.has(POSITION)? || !bench.has(PRESET)? {
+        if bench.read_number(DEVICE_TYPE)? & 0xFFFF != 406 {
             return Ok(None);
+        }
+        if !bench.has(POSITION)? || !bench.has(PRESET)? {
+            return inclinometer(bench);
         }
         let mut known = |at| bench.has(at).map(|there| there.then_some(at));
         let (offset, raw) = (known(OFFSET)?, known(RAW_POSITION)?);
-        Ok(Some(Objects { preset: PRESET, position: POSITION, offset, raw, range: positions(bench)? }))
+        let range = positions(bench)?;
+        Ok(Some(Objects { preset: PRESET, takes_position: true, position: POSITION, offset, raw, range }))
     }
+}
+
+/// The inclinometer of Kübler's draw-wire encoders: 3010h tells whether the angle counts from a zero that was set.
+fn inclinometer(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
+    let is_there = bench.acting(ZERO_POINT) == Some(Acting::MovesZeroPoint) && bench.has(ANGLE)?;
+    let (preset, position, offset, raw) = (ZERO_POINT, ANGLE, Some(ZERO_POINT), None);
+    let range = TURN.unsigned_abs();
+    Ok(is_there.then_some(Objects { preset, takes_position: false, position, offset, raw, range }))
 }
 
 /// How many positions the encoder shows as it is set now, at most 2^32.
