@@ -10,7 +10,7 @@ use proc_macro::TokenStream;
 
 /// Registers a rule of the diagnosis.
 ///
-/// On the struct that is the rule's state. Its doc comment is what a user reads in `canvass explain` and `docs/rules.md`:
+/// On the struct that is the rule's state. Its doc comment is what a user reads in `canvass explain` and on the reference page:
 /// the title as the first paragraph, then what exactly is found, then a section `# Why`, and a section `# What to do`.
 ///
 /// Keys:

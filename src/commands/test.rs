@@ -58,7 +58,7 @@ pub struct Args {
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
+    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/waivers.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
     /// Run each case this many times; a case that does not always end the same way is flaky

@@ -80,6 +80,8 @@ mod provenance;
 #[cfg(test)]
 mod quarantine;
 #[cfg(test)]
+mod reference;
+#[cfg(test)]
 mod rogues;
 #[cfg(test)]
 mod rows;

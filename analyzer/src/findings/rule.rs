@@ -8,7 +8,7 @@ use super::thresholds::{Threshold, Thresholds};
 use crate::NodeId;
 use crate::message::Service;
 
-/// What is said of a rule. `canvass explain` and `docs/rules.md` have no other source.
+/// What is said of a rule. `canvass explain` and the reference page of rules have no other source.
 #[derive(Debug)]
 pub struct Metadata {
     /// Its id, which never changes, such as `nodes/heartbeat-missing`.
