@@ -12,6 +12,7 @@ mod capture;
 mod context;
 mod diagnosis;
 mod dispatch;
+mod effect;
 mod emcy;
 mod encoder;
 mod facts;
@@ -37,6 +38,7 @@ mod wear;
 
 pub use context::{Context, Scene};
 pub use diagnosis::{Diagnosis, Observed, Results};
+pub use effect::{Effect, Rank};
 pub use facts::{Facts, NodeFacts};
 pub use finding::{Exhibit, Finding, Severity};
 pub use latest::Latest;

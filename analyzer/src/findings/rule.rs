@@ -1,6 +1,7 @@
 //! What a rule is: what is said of it, and how it watches a bus.
 
 use super::context::{Context, Scene};
+use super::effect::{Effect, Rank};
 use super::finding::Severity;
 use super::sink::Sink;
 use super::source::SourceQuality;
@@ -15,6 +16,10 @@ pub struct Metadata {
     pub id: &'static str,
     /// The severity of its findings; single findings may be less severe.
     pub severity: Severity,
+    /// How grave its findings are for a machine: what is told first.
+    pub rank: Rank,
+    /// What follows from its findings.
+    pub leads_to: &'static [Effect],
     /// What it finds, in one line.
     pub title: &'static str,
     /// What exactly is found, and what is not.
