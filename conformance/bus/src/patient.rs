@@ -2,7 +2,7 @@
 //! breaks and is made anew, an interface goes down and comes up.
 
 use super::{Bus, BusError, Health};
-use canvass_traces::{Duration, Frame, Record, Timestamp};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -34,11 +34,18 @@ pub struct PatientBus<'a> {
     waits_since: Option<Instant>,
     /// When it was seen that the user has ended it.
     cancelled_at: Option<Instant>,
+    /// Whether anybody else has sent something.
+    has_heard: bool,
 }
 
 impl<'a> PatientBus<'a> {
     pub const fn new(bus: &'a mut dyn Bus, endurance: Endurance) -> Self {
-        Self { bus, endurance, waits_since: None, cancelled_at: None }
+        Self { bus, endurance, waits_since: None, cancelled_at: None, has_heard: false }
+    }
+
+    /// Whether waiting may help: where nobody was heard yet, and nobody takes what is sent, there is nobody.
+    const fn may_end(&self, refused: &BusError) -> bool {
+        refused.is_interruption() && (self.has_heard || !refused.is_full())
     }
 
     /// Waits a moment. `refused`: what a frame was refused with.
@@ -78,7 +85,7 @@ impl Bus for PatientBus<'_> {
         loop {
             if !self.bus.is_interrupted() {
                 match self.bus.send(frame) {
-                    Err(error) if error.is_interruption() => refused = Some(error),
+                    Err(error) if self.may_end(&error) => refused = Some(error),
                     sent => {
                         self.waits_since = None;
                         return sent;
@@ -90,7 +97,9 @@ impl Bus for PatientBus<'_> {
     }
 
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        self.bus.receive(deadline)
+        let received = self.bus.receive(deadline)?;
+        self.has_heard |= received.as_ref().is_some_and(|record| record.direction == Direction::Rx);
+        Ok(received)
     }
 
     fn bit_rate(&self) -> Option<u32> {
@@ -140,8 +149,9 @@ impl Bus for PatientBus<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pcan::{PcanError, Status as PcanStatus};
     use crate::slcan::SlCanError;
-    use canvass_traces::CanId;
+    use canvass_traces::{CanId, ChannelId};
     use std::time;
 
     /// A bus that takes frames except during an interruption, of which it tells at once or only when it refuses a frame.
@@ -228,6 +238,43 @@ mod tests {
         cancelled.cancelled_at = Some(ended);
         assert!(cancelled.send(&frame()).is_err());
         assert!(begun.elapsed() < time::Duration::from_secs(1));
+    }
+
+    /// An adapter whose transmit queue is full, and stays so.
+    struct Full {
+        hears: bool,
+    }
+
+    impl Bus for Full {
+        fn now(&self) -> Timestamp {
+            Timestamp::ZERO
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            let channel = "PCAN_USBBUS1".parse().unwrap();
+            Err(PcanError::QueueFull { channel, waited: Duration::ZERO, status: PcanStatus::OK }.into())
+        }
+
+        fn receive(&mut self, _: Timestamp) -> Result<Option<Record>, BusError> {
+            let record = Record::new(Timestamp::ZERO, ChannelId(0), frame()).with_direction(Direction::Rx);
+            Ok(std::mem::take(&mut self.hears).then_some(record))
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+    }
+
+    /// At the wrong bit rate nobody acknowledges; a device that has answered may be switched on again.
+    #[test]
+    fn who_was_never_heard_is_not_waited_for() {
+        for hears in [false, true] {
+            let mut bus = Full { hears };
+            let mut patient = PatientBus::new(&mut bus, endurance(50));
+            patient.receive(Timestamp::ZERO).unwrap();
+            let error = patient.send(&frame()).unwrap_err();
+            assert_eq!(matches!(error, BusError::Interrupted { .. }), hears, "{error}");
+        }
     }
 
     #[test]
