@@ -50,18 +50,28 @@ impl<'a> PatientBus<'a> {
 
     /// Waits a moment. `refused`: what a frame was refused with.
     fn wait(&mut self, refused: Option<&BusError>) -> Result<(), BusError> {
-        let now = Instant::now();
-        let since = *self.waits_since.get_or_insert(now);
-        if self.endurance.cancelled.load(Ordering::Relaxed) {
-            self.cancelled_at.get_or_insert(now);
-        }
-        let ends = [self.endurance.ends, self.cancelled_at].into_iter().flatten().min();
-        let is_over = ends.is_some_and(|ends| now >= ends + LAST);
-        if is_over || now.duration_since(since) >= self.endurance.patience.into() {
+        let since = *self.waits_since.get_or_insert_with(Instant::now);
+        if self.is_over(since) {
             return Err(self.not_back(since, refused));
         }
         std::thread::sleep(LOOK);
         Ok(())
+    }
+
+    /// Whether an interruption is not waited for any more, in which waiting has begun then.
+    fn is_over(&mut self, since: Instant) -> bool {
+        let now = Instant::now();
+        if self.endurance.cancelled.load(Ordering::Relaxed) {
+            self.cancelled_at.get_or_insert(now);
+        }
+        let ends = [self.endurance.ends, self.cancelled_at].into_iter().flatten().min();
+        ends.is_some_and(|ends| now >= ends + LAST) || now.duration_since(since) >= self.endurance.patience.into()
+    }
+
+    /// When waiting has begun for the interruption that is not waited for any more, if there is one.
+    fn given_up(&mut self) -> Option<Instant> {
+        let since = self.waits_since.filter(|_| self.bus.is_interrupted())?;
+        self.is_over(since).then_some(since)
     }
 
     fn not_back(&self, since: Instant, refused: Option<&BusError>) -> BusError {
@@ -96,10 +106,17 @@ impl Bus for PatientBus<'_> {
         }
     }
 
+    /// # Errors
+    /// [`BusError::Interrupted`] once the bus has not come back in time, until it does: nothing can come.
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        let received = self.bus.receive(deadline)?;
+        let given_up = self.given_up();
+        let until = if given_up.is_some() { deadline.min(self.bus.now()) } else { deadline };
+        let received = self.bus.receive(until)?;
         self.has_heard |= received.as_ref().is_some_and(|record| record.direction == Direction::Rx);
-        Ok(received)
+        match (received, given_up) {
+            (None, Some(since)) => Err(self.not_back(since, None)),
+            (received, _) => Ok(received),
+        }
     }
 
     fn bit_rate(&self) -> Option<u32> {
@@ -208,7 +225,9 @@ mod tests {
     fn a_frame_is_sent_once_when_the_bus_is_back() {
         for tells in [true, false] {
             let (mut bus, begun) = (broken(100, tells), Instant::now());
-            PatientBus::new(&mut bus, endurance(10_000)).send(&frame()).unwrap();
+            let mut patient = PatientBus::new(&mut bus, endurance(10_000));
+            assert!(patient.receive(Timestamp::ZERO).unwrap().is_none(), "what came before can be fetched");
+            patient.send(&frame()).unwrap();
             assert!(begun.elapsed() >= time::Duration::from_millis(100));
             assert_eq!(bus.sent, 1);
         }
@@ -224,6 +243,7 @@ mod tests {
         let begun = Instant::now();
         assert!((0..100).all(|_| patient.send(&frame()).is_err()));
         assert!(begun.elapsed() < time::Duration::from_millis(50), "the next ones are refused at once");
+        assert!(patient.receive(Timestamp::MAX).is_err(), "and nobody waits for an answer");
     }
 
     #[test]
