@@ -68,6 +68,9 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+#[cfg(unix)] // a signal ends what goes on for ever
+mod outages;
+#[cfg(test)]
 #[cfg(unix)] // the documentation shows a POSIX shell
 mod pages;
 #[cfg(test)]
@@ -77,6 +80,8 @@ mod pcan;
 mod progress;
 #[cfg(test)]
 mod provenance;
+#[cfg(test)]
+mod proxy;
 #[cfg(test)]
 mod quarantine;
 #[cfg(test)]
