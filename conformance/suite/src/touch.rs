@@ -16,11 +16,14 @@ pub enum Touch {
     OtherNodes,
     /// Restores the factory defaults: what the user had configured is lost.
     FactoryDefaults,
+    /// Tests a device that others use meanwhile.
+    OtherClients,
 }
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults];
+    pub const ALL: [Self; 6] =
+        [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults, Self::OtherClients];
 
     /// The name by which the user allows it.
     pub const fn name(self) -> &'static str {
@@ -30,6 +33,7 @@ impl Touch {
             Self::BitRate => "bit-rate",
             Self::OtherNodes => "other-nodes",
             Self::FactoryDefaults => "factory-defaults",
+            Self::OtherClients => "other-clients",
         }
     }
 
@@ -46,6 +50,7 @@ impl Touch {
             Self::BitRate => "changes the bit rate",
             Self::OtherNodes => "commands other nodes",
             Self::FactoryDefaults => "restores the factory defaults",
+            Self::OtherClients => "tests a device that others use meanwhile",
         }
     }
 }
@@ -58,7 +63,9 @@ impl fmt::Display for Touch {
 
 /// There is nothing of that name to allow.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes and factory-defaults")]
+#[error(
+    "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults and other-clients"
+)]
 pub struct UnknownTouch(pub String);
 
 impl FromStr for Touch {

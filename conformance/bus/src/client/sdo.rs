@@ -14,7 +14,7 @@ use std::fmt;
 pub const MAX_UPLOAD: usize = 16 << 20;
 
 /// One transfer, from the client's side.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
@@ -22,7 +22,7 @@ pub struct Transfer {
     most: usize,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum ClientState {
     AwaitUpload,
     UploadSegments { data: Vec<u8>, announced: Option<u32>, toggle: bool },

@@ -12,6 +12,7 @@
 mod answers;
 mod attempt;
 pub mod block;
+mod clients;
 mod decoder;
 mod dictionary;
 mod evidence;
@@ -53,6 +54,7 @@ use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
+use clients::Clients;
 use rewrite::Original;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -88,6 +90,9 @@ pub struct Bench<'a> {
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
+    /// The same since the start of the run.
+    foreign_of_run: Foreign,
+    clients: Clients,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
@@ -158,6 +163,8 @@ impl<'a> Bench<'a> {
             ended_early: false,
             started: false,
             foreign: Foreign::default(),
+            foreign_of_run: Foreign::default(),
+            clients: Clients::new(target.node, target.description.as_ref()),
             gone: None,
             lost_before: None,
             taken: 0,
@@ -355,6 +362,7 @@ impl<'a> Bench<'a> {
         self.untidy.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
+        self.clients.begin();
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();

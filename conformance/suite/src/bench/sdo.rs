@@ -12,7 +12,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_bus::client::sdo::{Mode, Outcome, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
-use canvass_traces::{Duration, Frame, Timestamp};
+use canvass_traces::{Direction, Duration, Frame, Timestamp};
 use std::borrow::Cow;
 
 /// An object that every device has.
@@ -96,6 +96,7 @@ impl Bench<'_> {
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
+        self.wait_for_quiet()?;
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
         // After these a segment of a block may follow, which has no command specifier.
@@ -155,14 +156,21 @@ impl Bench<'_> {
     }
 
     fn transfer(&mut self, transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
-        self.drain()?;
         let stores = first.multiplexer().is_some_and(|object| {
             matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
         });
-        let (multiplexer, asked) = (transfer.multiplexer(), self.now());
-        let mut line = BenchLine { bench: self, multiplexer, stores, asked, responses: Vec::new() };
-        let outcome = transfer.carry_out(first, &mut line)?;
-        let responses = line.responses;
+        let multiplexer = transfer.multiplexer();
+        // A memory that wears out is written once.
+        let has_succeeded = |(outcome, _): &(Outcome, Vec<Frame>)| {
+            stores || matches!(outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
+        };
+        let (outcome, responses) = self.undisturbed(has_succeeded, |bench| {
+            bench.drain()?;
+            let asked = bench.now();
+            let mut line = BenchLine { bench, multiplexer, stores, asked, responses: Vec::new() };
+            let outcome = transfer.clone().carry_out(first, &mut line)?;
+            Ok((outcome, line.responses))
+        })?;
         if outcome.own_abort().is_none() {
             self.knowledge.served += 1;
         }
@@ -183,7 +191,18 @@ impl Bench<'_> {
 
     pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Stop> {
         let cob_id = sdo::RESPONSE_BASE + u16::from(self.node().raw());
-        self.wait_for(span, |record| (record.frame.cob_id() == Some(cob_id)).then_some(record.frame))
+        let deadline = self.now() + span;
+        while let Some(record) = self.receive(deadline)? {
+            let is_response = record.direction != Direction::Tx && record.frame.cob_id() == Some(cob_id);
+            if is_response && !self.answered_others() {
+                return Ok(Some(record.frame));
+            }
+            // As for every wait.
+            if record.timestamp > deadline {
+                break;
+            }
+        }
+        Ok(None)
     }
 }
 

@@ -234,9 +234,13 @@ impl Bench<'_> {
     /// As [`Bench::wait_for`].
     pub(crate) fn is_operational(&mut self) -> Result<bool, Stop> {
         let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
-        let state = self.wait_for(LONGEST_HEARTBEAT, |record| {
+        let mut state = None;
+        // To the end, as that shows who else is there.
+        self.wait_for(LONGEST_HEARTBEAT, |record| {
             let is_ours = record.frame.cob_id() == Some(cob_id);
-            is_ours.then(|| ErrorControl::read(record.frame.data()).ok()).flatten().map(|message| message.state)
+            let shown = is_ours.then(|| ErrorControl::read(record.frame.data()).ok()).flatten();
+            state = shown.map(|message| message.state).or(state);
+            None::<()>
         })?;
         Ok(state == Some(State::OPERATIONAL))
     }

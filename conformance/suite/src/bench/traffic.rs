@@ -60,8 +60,9 @@ impl Bench<'_> {
                 self.check_lost()?;
                 self.knowledge.fd_frames += u64::from(record.frame.is_fd());
                 self.watch.observe(&record);
-                if record.direction != Direction::Tx && !self.is_own(&record.frame) {
-                    self.foreign.count(&record);
+                if self.clients.observe(&record) && !self.is_own(&record.frame) {
+                    self.foreign.count(&record, self.target.node);
+                    self.foreign_of_run.count(&record, self.target.node);
                 }
                 let text = self.annotate.annotate(&record);
                 let recorded = record.clone().at(self.annotate.number(), 0);
