@@ -85,7 +85,14 @@ const TABLE: &[Influence] = &[
     },
     Influence {
         kind: ForeignKind::Sync,
-        breaches: &[Reach::Of(Service::Sync), Reach::Pdos, Reach::Application, Reach::Errors],
+        breaches: &[
+            Reach::Of(Service::Sync),
+            Reach::Objects(object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH),
+            Reach::Objects(object::SYNCHRONOUS_COUNTER_OVERFLOW..=object::SYNCHRONOUS_COUNTER_OVERFLOW),
+            Reach::Pdos,
+            Reach::Application,
+            Reach::Errors,
+        ],
         passes: &[
             "301/sync/*",
             "301/tpdo/sync*",

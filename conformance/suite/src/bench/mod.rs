@@ -90,8 +90,6 @@ pub struct Bench<'a> {
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
-    /// The same since the start of the run.
-    foreign_of_run: Foreign,
     clients: Clients,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
@@ -163,7 +161,6 @@ impl<'a> Bench<'a> {
             ended_early: false,
             started: false,
             foreign: Foreign::default(),
-            foreign_of_run: Foreign::default(),
             clients: Clients::new(target.node, target.description.as_ref()),
             gone: None,
             lost_before: None,
@@ -361,8 +358,7 @@ impl<'a> Bench<'a> {
         self.breaches.clear();
         self.untidy.clear();
         self.notes.clear();
-        self.foreign = Foreign::default();
-        self.clients.begin();
+        self.begin_among_others();
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();

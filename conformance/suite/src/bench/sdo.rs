@@ -12,7 +12,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_bus::client::sdo::{Mode, Outcome, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
-use canvass_traces::{Direction, Duration, Frame, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
 
 /// An object that every device has.
@@ -96,7 +96,12 @@ impl Bench<'_> {
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
-        self.wait_for_quiet()?;
+        // The first message of a dialogue names an object.
+        if request.multiplexer().is_some() {
+            self.wait_for_time()?
+        } else {
+            self.wait_for_quiet()?
+        }
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
         // After these a segment of a block may follow, which has no command specifier.
@@ -191,18 +196,7 @@ impl Bench<'_> {
 
     pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Stop> {
         let cob_id = sdo::RESPONSE_BASE + u16::from(self.node().raw());
-        let deadline = self.now() + span;
-        while let Some(record) = self.receive(deadline)? {
-            let is_response = record.direction != Direction::Tx && record.frame.cob_id() == Some(cob_id);
-            if is_response && !self.answered_others() {
-                return Ok(Some(record.frame));
-            }
-            // As for every wait.
-            if record.timestamp > deadline {
-                break;
-            }
-        }
-        Ok(None)
+        self.wait_for(span, |record| (record.frame.cob_id() == Some(cob_id)).then_some(record.frame))
     }
 }
 

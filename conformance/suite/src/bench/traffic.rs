@@ -62,7 +62,6 @@ impl Bench<'_> {
                 self.watch.observe(&record);
                 if self.clients.observe(&record) && !self.is_own(&record.frame) {
                     self.foreign.count(&record, self.target.node);
-                    self.foreign_of_run.count(&record, self.target.node);
                 }
                 let text = self.annotate.annotate(&record);
                 let recorded = record.clone().at(self.annotate.number(), 0);
@@ -95,7 +94,8 @@ impl Bench<'_> {
         Err(Stop::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 
-    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by. `None` when `span`
+    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by, answers of the SDO server to
+    /// other clients too. `None` when `span`
     /// has passed without it.
     ///
     /// # Errors
@@ -108,6 +108,7 @@ impl Bench<'_> {
         let deadline = self.bus.now() + span;
         while let Some(record) = self.receive(deadline)? {
             if record.direction != Direction::Tx
+                && !self.answered_others()
                 && let Some(found) = wanted(&record)
             {
                 return Ok(Some(found));

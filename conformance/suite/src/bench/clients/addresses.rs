@@ -37,7 +37,7 @@ impl Addresses {
         addresses
     }
 
-    /// Takes in what an object holds, or is told to hold. What was there before stays: a device may go on with it.
+    /// Takes in what an object holds. What was there before stays: a device may go on with it.
     pub fn learn(&mut self, at: Multiplexer, value: u32) {
         let (index, sub) = (at.index.0, at.sub.0);
         let cob_id = CobId(value);
@@ -46,29 +46,36 @@ impl Addresses {
         match (index, sub) {
             (object::COB_ID_SYNC, 0) => {
                 self.makes_sync |= value & CobId::NO_RTR != 0;
-                self.listens.extend(can_id.map(|id| (id, ForeignKind::Sync)));
+                self.listen(can_id, ForeignKind::Sync);
             }
             (object::COB_ID_TIME, 0) => {
                 self.makes_time |= value & CobId::NO_RTR != 0;
                 let consumed = can_id.filter(|_| value & CobId::INVALID != 0);
-                self.listens.extend(consumed.map(|id| (id, ForeignKind::Time)));
+                self.listen(consumed, ForeignKind::Time);
             }
             (object::CONSUMER_HEARTBEAT_TIME, 1..) => {
                 let watched = NodeId::new((value >> 16 & 0xFF) as u8).filter(|_| value & 0xFFFF != 0);
                 let id = watched.map(|node| error_control::CAN_ID_BASE + u16::from(node.raw()));
-                self.listens.extend(id.map(|id| (id, ForeignKind::Heartbeat)));
+                self.listen(id, ForeignKind::Heartbeat);
             }
             (object::FURTHER_SDO_SERVER_PARAMETER..object::SDO_CLIENT_PARAMETER, 1) => {
-                self.listens.extend(valid.map(|id| (id, ForeignKind::SdoRead)));
+                self.listen(valid, ForeignKind::SdoRead);
             }
             (index, 1) if object::is_rpdo_communication(index) => {
-                self.listens.extend(valid.map(|id| (id, ForeignKind::Rpdo)));
+                self.listen(valid, ForeignKind::Rpdo);
             }
             (object::COB_ID_EMCY, 0) | (object::FURTHER_SDO_SERVER_PARAMETER..object::SDO_CLIENT_PARAMETER, 2) => {
                 self.sends.extend(valid);
             }
             (index, 1) if object::is_tpdo_communication(index) || is_sdo_client(index) => self.sends.extend(valid),
             _ => {}
+        }
+    }
+
+    /// A CAN-ID that means two things means the first.
+    fn listen(&mut self, can_id: Option<u16>, kind: ForeignKind) {
+        if let Some(can_id) = can_id {
+            self.listens.entry(can_id).or_insert(kind);
         }
     }
 

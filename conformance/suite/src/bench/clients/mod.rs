@@ -5,18 +5,20 @@ mod addresses;
 mod echo;
 mod queue;
 
-use super::Bench;
 use super::foreign::Form;
+use super::{Bench, Foreign};
 use crate::foreign::{ForeignKind, ForeignMessages};
 use crate::verdict::Stop;
 use addresses::Addresses;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 use echo::Echo;
 use queue::ServerQueue;
+use std::collections::BTreeMap;
 
 /// A transfer that others disturb is tried again this many times.
 const TRIES: usize = 3;
@@ -37,6 +39,10 @@ pub(crate) struct Clients {
     now: Addresses,
     echo: Echo,
     queue: ServerQueue,
+    /// What the tester writes, until the device has taken it.
+    written: Option<(Multiplexer, u32)>,
+    /// What others sent before the case.
+    before: BTreeMap<(ForeignKind, u16), u64>,
     /// Transfers that ended badly while others asked the server.
     collisions: u64,
     /// The last frame was an answer to others.
@@ -53,6 +59,8 @@ impl Clients {
             now,
             echo: Echo::default(),
             queue: ServerQueue::default(),
+            written: None,
+            before: BTreeMap::new(),
             collisions: 0,
             answered_others: false,
         }
@@ -74,31 +82,42 @@ impl Clients {
                     self.on_request(request, is_own, at);
                 }
             }
+            Some(id) if id == error_control::CAN_ID_BASE + node && record.data() == [0] => self.queue.reset(),
             Some(id) if id == sdo::RESPONSE_BASE + node && !is_own => {
-                self.answered_others = self.queue.answer(Response::read(record.data()).ok().as_ref(), at);
+                self.on_response(Response::read(record.data()).ok().as_ref(), at);
             }
             _ => {}
         }
         !is_own
     }
 
+    /// What frames of that form and CAN-ID are to the device. What it sends itself in this case, as others did before, both send.
+    fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
+        let usual = || self.usual.kind(can_id, form).filter(|kind| self.before.contains_key(&(*kind, can_id)));
+        self.now.kind(can_id, form).or_else(usual)
+    }
+
     fn on_request(&mut self, request: Request, is_own: bool, at: Timestamp) {
         self.queue.ask(request, !is_own, at);
         if let Request::InitiateDownload { multiplexer, payload } = request
-            && let Some(value) = payload.value().filter(|_| is_own)
+            && is_own
         {
-            self.now.learn(multiplexer, super::sdo::number(value));
+            self.written = payload.value().map(|value| (multiplexer, super::sdo::number(value)));
         }
     }
 
-    /// A case begins: what the case before has told the device counts no more.
-    pub fn begin(&mut self) {
-        self.now = self.usual.clone();
+    fn on_response(&mut self, response: Option<&Response>, at: Timestamp) {
+        self.answered_others = self.queue.answer(response, at);
+        let Some(Response::InitiateDownload { multiplexer }) = response else { return };
+        if let Some((_, value)) = self.written.take_if(|(written, _)| written == multiplexer) {
+            self.now.learn(*multiplexer, value);
+        }
     }
+}
 
-    /// What frames of that form and CAN-ID are to the device.
-    pub fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
-        self.now.kind(can_id, form)
+fn count(counts: &mut BTreeMap<(ForeignKind, u16), u64>, messages: Vec<ForeignMessages>) {
+    for ForeignMessages { kind, can_id, count } in messages {
+        *counts.entry((kind, can_id)).or_default() += count;
     }
 }
 
@@ -117,7 +136,7 @@ impl Bench<'_> {
         let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
         let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
         self.clients.usual = Addresses::of_values(self.target.node, numbers);
-        self.clients.begin();
+        self.clients.now = self.clients.usual.clone();
     }
 
     /// What others have sent to the device, or for it, since [`Bench::begin`].
@@ -127,7 +146,17 @@ impl Bench<'_> {
 
     /// The same since the start of the run.
     pub(crate) fn foreign_messages_of_run(&self) -> Vec<ForeignMessages> {
-        self.foreign_of_run.messages(|can_id, form| self.clients.usual.kind(can_id, form))
+        let mut counts = self.clients.before.clone();
+        count(&mut counts, self.foreign_messages());
+        counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
+    }
+
+    /// A case begins: what the case before has told the device counts no more, what others have sent does.
+    pub(super) fn begin_among_others(&mut self) {
+        let messages = self.foreign_messages();
+        count(&mut self.clients.before, messages);
+        self.foreign = Foreign::default();
+        self.clients.now = self.clients.usual.clone();
     }
 
     /// Whether the last frame was an answer of the SDO server to others.
@@ -150,6 +179,17 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// Waits for a moment at which a dialogue of several messages has time before others ask again: not where they are likely to
+    /// do so soon.
+    pub(super) fn wait_for_time(&mut self) -> Result<(), Stop> {
+        match self.clients.queue.next_foreign() {
+            Some((period, next)) if period < POLL && next > self.now() && next.since(self.now()).0 < period.0 / 2 => {
+                self.wait_for_pause()
+            }
+            _ => self.wait_for_quiet(),
+        }
+    }
+
     /// Waits until others have asked once more, and have their answer: then they pause.
     fn wait_for_pause(&mut self) -> Result<(), Stop> {
         let (before, deadline) = (self.clients.queue.foreign(), self.now() + POLL);
@@ -168,7 +208,7 @@ impl Bench<'_> {
     ) -> Result<T, Stop> {
         for _ in 1..TRIES {
             let (breaches, untidy) = (self.breaches.len(), self.untidy.len());
-            self.wait_for_quiet()?;
+            self.wait_for_time()?;
             let before = self.clients.queue.foreign();
             let result = transfer(self)?;
             if self.clients.queue.foreign() == before || has_succeeded(&result) {

@@ -21,6 +21,8 @@ pub struct ServerQueue {
     busy_until: Option<Timestamp>,
     /// How many requests of others there were.
     foreign: u64,
+    /// When the last two of them came.
+    latest: [Option<Timestamp>; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -33,15 +35,20 @@ struct Asked {
 impl ServerQueue {
     /// A client has sent a request.
     pub fn ask(&mut self, request: Request, is_foreign: bool, at: Timestamp) {
-        self.foreign += u64::from(is_foreign);
+        if is_foreign {
+            self.foreign += 1;
+            self.latest = [self.latest[1], Some(at)];
+        }
         self.asked.retain(|asked| at.since(asked.at) < FORGOTTEN);
         if matches!(request, Request::Abort(_) | Request::EndBlockUpload) {
             self.busy_until = self.busy_until.filter(|_| !is_foreign);
             return;
         }
-        if self.asked.len() < KEPT {
-            self.asked.push_back(Asked { request, is_foreign, at });
+        // The segments of a block look like requests, too.
+        if self.asked.len() == KEPT {
+            self.asked.pop_front();
         }
+        self.asked.push_back(Asked { request, is_foreign, at });
     }
 
     /// The server has answered. Whether that is for others: the oldest request that it fits is one of theirs.
@@ -53,6 +60,12 @@ impl ServerQueue {
         }
         let fitting = response.and_then(|response| self.asked.iter().position(|asked| fits(&asked.request, response)));
         let Some(asked) = fitting.and_then(|place| self.asked.remove(place)) else { return false };
+        // A server answers in order: what it passed over it has not received, or not understood.
+        let (passed_over, mut place) = (fitting.unwrap_or_default(), 0);
+        self.asked.retain(|asked| {
+            place += 1;
+            place > passed_over || !asked.is_foreign
+        });
         if asked.is_foreign {
             let goes_on = response.is_some_and(|response| goes_on(&asked.request, response));
             self.busy_until = goes_on.then(|| at + PAUSE);
@@ -60,9 +73,22 @@ impl ServerQueue {
         asked.is_foreign
     }
 
+    /// The device has started anew: what was asked before will not be answered.
+    pub fn reset(&mut self) {
+        self.asked.clear();
+        self.busy_until = None;
+    }
+
     /// How many requests of others there were.
     pub const fn foreign(&self) -> u64 {
         self.foreign
+    }
+
+    /// When others are likely to ask again, as far as their last two requests tell.
+    pub fn next_foreign(&self) -> Option<(Duration, Timestamp)> {
+        let [Some(before), Some(last)] = self.latest else { return None };
+        let period = last.since(before);
+        Some((period, last + period))
     }
 
     /// Until when the server is busy with others, if each request of theirs is answered within `patience`.
@@ -185,6 +211,31 @@ mod tests {
         queue.ask(request("7000000000000000"), true, AT(12));
         assert!(queue.answer(Some(&response("1143414E6F706E73")), AT(13)));
         assert_eq!((queue.busy_until(AT(14), PATIENCE), queue.foreign()), (None, 3));
+    }
+
+    /// What the server passes over it does not answer later.
+    #[test]
+    fn answers_come_in_order() {
+        let (other, other_value) = ("4001100000000000", "4F01100000000000");
+        let asked = [('x', READ), ('x', other), ('o', READ)];
+        assert_eq!(whose(&asked, &[other_value, VALUE]), [true, false], "the first was lost");
+        let mut queue = ServerQueue::default();
+        queue.ask(request(READ), true, AT(0));
+        queue.reset();
+        assert!(!queue.answer(Some(&response(VALUE)), AT(1)), "a device that has started anew");
+    }
+
+    #[test]
+    fn the_next_poll_is_foreseen() {
+        let mut queue = ServerQueue::default();
+        for at in [0, 20, 40] {
+            queue.ask(request(READ), false, AT(at));
+        }
+        assert_eq!(queue.next_foreign(), None);
+        queue.ask(request(READ), true, AT(100));
+        assert_eq!(queue.next_foreign(), None);
+        queue.ask(request(READ), true, AT(120));
+        assert_eq!(queue.next_foreign(), Some((Duration::from_millis(20), AT(140))));
     }
 
     /// A client that gives up its transfer leaves the server to others.
