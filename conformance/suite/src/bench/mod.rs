@@ -14,6 +14,7 @@ mod answers;
 mod attempt;
 mod baseline;
 pub mod block;
+mod clients;
 mod decoder;
 mod dictionary;
 mod evidence;
@@ -59,6 +60,7 @@ use baseline::Baseline;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
+use clients::Clients;
 use rewrite::Original;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -92,6 +94,7 @@ pub struct Bench<'a> {
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
+    clients: Clients,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
@@ -167,6 +170,7 @@ impl<'a> Bench<'a> {
             restoring: false,
             started: false,
             foreign: Foreign::default(),
+            clients: Clients::new(target.node, target.description.as_ref()),
             gone: None,
             lost_before: None,
             taken: 0,
@@ -366,7 +370,7 @@ impl<'a> Bench<'a> {
         self.breaches.clear();
         self.untidy.clear();
         self.notes.clear();
-        self.foreign = Foreign::default();
+        self.begin_among_others();
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();

@@ -255,17 +255,21 @@ impl Bench<'_> {
         Ok(product == 0 && self.guard()? == Some(State::OPERATIONAL))
     }
 
-    /// The state of the first sign of life: an error control message, or a PDO, which only comes in operational.
+    /// The state by the last sign of life in a span: an error control message, or a PDO, which only comes in operational. The span is
+    /// waited for to its end, as that shows who else is there.
     fn heard_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
-        let node = self.node();
+        let (node, mut state) = (self.node(), None);
         let cob_id = error_control::CAN_ID_BASE + u16::from(node.raw());
         self.wait_for(span, |record| {
             let id = record.frame.cob_id().filter(|_| is_from(node, &record.frame))?;
-            match id {
+            let shown = match id {
                 _ if id == cob_id => ErrorControl::read(record.frame.data()).ok().map(|message| message.state),
                 _ => is_tpdo(id).then_some(State::OPERATIONAL),
-            }
-        })
+            };
+            state = shown.or(state);
+            None::<()>
+        })?;
+        Ok(state)
     }
 
     /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.

@@ -68,6 +68,7 @@ fn told(bench: &mut Bench<'_>, cases: &[&'static Case]) -> (Result<Summary, RunE
             RunEvent::CaseStarted { case, number, of } => format!("{number} of {of}: {}", case.id),
             RunEvent::CaseFinished(report) => report.verdict.kind().to_string(),
             RunEvent::DictionaryCompared(comparison) => format!("compared: {}", comparison.objects),
+            RunEvent::OtherClients(others) => format!("others: {}", others.len()),
             RunEvent::Noticed(text) => format!("noticed: {text}"),
             RunEvent::RunFinished(summary) => format!("finished: {}", summary.total()),
         });
