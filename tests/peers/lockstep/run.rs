@@ -107,6 +107,7 @@ fn chosen(ids: &[String]) -> Result<Vec<&'static Case>> {
 impl Told {
     fn hear(&mut self, event: &RunEvent<'_>, seen: &Seen) {
         match event {
+            RunEvent::OtherClients(_) => {}
             RunEvent::CaseStarted { .. } => {
                 self.begun_at = seen.frames.get();
                 self.begun += 1;

@@ -361,6 +361,7 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
         lost: 3,
         interruptions: 2,
         interrupted_for: Duration::from_secs(4),
+        stamps: None,
     };
     assert_eq!(host, right);
 }
