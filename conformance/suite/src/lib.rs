@@ -22,7 +22,6 @@ pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
-mod profile;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]

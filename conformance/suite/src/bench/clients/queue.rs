@@ -60,13 +60,13 @@ impl ServerQueue {
         }
         let fitting = response.and_then(|response| self.asked.iter().position(|asked| fits(&asked.request, response)));
         let Some(asked) = fitting.and_then(|place| self.asked.remove(place)) else { return false };
-        // A server answers in order: what it passed over it has not received, or not understood.
-        let (passed_over, mut place) = (fitting.unwrap_or_default(), 0);
-        self.asked.retain(|asked| {
-            place += 1;
-            place > passed_over || !asked.is_foreign
-        });
         if asked.is_foreign {
+            // A client asks once at a time: what others had asked before was lost. An own request may have overtaken theirs.
+            let (passed_over, mut place) = (fitting.unwrap_or_default(), 0);
+            self.asked.retain(|asked| {
+                place += 1;
+                place > passed_over || !asked.is_foreign
+            });
             let goes_on = response.is_some_and(|response| goes_on(&asked.request, response));
             self.busy_until = goes_on.then(|| at + PAUSE);
         }
