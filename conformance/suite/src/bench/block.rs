@@ -30,7 +30,7 @@ impl Bench<'_> {
         multiplexer: Multiplexer,
         manner: UploadManner,
     ) -> Result<(Attempt, BlockUpload), Stop> {
-        self.between_others(has_succeeded, |bench| {
+        self.between_others(has_succeeded, move |bench| {
             let mut client = BlockUpload::new(multiplexer, manner.clone());
             let attempt = bench.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
             Ok((attempt, client))

@@ -98,9 +98,9 @@ impl Bench<'_> {
         self.drain()?;
         // The first message of a dialogue names an object.
         if request.multiplexer().is_some() {
-            self.wait_for_time()?
+            self.wait_for_time()?;
         } else {
-            self.wait_for_quiet()?
+            self.wait_for_quiet()?;
         }
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
@@ -169,7 +169,7 @@ impl Bench<'_> {
         let has_succeeded = |(outcome, _): &(Outcome, Vec<Frame>)| {
             stores || matches!(outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
         };
-        let (outcome, responses) = self.between_others(has_succeeded, |bench| {
+        let (outcome, responses) = self.between_others(has_succeeded, move |bench| {
             bench.drain()?;
             let asked = bench.now();
             let mut line = BenchLine { bench, multiplexer, stores, asked, responses: Vec::new() };

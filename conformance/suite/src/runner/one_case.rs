@@ -67,7 +67,7 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
 fn settle(bench: &mut Bench<'_>, case: &Case, ran: bool) {
     let settled = catch_unwind(AssertUnwindSafe(|| {
         if ran {
-            bench.settle_memory(case.touches)
+            bench.settle_memory(case.touches);
         }
     }));
     // If the tester fails here, the journal goes on telling of the case.
