@@ -1,5 +1,6 @@
 //! Exit statuses, and how errors become one.
 
+use canvass_suite::runner::RunError;
 use canvass_traces::{OpenError, WriteError};
 use std::process::ExitCode;
 
@@ -72,6 +73,9 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
         return Some("if you know which, use --format-in");
+    }
+    if let Some(RunError::OtherClients { .. }) = cause.downcast_ref() {
+        return Some("stop them, or test the device beside them with --allow other-clients");
     }
     let Some(WriteError::NotWritten(_)) = cause.downcast_ref() else { return None };
     Some("choose another format with --to (`canvass list formats` shows them)")

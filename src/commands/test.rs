@@ -50,7 +50,7 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, other-clients, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]

@@ -68,6 +68,8 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+mod other_clients;
+#[cfg(test)]
 #[cfg(unix)] // the documentation shows a POSIX shell
 mod pages;
 #[cfg(test)]

@@ -42,6 +42,11 @@ impl Touch {
         matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
     }
 
+    /// Whether the tester does it itself; else others do.
+    pub const fn is_by_the_tester(self) -> bool {
+        !matches!(self, Self::OtherClients)
+    }
+
     /// What the case would do.
     pub const fn text(self) -> &'static str {
         match self {

@@ -9,8 +9,10 @@ use super::told::{Named, Told};
 use crate::{escape, provenance};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
+use canvass_bus::StampTrouble;
 use canvass_suite::bench::{Exhibit, Measurement, Use};
 use canvass_suite::comparison::{Change, Comparison};
+use canvass_suite::foreign::ForeignMessages;
 use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
@@ -42,6 +44,9 @@ struct Document<'a> {
     /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
     #[serde(skip_serializing_if = "Option::is_none")]
     host: Option<Host>,
+    /// Only where others used the device.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    other_clients: Vec<OtherClient>,
     cases: Vec<Case<'a>>,
 }
 
@@ -54,6 +59,17 @@ struct Host {
     transmit_max_ns: u64,
     lost: u64,
     interruptions: u64,
+    /// Only where they can't be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_stamps: Option<&'static str>,
+}
+
+/// What others sent to the device or for it.
+#[derive(Serialize)]
+struct OtherClient {
+    kind: &'static str,
+    id: u16,
+    count: u64,
 }
 
 impl From<&HostTiming> for Host {
@@ -65,6 +81,7 @@ impl From<&HostTiming> for Host {
             transmit_max_ns: host.transmit_always.nanos(),
             lost: host.lost,
             interruptions: host.interruptions,
+            time_stamps: host.stamps.map(StampTrouble::name),
         }
     }
 }
@@ -141,6 +158,9 @@ struct Case<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     uses: Vec<Used>,
     notes: &'a [String],
+    /// Only where others used the device meanwhile.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    other_clients: Vec<OtherClient>,
     /// Only where the run was recorded: the first and the last frame of the case in the recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     recorded: Option<[u64; 2]>,
@@ -228,6 +248,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         comparison: run.comparison.as_ref().map(compared),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
         host: run.summary.host.as_ref().map(Host::from),
+        other_clients: run.other_clients.iter().map(other_client).collect(),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
     };
     let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
@@ -263,6 +284,10 @@ fn changed(change: &Change) -> Changed<'_> {
 
 fn used(Use { multiplexer, purpose }: &Use) -> Used {
     Used { index: multiplexer.index.0, sub: multiplexer.sub.0, purpose }
+}
+
+fn other_client(&ForeignMessages { kind, can_id, count }: &ForeignMessages) -> OtherClient {
+    OtherClient { kind: kind.name(), id: can_id, count }
 }
 
 fn value(measurement: &Measurement) -> Value<'_> {
@@ -312,6 +337,7 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         measurements: report.measurements.iter().map(value).collect(),
         uses: report.uses.iter().map(used).collect(),
         notes: &report.notes,
+        other_clients: report.foreign.iter().map(other_client).collect(),
         recorded: super::recorded(report),
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),

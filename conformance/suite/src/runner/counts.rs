@@ -349,8 +349,15 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
     let host = told(&mut bench, &[&PASSES]).0.unwrap().host.unwrap();
     let [receive_usually, receive_always, transmit_usually, transmit_always] =
         [11, 21, 13, 23].map(|bits| Duration((1 << bits) - 1));
-    let right =
-        HostTiming { receive_usually, receive_always, transmit_usually, transmit_always, lost: 3, interruptions: 2 };
+    let right = HostTiming {
+        receive_usually,
+        receive_always,
+        transmit_usually,
+        transmit_always,
+        lost: 3,
+        interruptions: 2,
+        stamps: None,
+    };
     assert_eq!(host, right);
 }
 

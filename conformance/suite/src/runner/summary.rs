@@ -1,7 +1,7 @@
 //! The outcome of a run in numbers.
 
 use crate::verdict::Kind;
-use canvass_bus::Health;
+use canvass_bus::{Health, StampTrouble};
 use canvass_traces::Duration;
 use std::fmt;
 
@@ -65,6 +65,8 @@ pub struct HostTiming {
     pub lost: u64,
     /// How often the way to the bus was interrupted.
     pub interruptions: u64,
+    /// What is wrong with the time stamps of the adapter.
+    pub stamps: Option<StampTrouble>,
 }
 
 impl HostTiming {
@@ -77,6 +79,7 @@ impl HostTiming {
             transmit_always: transmit.longest().unwrap_or_default(),
             lost: health.lost,
             interruptions: health.interruptions,
+            stamps: health.stamps,
         }
     }
 }
