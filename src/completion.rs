@@ -38,7 +38,7 @@ fn words(id: &str) -> Option<Words> {
         "liberty" => |typed| listed(typed, liberties()),
         "threshold" => |_| thresholds(),
         "timeout" => |typed| {
-            let waits = ["sdo=", "store=", "lss=", "boot-up=", "reaction=", "silence=", "client="];
+            let waits = ["sdo=", "store=", "lss=", "boot-up=", "reaction=", "silence=", "client=", "reconnect="];
             listed(typed, waits.map(str::to_owned))
         },
         "id" => |_| explained(),

@@ -2,6 +2,7 @@
 
 use crate::devices::DeviceArg;
 use crate::output::{Color, Output, diagnostic};
+use crate::reconnect::interruptions;
 use crate::status::Failure;
 use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::network::Network;
@@ -175,7 +176,7 @@ pub fn report_health(bus: &dyn Bus) {
     if health.lost > 0 {
         diagnostic(&format!("canvass: {} frames were lost: this machine did not keep up", health.lost));
     }
-    if let Some(trouble) = health.trouble {
+    if let Some(trouble) = interruptions(bus).map(|interruptions| interruptions.to_string()).or(health.trouble) {
         diagnostic(&format!("canvass: {trouble}"));
     }
 }
@@ -201,6 +202,20 @@ impl FrameLines {
 
     pub fn flush(&self) -> io::Result<()> {
         self.output.flush()
+    }
+}
+
+/// A size as typed, in bytes: `500k`, `100M`, `2G`.
+pub fn parse_size(text: &str) -> anyhow::Result<u64> {
+    let (digits, factor) = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&text[..at], 1_000),
+        Some((at, 'M')) => (&text[..at], 1_000_000),
+        Some((at, 'G')) => (&text[..at], 1_000_000_000),
+        _ => (text, 1),
+    };
+    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
+        Some(size) if size > 0 => Ok(size),
+        _ => anyhow::bail!("expected a size such as 500k, 100M or 2G, found \"{text}\""),
     }
 }
 
@@ -243,6 +258,16 @@ mod tests {
         assert_eq!(parsed("1h"), Duration::from_secs(3_600));
         for wrong in ["", "s", "-1", "0", "1x", "nan"] {
             assert!(parse_span(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes_as_typed() {
+        assert_eq!(parse_size("500k").unwrap(), 500_000);
+        assert_eq!(parse_size("2G").unwrap(), 2_000_000_000);
+        assert_eq!(parse_size("17").unwrap(), 17);
+        for wrong in ["", "k", "0", "-1", "1T", "99999999999999999999"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -3,10 +3,11 @@
 use crate::interrupt::Interrupt;
 use crate::live::{channel_name, time_base};
 use crate::output::{Output, diagnostic};
-use canvass_bus::{Bus, Health};
+use canvass_bus::{Bus, Health, Interruptions};
 use canvass_traces::{
     Capture, Channels, Damage, DamageKind, Duration, Format, Place, Reader, Record, TimeBase, Timestamp,
 };
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Reads a bus until an end, or until interrupted; `output` is flushed before each wait.
 pub struct LiveReader {
@@ -20,7 +21,23 @@ pub struct LiveReader {
     looked: Timestamp,
     /// Records since then.
     read: u32,
+    interruptions: Interrupted,
     state: ReaderState,
+}
+
+/// How the way to a bus was interrupted until its reader came to an end.
+#[derive(Clone, Default)]
+pub struct Interrupted(Arc<Mutex<Option<Interruptions>>>);
+
+impl Interrupted {
+    /// `None`: it was not, or the reader did not come to an end.
+    pub fn take(&self) -> Option<Interruptions> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    fn set(&self, interruptions: Option<Interruptions>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = interruptions;
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -60,8 +77,14 @@ impl LiveReader {
             health,
             looked: now,
             read: 0,
+            interruptions: Interrupted::default(),
             state: ReaderState::Reading,
         }
+    }
+
+    /// What is known of the interruptions once all was read.
+    pub fn interruptions(&self) -> Interrupted {
+        self.interruptions.clone()
     }
 
     /// As a capture of that name.
@@ -95,8 +118,9 @@ impl LiveReader {
     fn last_losses(&mut self) -> Option<Damage> {
         self.state = ReaderState::Ended;
         let waiting = if self.interrupt.came() { self.count_waiting() } else { 0 };
-        let health = self.bus.health().since(&self.health);
-        lost(health.lost + waiting)
+        let health = self.bus.health();
+        self.interruptions.set(health.interruptions(self.bus.now()));
+        lost(health.since(&self.health).lost + waiting)
     }
 
     fn count_waiting(&mut self) -> u64 {

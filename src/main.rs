@@ -23,11 +23,13 @@ mod progress;
 mod provenance;
 mod put_back;
 mod quality;
+mod reconnect;
 mod selection;
 mod settings;
 mod status;
 mod time_range;
 mod timing;
+mod upload_limit;
 mod whole_file;
 
 use status::Status;

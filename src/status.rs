@@ -1,5 +1,6 @@
 //! Exit statuses, and how errors become one.
 
+use canvass_bus::BusError;
 use canvass_suite::runner::RunError;
 use canvass_traces::{OpenError, WriteError};
 use std::process::ExitCode;
@@ -73,6 +74,9 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
         return Some("if you know which, use --format-in");
+    }
+    if let Some(BusError::Interrupted { .. }) = cause.downcast_ref() {
+        return Some("--reconnect-timeout says how long to wait");
     }
     if let Some(RunError::OtherClients { .. }) = cause.downcast_ref() {
         return Some("stop them, or test the device beside them with --allow other-clients");

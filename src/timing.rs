@@ -1,6 +1,7 @@
 //! `--timeout WHAT=SPAN`.
 
 use crate::live::{parse_span, typed_span};
+use crate::reconnect::RECONNECT;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_suite::bench::Timing;
 use canvass_traces::Duration;
@@ -22,6 +23,7 @@ enum What {
     Reaction,
     Silence,
     Client,
+    Reconnect,
 }
 
 impl Timeout {
@@ -39,19 +41,26 @@ impl Timeout {
             What::BootUp => timing.boot_up = self.span,
             What::Reaction => timing.reaction = self.span,
             What::Silence => timing.silence = self.span,
-            What::Client => {}
+            What::Client | What::Reconnect => {}
         }
     }
 }
 
+/// How long an interrupted bus is waited for, by the last of them that says so.
+pub fn reconnect(timeouts: &[Timeout]) -> Duration {
+    let is_it = |timeout: &&Timeout| matches!(timeout.what, What::Reconnect);
+    timeouts.iter().rfind(is_it).map_or(RECONNECT, |timeout| timeout.span)
+}
+
 /// All waiting times, as `--timeout` would set them.
-pub fn told(timing: &Timing, client: Duration) -> Vec<String> {
+pub fn told(timing: &Timing, client: Duration, reconnect: Duration) -> Vec<String> {
     let spans = [
         ("sdo", timing.sdo_response),
         ("boot-up", timing.boot_up),
         ("reaction", timing.reaction),
         ("silence", timing.silence),
         ("client", client),
+        ("reconnect", reconnect),
     ];
     spans.map(|(what, span)| format!("{what}={}", typed_span(span))).into()
 }
@@ -70,7 +79,10 @@ impl FromStr for Timeout {
             "reaction" => What::Reaction,
             "silence" => What::Silence,
             "client" => What::Client,
-            other => bail!("expected sdo, store, lss, boot-up, reaction, silence or client, found \"{other}\""),
+            "reconnect" => What::Reconnect,
+            other => {
+                bail!("expected sdo, store, lss, boot-up, reaction, silence, client or reconnect, found \"{other}\"")
+            }
         };
         let known = parse_span(span).ok().filter(|known| (Duration::from_millis(1)..=LONGEST).contains(known));
         let span = known.ok_or_else(|| anyhow!("expected 1ms to {LONGEST}, such as 500ms, found \"{span}\""))?;
@@ -90,6 +102,8 @@ mod tests {
         }
         let set = [timing.sdo_response, timing.store, timing.lss, timing.boot_up, timing.reaction, timing.silence];
         assert_eq!(set, [1, 2, 3, 4, 5, 6].map(Duration::from_millis));
+        let spans = ["reconnect=9s", "client=1s", "reconnect=8s"].map(|text| text.parse().unwrap());
+        assert_eq!((reconnect(&spans), reconnect(&spans[1..2])), (Duration::from_secs(8), RECONNECT));
         assert!("lss".parse::<Timeout>().is_err() && "lss=0".parse::<Timeout>().is_err());
     }
 }

@@ -37,6 +37,9 @@ pub struct Setup {
     retries: u32,
     fail_fast: bool,
     exhaustive: bool,
+    /// Runs of earlier programs did not ask.
+    #[serde(default)]
+    zero_point_is_stored: bool,
     limit_ns: Option<u64>,
     timing: Times,
 }
@@ -73,6 +76,7 @@ impl Setup {
             retries: options.retries,
             fail_fast: options.fail_fast,
             exhaustive: options.exhaustive,
+            zero_point_is_stored: options.zero_point_is_stored,
             limit_ns: options.limit.map(Duration::nanos),
             timing: Times {
                 sdo_response_ns: of.sdo_response.nanos(),
@@ -124,6 +128,7 @@ impl Setup {
             power_cycle: None,
             fail_fast: self.fail_fast,
             exhaustive: self.exhaustive,
+            zero_point_is_stored: self.zero_point_is_stored,
             limit: self.limit_ns.map(Duration),
             journal: None,
         })
@@ -144,6 +149,7 @@ mod tests {
             power_cycle: Some("rm -r /".to_owned()),
             fail_fast: true,
             exhaustive: true,
+            zero_point_is_stored: true,
             limit: Some(Duration(5)),
             journal: None,
         };

@@ -2,6 +2,7 @@
 
 use crate::live::CLIENT;
 use crate::output::print;
+use crate::reconnect::RECONNECT;
 use crate::settings::{BUS_VARIABLE, Setting, Settings};
 use crate::status::{Failure, Status};
 use crate::timing;
@@ -53,7 +54,7 @@ fn rows(settings: Option<&Settings>) -> Vec<SettingRow> {
     let none = || SettingRow { key: String::new(), value: None, from: "not set".to_owned() };
     let mut rows: Vec<SettingRow> =
         ["bus", "node", "device", "waivers"].map(|key| SettingRow { key: key.to_owned(), ..none() }).into();
-    let usual = timing::told(&Timing::default(), CLIENT);
+    let usual = timing::told(&Timing::default(), CLIENT, RECONNECT);
     rows.extend(usual.iter().filter_map(|told| told.split_once('=')).map(|(what, span)| SettingRow {
         key: format!("timeouts.{what}"),
         value: Some(span.to_owned()),

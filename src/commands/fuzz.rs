@@ -13,6 +13,7 @@ use crate::interrupt::Interrupt;
 use crate::live::parse_span;
 use crate::output::{diagnostic, document, unless_closed};
 use crate::provenance::{Collected, Remarks, Subject, Typed};
+use crate::reconnect::ReconnectArg;
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
@@ -37,8 +38,8 @@ use std::time::Instant;
 ///
 /// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send. Each
 /// violation is repeated to confirm it, and its sequence of frames is shortened as far as possible. Nothing is done
-/// that writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow
-/// names it, on a simulated bus as on a live one.
+/// that writes the device's non-volatile memory, moves its zero point, changes its node-ID or bit rate or commands other
+/// nodes unless --allow names it, on a simulated bus as on a live one.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -67,7 +68,7 @@ pub struct Args {
     /// How many tries are spent on shortening a sequence; without it 2000 on a simulated bus, 100 on a live one
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
-    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
+    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     /// Only send the frames of this log or reproducer again, and judge what comes back
@@ -79,6 +80,8 @@ pub struct Args {
     /// A folder for a candump log of each violation, for --replay and canplayer; it is created if it does not exist
     #[arg(long, value_name = "DIR")]
     reproducers: Option<PathBuf>,
+    #[command(flatten)]
+    reconnect: ReconnectArg,
     #[command(flatten)]
     shown: Shown,
     #[command(flatten)]
@@ -133,8 +136,7 @@ impl Args {
         unless_closed(printed)?;
         kept?;
         reported.into_iter().collect::<Result<(), _>>()?;
-        let good = run.outcome.violations.is_empty() && !run.cancelled;
-        Ok(if good { Status::Good } else { Status::Findings })
+        Ok(status(&run))
     }
 
     /// What is known before the device is touched.
@@ -163,8 +165,10 @@ impl Args {
             .resolve("device", Some(device.name().to_owned()).filter(|name| !name.is_empty()).into_iter().collect());
         provenance.resolve("for", span.map(|span| span.to_string()).into_iter().collect());
         provenance.resolve("shrink-budget", vec![plan.shrink_budget.to_string()]);
-        let identity = device.on_bus(&self.bus, plan.seed, |bus| identity::ask(bus, node))?;
-        provenance.node(node, identity.map_err(Failure::unreachable)?);
+        let endurance = self.reconnect.until(None, plan.time.cancelled.clone());
+        let identity = device.on_bus(&self.bus, plan.seed, endurance, |bus| identity::ask(bus, node))?;
+        // A bus that fails ends the run, which has its report all the same.
+        provenance.node(node, identity.unwrap_or_default());
         Ok(())
     }
 
@@ -194,7 +198,8 @@ impl Args {
     ) -> Result<Outcome, Failure> {
         let begun = Instant::now();
         let mut progress = Progress::new(span);
-        let outcome = device.on_stand(&plan.time, |stand| {
+        let endurance = self.reconnect.until(plan.time.ends, plan.time.cancelled.clone());
+        let outcome = device.on_stand(&plan.time, endurance, |stand| {
             campaign::run(stand, knowledge.clone(), plan, &mut |state| {
                 progress.show(&state);
                 let in_time = span.is_none_or(|span| begun.elapsed().as_nanos() < u128::from(span.nanos()));
@@ -255,6 +260,16 @@ impl Args {
     fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
         let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
         self.shown.in_files().map(open).collect()
+    }
+}
+
+/// What was found goes before what became of the bus.
+fn status(run: &Run) -> Status {
+    match &run.outcome {
+        outcome if !outcome.violations.is_empty() => Status::Findings,
+        outcome if outcome.ended_by.is_some() => Status::Unreachable,
+        _ if run.cancelled => Status::Findings,
+        _ => Status::Good,
     }
 }
 

@@ -1,5 +1,7 @@
 //! `canvass lss`: layer setting services.
 
+mod lmt;
+
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
@@ -32,6 +34,9 @@ enum Action {
         which: Which,
     },
     /// Give a device a node-ID, a bit rate, or both
+    ///
+    /// Devices that have LMT (CiA DS-205) in place of LSS understand the same commands, and have another table of bit rates:
+    /// on a bus with such a device --bit-rate is refused, unless --address names one that has LSS.
     Configure {
         #[command(flatten)]
         bus: OnBus,
@@ -242,6 +247,9 @@ impl Master<'_> {
 
     fn inquire(&mut self, which: &Which) -> Result<Status, Failure> {
         self.select(which)?;
+        if which.address.is_none() {
+            self.refuse_only_lmt()?;
+        }
         let address = self.address()?;
         let node_id = match self.ask(&Request::InquireNodeId)? {
             Response::NodeId(node_id) => node_id,
@@ -253,6 +261,10 @@ impl Master<'_> {
 
     fn configure(&mut self, which: &Which, wish: Wish) -> Result<Status, Failure> {
         self.select(which)?;
+        // A slave that was selected by its LSS address has answered as LSS does; the others are not in configuration.
+        if let (Some(index), None) = (wish.bit_rate, &which.address) {
+            self.refuse_lmt(index)?;
+        }
         if let Some(node_id) = wish.node_id {
             self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id })?;
         }

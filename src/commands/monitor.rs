@@ -8,7 +8,8 @@ use crate::inputs::{InputOptions, Inputs};
 use crate::interrupt::Interrupt;
 use crate::live::{open_bus, parse_span};
 use crate::live_reader::LiveReader;
-use crate::output::{Color, Output};
+use crate::output::{Color, Output, diagnostic};
+use crate::reconnect::status_of_listener;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_traces::Duration;
@@ -18,7 +19,8 @@ use canvass_traces::Timestamp;
 /// Decode a live bus: one annotated line per frame, or one per event
 ///
 /// With the options of `canvass decode`. Receiving does not wait for the terminal; lost frames are reported where they
-/// were lost, and their total at the end. Ends by Ctrl-C or --for.
+/// were lost, and their total at the end. A bus that is interrupted is shown again when it is back; the status is 3 if it was
+/// not back at the end. Ends by Ctrl-C or --for.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -49,12 +51,17 @@ impl Args {
             // The screen is gone, and with it what it said.
             crate::live::report_health(bus.as_ref());
             shown?;
-            return Ok(Status::Good);
+            let interruptions = crate::reconnect::interruptions(bus.as_ref());
+            return Ok(status_of_listener(&self.bus, interruptions.as_ref(), Status::Good));
         }
         let reader = LiveReader::new(&self.bus, bus, self.span, &output, &interrupt);
+        let interruptions = reader.interruptions();
         let options = InputOptions::default();
         let inputs = Inputs::live(reader.capture(&self.bus), &options, &output, interrupt);
         let network = self.view.network()?;
-        self.view.show(inputs, network, color, &output)
+        let status = self.view.show(inputs, network, color, &output)?;
+        let interruptions = interruptions.take();
+        interruptions.iter().for_each(|interruptions| diagnostic(&format!("canvass: {interruptions}")));
+        Ok(status_of_listener(&self.bus, interruptions.as_ref(), status))
     }
 }

@@ -4,10 +4,11 @@ mod outputs;
 
 use crate::files::Files;
 use crate::interrupt::Interrupt;
-use crate::live::{channel_name, open_bus, parse_span, time_base};
+use crate::live::{channel_name, open_bus, parse_size, parse_span, time_base};
 use crate::output::diagnostic;
+use crate::reconnect::{interruptions, status_of_listener};
 use crate::status::{Failure, Status};
-use anyhow::{Result, anyhow, bail};
+use anyhow::anyhow;
 use canvass_bus::Bus;
 use canvass_traces::{Channels, Duration, Format, Timestamp};
 use outputs::{Outputs, Rotation};
@@ -16,7 +17,8 @@ use std::path::PathBuf;
 /// Record what is on a bus into files of any format that canvass writes
 ///
 /// Receiving does not wait for the disk. Whatever ends the recorder, all that was recorded up to the last second is
-/// readable. Ends by Ctrl-C, --for or --frames, with status 1 if frames were lost.
+/// readable. A bus that is interrupted is recorded again when it is back. Ends by Ctrl-C, --for or --frames, with status 1 if
+/// frames were lost, and 3 if the bus was not back at the end.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -47,20 +49,6 @@ pub struct Args {
     frames: Option<u64>,
 }
 
-/// In bytes.
-fn parse_size(text: &str) -> Result<u64> {
-    let (digits, factor) = match text.char_indices().last() {
-        Some((at, 'k' | 'K')) => (&text[..at], 1_000),
-        Some((at, 'M')) => (&text[..at], 1_000_000),
-        Some((at, 'G')) => (&text[..at], 1_000_000_000),
-        _ => (text, 1),
-    };
-    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
-        Some(size) if size > 0 => Ok(size),
-        _ => bail!("expected a size such as 500k, 100M or 2G, found \"{text}\""),
-    }
-}
-
 /// How often what was recorded is handed to the system: all but that survives a killed recorder.
 const FLUSH: Duration = Duration::from_millis(250);
 
@@ -82,12 +70,14 @@ impl Args {
         let mut outputs = Outputs::open(&self.out, self.to, self.force, rotation, time_base(bus.as_ref()))?;
         let interrupt = Interrupt::watch()?;
         diagnostic(&format!("canvass: recording {}", self.bus));
-        let recorded = self.record(bus.as_mut(), &channels, &mut outputs, &interrupt);
+        let mut frames = 0;
+        let recorded = self.record(bus.as_mut(), &channels, &mut outputs, &interrupt, &mut frames);
         // Also after an error, so that what was written is a valid file.
         let finished = outputs.finish();
-        let frames = recorded?;
+        let status = report(&self.bus, bus.as_ref(), frames);
+        recorded?;
         finished?;
-        Ok(self.report(bus.as_ref(), frames))
+        Ok(status)
     }
 
     fn record(
@@ -96,20 +86,21 @@ impl Args {
         channels: &Channels,
         outputs: &mut Outputs,
         interrupt: &Interrupt,
-    ) -> Result<u64, Failure> {
+        frames: &mut u64,
+    ) -> Result<(), Failure> {
         let mut end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
-        let (mut now, mut frames, mut told) = (bus.now(), 0, bus.health());
+        let (mut now, mut told) = (bus.now(), bus.health());
         let mut flushed = now;
-        while self.frames.is_none_or(|wanted| frames < wanted) {
+        while self.frames.is_none_or(|wanted| *frames < wanted) {
             if interrupt.came() {
                 end = end.min(bus.now());
             }
             match bus.receive(end.min(now + FLUSH)).map_err(Failure::unreachable)? {
                 Some(record) => {
                     outputs.write(&record, channels)?;
-                    frames += 1;
+                    *frames += 1;
                     // Asking for the time at every frame would cost more than writing it.
-                    if frames % CLOCK != 0 {
+                    if !frames.is_multiple_of(CLOCK) {
                         continue;
                     }
                 }
@@ -129,22 +120,22 @@ impl Args {
                 if let Some(trouble) = since.trouble {
                     diagnostic(&format!("canvass: {trouble}: recording goes on when it is back"));
                 }
+                if told.interrupted_since.is_some() && health.interrupted_since.is_none() {
+                    diagnostic(&format!("canvass: the bus is back, after {}", since.interrupted_for));
+                }
                 told = health;
             }
         }
-        Ok(frames)
+        Ok(())
     }
+}
 
-    fn report(&self, bus: &dyn Bus, frames: u64) -> Status {
-        let health = bus.health();
-        let plural = if health.interruptions == 1 { "" } else { "s" };
-        let interruptions = match health.interruptions {
-            0 => String::new(),
-            n => format!(", {n} interruption{plural} of the bus"),
-        };
-        diagnostic(&format!("canvass: {frames} frames recorded, {} lost{interruptions}", health.lost));
-        if health.lost > 0 { Status::Findings } else { Status::Good }
-    }
+/// Says what was recorded.
+fn report(address: &str, bus: &dyn Bus, frames: u64) -> Status {
+    let (lost, interruptions) = (bus.health().lost, interruptions(bus));
+    let told = interruptions.as_ref().map(|interruptions| format!(", {interruptions}")).unwrap_or_default();
+    diagnostic(&format!("canvass: {frames} frames recorded, {lost} lost{told}"));
+    status_of_listener(address, interruptions.as_ref(), if lost > 0 { Status::Findings } else { Status::Good })
 }
 
 #[cfg(test)]
@@ -200,19 +191,10 @@ mod tests {
         channels.intern("can0");
         let rotation = Rotation { size: None, time: None, keep: None };
         let mut outputs = Outputs::open(&args.out, None, false, rotation, time_base(&bus)).unwrap();
-        let frames = args.record(&mut bus, &channels, &mut outputs, &Interrupt::default()).unwrap();
+        let mut frames = 0;
+        args.record(&mut bus, &channels, &mut outputs, &Interrupt::default(), &mut frames).unwrap();
         outputs.finish().unwrap();
         assert_eq!((frames, bus.waiting.len()), (9, 1));
         assert_eq!(std::fs::read_to_string(&out).unwrap().lines().count(), 9);
-    }
-
-    #[test]
-    fn sizes_as_typed() {
-        assert_eq!(parse_size("500k").unwrap(), 500_000);
-        assert_eq!(parse_size("2G").unwrap(), 2_000_000_000);
-        assert_eq!(parse_size("17").unwrap(), 17);
-        for wrong in ["", "k", "0", "-1", "1T", "99999999999999999999"] {
-            assert!(parse_size(wrong).is_err(), "{wrong}");
-        }
     }
 }

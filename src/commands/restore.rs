@@ -4,9 +4,11 @@ use super::test::named;
 use crate::live::{CLIENT, open_device_bus};
 use crate::put_back::{put_back, read};
 use crate::status::{Failure, Status};
-use crate::timing::Timeout;
+use crate::timing::{self, Timeout};
+use canvass_bus::{Endurance, PatientBus};
 use canvass_suite::bench::Timing;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Restore a device that an interrupted run of `canvass test` has left changed
 ///
@@ -22,7 +24,8 @@ pub struct Args {
     /// What the device is: a built-in model or an EDS or DCF file; without it what the journal says
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://)
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://),
+    /// reconnect (until an interrupted bus is back; without it 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
 }
@@ -35,6 +38,8 @@ impl Args {
         self.timeout.iter().for_each(|timeout| timeout.set(&mut timing));
         let mut opened = open_device_bus(&self.bus, 0, client)?;
         let device = self.device.as_deref().map_or(&*interrupted.device, named);
-        put_back(opened.bus.as_mut(), device, timing, &interrupted, &self.journal)
+        let endurance = Endurance { patience: timing::reconnect(&self.timeout), ends: None, cancelled: Arc::default() };
+        let mut bus = PatientBus::new(opened.bus.as_mut(), endurance);
+        put_back(&mut bus, device, timing, &interrupted, &self.journal)
     }
 }

@@ -3,6 +3,7 @@
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, print};
+use crate::reconnect::ReconnectArg;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::network::{Candidates, Shown};
@@ -10,10 +11,10 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_bus::BusError;
 use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
 use canvass_bus::client::sdo::{Outcome, Transfer};
+use canvass_bus::{BusError, PatientBus};
 use canvass_device::models::Model;
 use canvass_reports::escape::{Printable, printable};
 use canvass_traces::{Duration, Record, Timestamp};
@@ -21,10 +22,11 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Find the nodes on a bus: by their heartbeats, by SDO and, those without node-ID, by LSS Fastscan
 ///
-/// Nothing is changed in any device. Status 3 if nothing is found.
+/// Nothing is changed in any device. Status 3 if nothing is found, or if not all was asked.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -49,6 +51,8 @@ pub struct Args {
     format: TextOrJson,
     #[command(flatten)]
     client: ClientArg,
+    #[command(flatten)]
+    reconnect: ReconnectArg,
 }
 
 /// What is known of a node.
@@ -81,15 +85,17 @@ impl Args {
         let interrupt = Interrupt::watch()?;
         let mut last = VecDeque::with_capacity(LAST);
         let ends = live.bus.now() + self.span;
-        let mut nodes = BTreeMap::new();
         // The simulated device's boot-up, which Live has waited for, was a sign too.
-        nodes.extend(live.simulated_node().map(|node| (node, Found::default())));
-        let scanned = self.find(&mut live, &interrupt, ends, &mut last, &mut nodes).map_err(Failure::unreachable)?;
+        let nodes = live.simulated_node().map(|node| (node, Found::default())).into_iter().collect();
+        let mut scan = Scan { nodes, unconfigured: None, is_complete: false };
+        let found = self.find(&mut live, &interrupt, ends, &mut last, &mut scan);
+        // What was found before the bus was lost is printed all the same.
         match self.format {
-            TextOrJson::Text => print(&Printable::document(&text(&nodes, scanned)))?,
-            TextOrJson::Json => print(&Printable::json(&json(&nodes, scanned)))?,
+            TextOrJson::Text => print(&Printable::document(&text(&scan)))?,
+            TextOrJson::Json => print(&Printable::json(&json(&scan)))?,
         }
         live.report_health();
+        found.map_err(|error| Failure::unreachable(anyhow::Error::new(error).context("not all was asked")))?;
         if live.bus.now() >= ends {
             let frames: Vec<String> = last.iter().rev().map(|record| record.frame.to_string()).collect();
             return Err(Failure::unreachable(anyhow!(
@@ -99,7 +105,7 @@ impl Args {
                 frames.join(", ")
             )));
         }
-        let found = !nodes.is_empty() || scanned.is_some();
+        let found = !scan.nodes.is_empty() || scan.unconfigured.is_some();
         Ok(if found { Status::Good } else { Status::Unreachable })
     }
 
@@ -109,35 +115,65 @@ impl Args {
         interrupt: &Interrupt,
         ends: Timestamp,
         last: &mut VecDeque<Record>,
-        nodes: &mut BTreeMap<NodeId, Found>,
-    ) -> Result<Option<Scanned>, BusError> {
+        scan: &mut Scan,
+    ) -> Result<(), BusError> {
         let mut observe = |record: &Record| {
             last.truncate(LAST - 1);
             last.push_front(record.clone());
         };
-        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends };
-        listen(&mut exchange, self.listen, nodes)?;
-        if self.passive {
-            return Ok(None);
+        let end = Instant::now() + std::time::Duration::from(self.span);
+        let mut bus = PatientBus::new(live.bus.as_mut(), self.reconnect.until(Some(end), interrupt.flag()));
+        let mut exchange = Exchange { bus: &mut bus, observe: &mut observe, ends };
+        undisturbed(&mut exchange, |exchange| listen(exchange, self.listen, &mut scan.nodes))?;
+        if !self.passive {
+            self.ask(&mut exchange, interrupt, scan)?;
         }
-        knock(&mut exchange, self.timeout, nodes)?;
-        for (&node, found) in nodes.iter_mut().filter(|(_, found)| found.answers) {
-            if interrupt.came() || exchange.bus.now() >= ends {
-                return Ok(None);
-            }
-            ask(&mut exchange, node, self.timeout, found)?;
-        }
-        if self.no_lss || interrupt.came() || exchange.bus.now() >= ends {
-            return Ok(None);
-        }
-        let step = exchange.fastscan(SCAN_PATIENCE)?;
-        let scanned = match step {
-            ScanStep::Found(address) => Some(Scanned { address, node: configured(&mut exchange, address, nodes)? }),
-            _ => None,
-        };
-        exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
-        Ok(scanned)
+        scan.is_complete = !interrupt.came() && exchange.bus.now() < ends;
+        Ok(())
     }
+
+    fn ask(&self, exchange: &mut Exchange<'_>, interrupt: &Interrupt, scan: &mut Scan) -> Result<(), BusError> {
+        undisturbed(exchange, |exchange| knock(exchange, self.timeout, &mut scan.nodes))?;
+        for (&node, found) in scan.nodes.iter_mut().filter(|(_, found)| found.answers) {
+            if interrupt.came() || exchange.bus.now() >= exchange.ends {
+                return Ok(());
+            }
+            undisturbed(exchange, |exchange| ask(exchange, node, self.timeout, found))?;
+        }
+        if self.no_lss || interrupt.came() || exchange.bus.now() >= exchange.ends {
+            return Ok(());
+        }
+        scan.unconfigured = undisturbed(exchange, |exchange| fastscan(exchange, &scan.nodes))?;
+        Ok(())
+    }
+}
+
+/// So often something is done on a bus that is interrupted each time.
+const MOST_TRIES: u32 = 5;
+
+/// Does something on the bus, and anew if the way to the bus was interrupted meanwhile: what did not come then says nothing.
+fn undisturbed<T>(
+    exchange: &mut Exchange<'_>,
+    mut act: impl FnMut(&mut Exchange<'_>) -> Result<T, BusError>,
+) -> Result<T, BusError> {
+    for _ in 1..MOST_TRIES {
+        exchange.bus.wait_until_back()?;
+        let before = exchange.bus.health();
+        let done = act(exchange)?;
+        if exchange.bus.health().since(&before).interruptions == 0 || exchange.bus.now() >= exchange.ends {
+            return Ok(done);
+        }
+    }
+    act(exchange)
+}
+
+/// What a scan has found.
+struct Scan {
+    nodes: BTreeMap<NodeId, Found>,
+    /// By Fastscan.
+    unconfigured: Option<Scanned>,
+    /// All was asked.
+    is_complete: bool,
 }
 
 /// What Fastscan has found.
@@ -146,6 +182,17 @@ struct Scanned {
     address: LssAddress,
     /// The node-ID that it has: then it takes part in Fastscan though it is configured.
     node: Option<NodeId>,
+}
+
+/// Finds a device without node-ID, or one that takes part in Fastscan all the same.
+fn fastscan(exchange: &mut Exchange<'_>, nodes: &BTreeMap<NodeId, Found>) -> Result<Option<Scanned>, BusError> {
+    let scanned = match exchange.fastscan(SCAN_PATIENCE)? {
+        ScanStep::Found(address) => Some(Scanned { address, node: configured(exchange, address, nodes)? }),
+        _ => None,
+    };
+    // One that was found stays in configuration otherwise.
+    exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
+    Ok(scanned)
 }
 
 /// The node-ID of the device that Fastscan has found and left in configuration. One that can't be asked for it is a node
@@ -254,7 +301,7 @@ fn vendor_of(model: &Model) -> Option<u32> {
     start.or(model.description().device.vendor_number)
 }
 
-fn text(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> String {
+fn text(Scan { nodes, unconfigured: scanned, .. }: &Scan) -> String {
     // Writing to a string can't fail.
     let mut text = String::new();
     for (node, found) in nodes {
@@ -298,7 +345,7 @@ fn text(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> String {
     text
 }
 
-fn json(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> Value {
+fn json(Scan { nodes, unconfigured: scanned, is_complete }: &Scan) -> Value {
     let row = |(node, found): (&NodeId, &Found)| {
         let [vendor, product, revision, serial] = [1, 2, 3, 4].map(|sub| found.part(sub));
         let [name, hardware, software] = NAMES.map(|(index, _)| found.text(index));
@@ -323,6 +370,7 @@ fn json(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> Value {
     });
     json!({
         "schema": "canvass/scan/1",
+        "complete": is_complete,
         "nodes": nodes.iter().map(row).collect::<Vec<_>>(),
         "unconfigured": unconfigured,
         "fastscan_configured": scanned.and_then(|scanned| scanned.node).map(NodeId::raw),

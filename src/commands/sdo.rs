@@ -7,13 +7,14 @@ use crate::devices::{DeviceArg, describe, parse_node};
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
+use crate::upload_limit::{self, UploadLimitArgs};
 use anyhow::anyhow;
 #[cfg(test)]
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::network::{Event, Network};
 use canvass_analyzer::{Multiplexer, NodeId, TransferText};
-use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
+use canvass_bus::client::{Exchange, UploadLimit};
 use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp, hex};
 use serde_json::json;
@@ -32,7 +33,12 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     /// Read an object
-    Read(Target),
+    Read {
+        #[command(flatten)]
+        target: Target,
+        #[command(flatten)]
+        limit: UploadLimitArgs,
+    },
     /// Write an object; the device keeps the value until it is reset, or longer if it is told to store
     Write {
         #[command(flatten)]
@@ -71,6 +77,12 @@ struct Target {
     client: ClientArg,
 }
 
+/// What is to be done with an object.
+enum Wish {
+    Read(UploadLimit),
+    Write { value: String, segmented: bool },
+}
+
 /// What is shown of a transfer.
 #[derive(Default)]
 struct Shown {
@@ -82,14 +94,14 @@ struct Shown {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         match self.action {
-            Action::Read(target) => target.run(None),
-            Action::Write { target, value, segmented } => target.run(Some((&value, segmented))),
+            Action::Read { target, limit } => target.run(&Wish::Read(limit.or(UploadLimit::default()))),
+            Action::Write { target, value, segmented } => target.run(&Wish::Write { value, segmented }),
         }
     }
 }
 
 impl Target {
-    fn run(self, written: Option<(&str, bool)>) -> Result<Status, Failure> {
+    fn run(self, wish: &Wish) -> Result<Status, Failure> {
         let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let devices: Vec<DeviceArg> =
             device.iter().map(|device| DeviceArg { nodes: vec![self.node], device: (*device).to_owned() }).collect();
@@ -100,11 +112,11 @@ impl Target {
         let description = known.map(|known| &known.description);
         let address = object::resolve(&self.object, description)?;
         let data_type = self.data_type.or_else(|| value::known_type(address, description));
-        let transfer = match written {
-            None => Transfer::upload(address),
-            Some((text, segmented)) => {
-                let bytes = value::encode(text, address, data_type)?;
-                Transfer::download(address, &bytes, if segmented { Mode::Segmented } else { Mode::Shortest })
+        let transfer = match wish {
+            Wish::Read(limit) => Transfer::upload_within(address, *limit),
+            Wish::Write { value, segmented } => {
+                let bytes = value::encode(value, address, data_type)?;
+                Transfer::download(address, &bytes, if *segmented { Mode::Segmented } else { Mode::Shortest })
             }
         };
         let (outcome, shown) = self.carry_out(&mut live, transfer)?;
@@ -141,6 +153,10 @@ impl Target {
             Outcome::Silent => Err(Failure::unreachable(anyhow!("node {node} does not answer ({object})"))),
             Outcome::Aborted(_) | Outcome::Violated(_) => {
                 diagnostic(&format!("canvass: node {node}, {object}: {outcome}"));
+                Ok(Status::Findings)
+            }
+            Outcome::Exceeded(excess) => {
+                diagnostic(&format!("canvass: node {node}, {object}: {}", upload_limit::told(excess)));
                 Ok(Status::Findings)
             }
             Outcome::Uploaded(bytes) => {

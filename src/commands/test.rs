@@ -21,6 +21,7 @@ use anyhow::{Context, anyhow};
 use bundled::Bundle;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::KnownDevice;
+use canvass_bus::{Endurance, PatientBus};
 use canvass_device::address::Opened;
 use canvass_device::models::Model;
 use canvass_suite::bench::{Options, Target, Timing};
@@ -33,11 +34,13 @@ use course::Course;
 use recorder::Recorder;
 use reports::{Reports, Shown};
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///
 /// The device is left as it was found, also after a failure or Ctrl-C. Nothing is done that writes its non-volatile
-/// memory or changes its node-ID or bit rate unless --allow names it.
+/// memory, moves its zero point or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -50,12 +53,12 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, other-clients, or all
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
+    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/waivers.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
     /// Run each case this many times; a case that does not always end the same way is flaky
@@ -88,7 +91,8 @@ pub struct Args {
     /// Overwrite the files of --record and --bundle if they exist
     #[arg(long)]
     force: bool,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://)
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://),
+    /// reconnect (until an interrupted bus is back; without it 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
     /// By how many percent the mean of a period may differ
@@ -97,6 +101,10 @@ pub struct Args {
     /// A shell command that switches the supply of the device off and on; it is run when the device stops answering
     #[arg(long, value_name = "COMMAND")]
     power_cycle: Option<String>,
+    /// The zero point of the encoder is stored, so that a reset does not lose it; without it, an encoder whose 6509h is not 0 is
+    /// not tested
+    #[arg(long)]
+    zero_point_stored: bool,
     /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -129,7 +137,10 @@ impl Args {
         let target = Target { quarantines, ..self.target(&opened, waivers.deviations(&today))? };
         options.journal = opened.bus.is_live().then(|| self.journal_path(target.node)).flatten();
         if let Some(path) = &options.journal {
-            journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;
+            let endurance =
+                Endurance { patience: timing::reconnect(&self.timeout), ends: None, cancelled: Arc::default() };
+            let mut bus = PatientBus::new(opened.bus.as_mut(), endurance);
+            journal::settle(path, self.restore, &self.bus, &mut bus, &target, options.timing)?;
         }
         self.resolve(&mut provenance, &target, &options, opened.bus.bit_rate());
         let recorder =
@@ -138,6 +149,7 @@ impl Args {
         let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
         let cancel =
             Interrupt::watch_saying("canvass: interrupted, the device is being restored (again: at once)")?.flag();
+        let ends = options.limit.map(|limit| Instant::now() + std::time::Duration::from(limit));
         let mut course = Course {
             args: &self,
             cases: &cases,
@@ -148,10 +160,11 @@ impl Args {
             provenance,
             reports,
         };
-        let bus = opened.bus.as_mut();
+        let endurance = Endurance { patience: timing::reconnect(&self.timeout), ends, cancelled: Arc::clone(&cancel) };
+        let mut bus = PatientBus::new(opened.bus.as_mut(), endurance);
         match bundle {
-            None => course.run(bus, recorder.as_ref(), &cancel)?.finish(course.reports),
-            Some(bundle) => bundle.run(course, bus, recorder.as_ref(), &cancel),
+            None => course.run(&mut bus, recorder.as_ref(), &cancel)?.finish(course.reports),
+            Some(bundle) => bundle.run(course, &mut bus, recorder.as_ref(), &cancel),
         }
     }
 
@@ -177,7 +190,7 @@ impl Args {
         self.waivers.iter().for_each(|path| provenance.file("waivers", path));
         self.choice.result().into_iter().for_each(|path| provenance.file("failed from", path));
         let client = self.timeout.iter().rev().find_map(|timeout| timeout.of_client()).unwrap_or(CLIENT);
-        provenance.resolve("timeout", timing::told(&options.timing, client));
+        provenance.resolve("timeout", timing::told(&options.timing, client, timing::reconnect(&self.timeout)));
         Ok(provenance)
     }
 
@@ -219,6 +232,7 @@ impl Args {
             power_cycle: self.power_cycle.clone(),
             exhaustive: self.exhaustive,
             limit: self.span,
+            zero_point_is_stored: self.zero_point_stored,
             journal: None,
         }
     }

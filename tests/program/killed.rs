@@ -97,7 +97,7 @@ fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     let before = settled(&device.bus);
     let mut wrong = Vec::new();
     for number in (first..kills).step_by(DEVICES as usize) {
-        let allow = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
+        let allow = "nvm,node-id,bit-rate,other-nodes,factory-defaults,preset";
         let args = [
             "test",
             &device.bus,

@@ -45,7 +45,7 @@ fn kill(interface: &'static str, first: u64) -> u64 {
     let _ = std::fs::remove_file(&journal);
     let mut restored = 0;
     for number in (first..KILLS).step_by(INTERFACES.len()) {
-        let allow = ["--allow", "nvm,node-id,other-nodes,factory-defaults", "--journal", journal_path];
+        let allow = ["--allow", "nvm,node-id,other-nodes,factory-defaults,preset", "--journal", journal_path];
         let mut tester = Running::start(canvass(&[&["test", bus.name()], &DEVICE[..], &allow].concat()));
         // Counted from the first case: a busy machine needs seconds for what comes before it.
         while !journal.exists() && !tester.has_ended() {

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A device that comes back from no reset breaks this property.
 const ALIVE: &str = "PROP-16";
 
-const ALLOWED: &str = "nvm,node-id,other-nodes,factory-defaults";
+const ALLOWED: &str = "nvm,node-id,other-nodes,factory-defaults,preset";
 const DEVICE: [&str; 4] = ["--node", "10", "--device", "reference-301"];
 
 /// What keeps a value of the communication profile, or of the application.

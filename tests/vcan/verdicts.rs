@@ -13,7 +13,7 @@ type Verdicts = BTreeMap<String, String>;
 const REPETITIONS: usize = 4;
 
 /// What stands between the program and a verdict on these simulated devices, each of which is alone on its bus.
-const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
+const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults,preset";
 
 fn report(args: &[&str]) -> Value {
     let output = run(&[&["test"], args, &["--allow", ALLOWED, "--format", "json"]].concat());

@@ -1,5 +1,5 @@
-//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the pages that are made from the code. `cargo xtask ci`: everything that must pass; with
-//! `--install` it installs what is missing for that, as do all others. `cargo xtask peers`: of these, the tests that
+//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the book. `cargo xtask ci`: everything that must pass; with
+//! `--install` it installs what is missing for that, as do all others. `cargo xtask nightly`: what takes longer. `cargo xtask peers`: of these, the tests that
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
@@ -8,15 +8,18 @@
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
-//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
+//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo xtask
+//! as-found`: whether a run, complete, interrupted or killed, leaves the simulated devices as it found them. `cargo
 //! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo xtask windows`:
 //! the program for Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as
 //! Debian package, the one for Windows, the page.
 
+mod as_found;
 mod attack;
 mod bench;
 mod browser;
 mod ci;
+mod compiled;
 mod consent;
 mod describing;
 mod diagnosing;
@@ -46,9 +49,10 @@ mod worst;
 use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
-    test | ci | docs
+    test | ci | nightly | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
+    as-found [--all] [--seed N] [--model ID]
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
     bench [--instructions | --descriptions | --fleet] | memory | worst | incidents
@@ -65,6 +69,7 @@ fn main() -> Result<()> {
     let more = words.get(1..).unwrap_or_default();
     match words.first().map(String::as_str) {
         Some("ci") => ci::ci(),
+        Some("nightly") => ci::nightly(),
         Some("test") => ci::everyday(),
         Some("dist") => dist::dist(),
         Some("docs") => docs::docs(),
@@ -74,10 +79,11 @@ fn main() -> Result<()> {
         Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
         Some("bench") if more.first().is_some_and(|word| word == "--fleet") => fleet::bench::bench(),
         Some("bench") => bench::bench(),
+        Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
         Some("fleet") => fleet::test(),
-        Some("fuzz") => fuzz::fuzz(),
+        Some("fuzz") => fuzz::fuzz(fuzz::USUAL),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(),
         Some("mutants") => mutants::mutants(more),
@@ -86,7 +92,7 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
-        Some("windows") if more.first().is_some_and(|word| word == "--build") => windows::step(),
+        Some("windows") if more.first().is_some_and(|word| word == "--check") => windows::step(),
         Some("windows") => windows::test(),
         Some("web") => web::build(),
         Some("web-bench") => web::bench(),

@@ -31,6 +31,11 @@ const EXTENSION: &str = "editors/vscode";
 pub fn install_all() -> Result<()> {
     install(&[TSHARK, CAN_UTILS, XMLLINT, NODE, NPM])?;
     extension()?;
+    install_python()
+}
+
+/// Installs the Python environment alone.
+pub fn install_python() -> Result<()> {
     VENV.install()
 }
 

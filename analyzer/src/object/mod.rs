@@ -1,6 +1,9 @@
 //! The objects of the communication profile by their names (CiA 301, 7.5.2), as indexes.
 
+mod acting;
 pub mod encoder;
+
+pub use acting::Acting;
 
 /// 1000h: device type.
 pub const DEVICE_TYPE: u16 = 0x1000;
@@ -54,6 +57,10 @@ pub const IDENTITY: u16 = 0x1018;
 pub const SYNCHRONOUS_COUNTER_OVERFLOW: u16 = 0x1019;
 /// 1020h: verify configuration.
 pub const VERIFY_CONFIGURATION: u16 = 0x1020;
+/// 1023h: operating system command.
+pub const OS_COMMAND: u16 = 0x1023;
+/// 1026h: operating system prompt.
+pub const OS_PROMPT: u16 = 0x1026;
 /// 1028h: emergency consumer object.
 pub const EMERGENCY_CONSUMER: u16 = 0x1028;
 /// 1029h: error behavior object.
@@ -74,12 +81,18 @@ pub const TPDO_COMMUNICATION_PARAMETER: u16 = 0x1800;
 pub const TPDO_MAPPING_PARAMETER: u16 = 0x1A00;
 /// 1C00h: what follows the TPDO mapping parameters.
 pub const AFTER_PDO_PARAMETERS: u16 = 0x1C00;
+/// 1F25h: configure slave: a write lets a configuration manager download to others (CiA 302-3).
+pub const CONFIGURE_SLAVE: u16 = 0x1F25;
 /// 1F50h: download program data (CiA 302-3).
 pub const PROGRAM_DATA: u16 = 0x1F50;
 /// 1F51h: program control (CiA 302-3).
 pub const PROGRAM_CONTROL: u16 = 0x1F51;
 /// 1F80h: NMT startup (CiA 302-2).
 pub const NMT_STARTUP: u16 = 0x1F80;
+/// 1F82h: request NMT: a write commands other nodes (CiA 302-2).
+pub const REQUEST_NMT: u16 = 0x1F82;
+/// 1F83h: request guarding (CiA 302-2).
+pub const REQUEST_GUARDING: u16 = 0x1F83;
 
 /// Whether an index is that of a communication parameter of an RPDO.
 pub const fn is_rpdo_communication(index: u16) -> bool {

@@ -11,6 +11,10 @@ pub struct Health {
     pub lost: u64,
     /// How often the way to the bus was interrupted: the interface went down, the adapter was unplugged, bus-off.
     pub interruptions: u64,
+    /// How long the interruptions lasted that are over.
+    pub interrupted_for: Duration,
+    /// When the way to the bus was interrupted that is not back yet.
+    pub interrupted_since: Option<Timestamp>,
     /// What the last interruption was, and the state of the controller as far as it is known.
     pub trouble: Option<String>,
     pub error_frames: u64,
@@ -73,6 +77,36 @@ impl Health {
         [&self.receive, &self.transmit, &self.stamping].into_iter().filter_map(Latencies::longest).max()
     }
 
+    /// The way to the bus is interrupted from now on.
+    pub(crate) fn went_away(&mut self, now: Timestamp, trouble: String) {
+        self.was_interrupted(trouble);
+        self.interrupted_since.get_or_insert(now);
+    }
+
+    /// The way to the bus was interrupted, and is there again already.
+    pub(crate) fn was_interrupted(&mut self, trouble: String) {
+        self.interruptions += 1;
+        self.trouble = Some(trouble);
+    }
+
+    /// The way to the bus is there.
+    pub(crate) fn came_back(&mut self, now: Timestamp) {
+        if let Some(since) = self.interrupted_since.take() {
+            self.interrupted_for = self.interrupted_for + now.since(since);
+        }
+    }
+
+    /// The interruptions until now; `None` if there was none.
+    pub fn interruptions(&self, now: Timestamp) -> Option<Interruptions> {
+        let lasting = self.interrupted_since.map_or(Duration::ZERO, |since| now.since(since));
+        (self.interruptions > 0).then(|| Interruptions {
+            count: self.interruptions,
+            lasted: self.interrupted_for + lasting,
+            last: self.trouble.clone(),
+            is_over: self.interrupted_since.is_none(),
+        })
+    }
+
     /// A wait that had to end at `due` was seen to have ended at `now`. Every wait ends a little late; more than that is
     /// this machine's being busy.
     pub(crate) fn note_late_end(&mut self, due: Timestamp, now: Timestamp) {
@@ -88,6 +122,8 @@ impl Health {
         Self {
             lost: self.lost.saturating_sub(before.lost),
             interruptions: self.interruptions.saturating_sub(before.interruptions),
+            interrupted_for: Duration(self.interrupted_for.0.saturating_sub(before.interrupted_for.0)),
+            interrupted_since: self.interrupted_since,
             trouble: self.trouble.clone().filter(|_| self.interruptions > before.interruptions),
             error_frames: self.error_frames.saturating_sub(before.error_frames),
             waits: self.waits.saturating_sub(before.waits),
@@ -96,6 +132,32 @@ impl Health {
             stamping: self.stamping.since(&before.stamping),
             stamps: self.stamps,
         }
+    }
+}
+
+/// How often, and for how long, the way to a bus was interrupted.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Interruptions {
+    pub count: u64,
+    /// How long, all of them together.
+    pub lasted: Duration,
+    /// What the last one was.
+    pub last: Option<String>,
+    /// Whether the way is there again.
+    pub is_over: bool,
+}
+
+/// `2 interruptions of the bus, for 1.502 s in all so far (can0 went down)`.
+impl fmt::Display for Interruptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, lasted, last, is_over } = self;
+        let lasted = Duration::from_millis(lasted.nanos() / 1_000_000);
+        match count {
+            1 => write!(f, "1 interruption of the bus, for {lasted}")?,
+            _ => write!(f, "{count} interruptions of the bus, for {lasted} in all")?,
+        }
+        f.write_str(if *is_over { "" } else { " so far" })?;
+        last.as_ref().map_or(Ok(()), |last| write!(f, " ({last})"))
     }
 }
 
@@ -183,6 +245,27 @@ impl fmt::Display for Latencies {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn interruptions_are_counted_and_measured() {
+        let at = |seconds: u64| Timestamp(seconds * 1_000_000_000);
+        let mut health = Health::default();
+        assert_eq!(health.interruptions(at(1)), None);
+        health.went_away(at(1), "can0 went down".to_owned());
+        let told = health.interruptions(at(3)).map(|interruptions| interruptions.to_string());
+        assert_eq!(told.as_deref(), Some("1 interruption of the bus, for 2 s so far (can0 went down)"));
+        health.came_back(at(4));
+        health.came_back(at(5));
+        let first = health.clone();
+        health.went_away(at(6), "can0 was removed".to_owned());
+        // Another sign of the same interruption does not make it begin anew.
+        health.went_away(at(7), "can0 was removed".to_owned());
+        health.came_back(at(8));
+        let told = health.interruptions(at(9)).map(|interruptions| interruptions.to_string());
+        assert_eq!(told.as_deref(), Some("3 interruptions of the bus, for 5 s in all (can0 was removed)"));
+        let since = health.since(&first);
+        assert_eq!((since.interruptions, since.interrupted_for), (2, Duration::from_secs(2)));
+    }
 
     #[test]
     fn quantiles_are_bounds() {

@@ -14,6 +14,8 @@ pub(super) struct Inbox {
     arrived: Condvar,
     /// The receiving thread holds frames that are not in the inbox yet.
     delivering: AtomicBool,
+    /// Frames can be received, and none can be sent: the transmit queue is full, and stays so.
+    stuck: AtomicBool,
     closed: AtomicBool,
 }
 
@@ -40,8 +42,8 @@ impl Inbox {
             last: Timestamp::ZERO,
         };
         let state = Mutex::new(state);
-        let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
-        Self { state, arrived: Condvar::new(), delivering, closed }
+        let [delivering, stuck, closed] = [false; 3].map(AtomicBool::new);
+        Self { state, arrived: Condvar::new(), delivering, stuck, closed }
     }
 
     fn state(&self) -> MutexGuard<'_, InboxState> {
@@ -86,6 +88,26 @@ impl Inbox {
     /// What is known of the bus.
     pub fn health(&self) -> Health {
         self.state().health.clone()
+    }
+
+    /// The transmit queue has no room and gets none: until a frame is taken, the way to the bus is interrupted.
+    pub fn note_stuck(&self, now: Timestamp, trouble: String) {
+        if !self.stuck.swap(true, Ordering::SeqCst) {
+            self.note(|health| health.went_away(now, trouble));
+        }
+    }
+
+    /// The transmit queue has taken a frame.
+    pub fn note_taken(&self, now: Timestamp) {
+        if self.stuck.swap(false, Ordering::SeqCst) {
+            self.note(|health| health.came_back(now));
+        }
+    }
+
+    /// Whether the way to the bus is interrupted now, so that sending is in vain. Whether a full queue has room again, only
+    /// sending tells.
+    pub fn is_interrupted(&self) -> bool {
+        !self.stuck.load(Ordering::SeqCst) && self.state().health.interrupted_since.is_some()
     }
 
     /// Tells the receiving thread to end.

@@ -1,6 +1,7 @@
 //! The bus that a test runs on: live or simulated, a case can't tell which; and the tester's side of the protocols.
 //!
 //! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
+//! - [`PatientBus`]: a bus that is waited for while the way to it is interrupted;
 //! - [`Machine`]: what takes part in a bus without I/O and clock of its own; [`participate`] lets it do so;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
 //! - [`observation`]: what a device did, as data;
@@ -17,6 +18,7 @@ mod inbox;
 mod machine;
 pub mod observation;
 mod participant;
+mod patient;
 pub mod pcan;
 mod processor_wait;
 mod simulated;
@@ -25,9 +27,10 @@ pub mod slcan;
 pub mod socketcan;
 pub mod transcript;
 
-pub use health::{Health, Latencies, StampTrouble};
+pub use health::{Health, Interruptions, Latencies, StampTrouble};
 pub use machine::Machine;
 pub use participant::{Participation, participate};
+pub use patient::{Endurance, PatientBus};
 pub use simulated::SimulatedBus;
 
 use canvass_traces::{Duration, Frame, Record, Timestamp};
@@ -77,6 +80,19 @@ pub trait Bus {
     /// How well it works. A simulated bus always works well.
     fn health(&self) -> Health {
         Health::default()
+    }
+
+    /// Whether the way to it is interrupted now: nothing can be sent, and nothing comes, until it is back.
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+
+    /// Waits while the way to it is interrupted, where it is waited for: see [`PatientBus`].
+    ///
+    /// # Errors
+    /// [`BusError::Interrupted`] if it does not come back in time.
+    fn wait_until_back(&mut self) -> Result<(), BusError> {
+        Ok(())
     }
 
     /// Limits how many frames wait for a slow reader: beyond that number the oldest are lost.
@@ -146,10 +162,42 @@ pub enum BusError {
     /// The adapter of PEAK does not work.
     #[error(transparent)]
     Pcan(#[from] pcan::PcanError),
+    /// The way to the bus was interrupted, and was not back in time.
+    #[error("{trouble}; the bus was not back within {waited}")]
+    Interrupted {
+        /// What the interruption was.
+        trouble: String,
+        /// How long it was waited for.
+        waited: Duration,
+    },
     /// A recording does not go on as the tester does.
     #[error("the recording goes another way {0}")]
     Replay(#[from] transcript::Divergence),
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]
     Io(#[from] std::io::Error),
+}
+
+impl BusError {
+    /// Whether it lasts until the way to the bus is back, and no longer.
+    pub const fn is_interruption(&self) -> bool {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::SocketCan(error) => error.is_interruption(),
+            Self::SlCan(error) => matches!(error, slcan::SlCanError::NotConnected { .. }),
+            Self::Pcan(error) => matches!(error, pcan::PcanError::Failed { .. } | pcan::PcanError::QueueFull { .. }),
+            Self::Interrupted { .. } => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the transmit queue was full all the time: nobody has acknowledged, or the bus had no room.
+    pub const fn is_full(&self) -> bool {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::SocketCan(socketcan::SocketCanError::QueueFull { .. }) => true,
+            Self::Pcan(pcan::PcanError::QueueFull { .. }) => true,
+            _ => false,
+        }
+    }
 }

@@ -217,7 +217,11 @@ fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
 fn restorable(knowledge: &Knowledge, entry: usize) -> Option<(&Known, u64)> {
     let known = knowledge.entries().get(entry).filter(|known| known.was_read)?;
     let is_free = limits::writing(known.at, knowledge, &BTreeSet::new()).is_none();
-    let is_plain = known.stable && known.readable && known.writable && known.size.is_some_and(|size| size <= LONGEST);
+    let is_plain = known.stable
+        && known.acting.is_none()
+        && known.readable
+        && known.writable
+        && known.size.is_some_and(|size| size <= LONGEST);
     Some((known, known.power_on?)).filter(|_| is_free && is_plain)
 }
 

@@ -17,7 +17,7 @@ use super::stimulus::{Sequence, Then};
 use super::time_limit::TimeLimit;
 use super::{Kept, Knowledge, Property};
 use canvass_analyzer::wire::lss;
-use canvass_bus::{Bus, BusError};
+use canvass_bus::{Bus, BusError, Interruptions};
 use canvass_suite::touch::Touch;
 use canvass_traces::{Duration, Record, Timestamp};
 use proptest::strategy::Strategy;
@@ -26,6 +26,7 @@ use shortening::Shortening;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use violations::Unrepeated;
 
 /// What a run does.
 #[derive(Clone, Debug)]
@@ -63,6 +64,8 @@ pub struct Found {
     /// The objects that had not their values of power-on when it was seen: neither a reset nor a write had brought them
     /// back. What is confirmed is confirmed with these.
     pub state: Vec<Kept>,
+    /// The bus was lost before it could be repeated.
+    pub is_cut_off: bool,
 }
 
 /// The state of a run, told after each sequence.
@@ -106,6 +109,10 @@ pub struct Outcome {
     pub left: Option<FinalState>,
     /// Each violation once.
     pub violations: Vec<Found>,
+    /// How often, and how long, the way to the bus was interrupted.
+    pub interruptions: Option<Interruptions>,
+    /// Why the run ended early: the bus did not come back, or failed in another way.
+    pub ended_by: Option<String>,
 }
 
 /// Why a run says nothing about the device.
@@ -130,17 +137,18 @@ const REFOCUS_LIVE: u64 = 4;
 /// On a device that goes on, one part in so many of the time is spent in pauses.
 const PAUSES: u64 = 10;
 
-/// Fuzzes a device. `go_on` is asked after each sequence.
+/// Fuzzes a device. `go_on` is asked after each sequence. If the bus fails, the run ends with what was found until then.
 ///
 /// # Errors
-/// [`FuzzError`] if the device can't be reached or the bus fails.
+/// [`FuzzError::Unreachable`] if the device can't be reached.
 pub fn run(
     stand: &mut dyn TestStand,
     mut knowledge: Knowledge,
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    if !learn(stand, &mut knowledge, plan.targets.contains(Target::Lss), &plan.time)? {
+    let learned = learn(stand, &mut knowledge, plan.targets.contains(Target::Lss), &plan.time);
+    if let Ok(false) = learned {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
     let knowledge = Arc::new(knowledge);
@@ -156,11 +164,20 @@ pub fn run(
         begun: stand.bus().now(),
         unshortened: VecDeque::new(),
         shortened_for: Duration::ZERO,
+        unrepeated: None,
+        interruptions: None,
+        ended_by: None,
         plan,
     };
-    campaign.fuzz(stand, &knowledge, go_on)?;
-    campaign.shorten_rest(stand)?;
-    campaign.leave(stand)?;
+    let fuzzed = learned.and_then(|_| campaign.fuzz(stand, &knowledge, go_on));
+    if let Err(error) = fuzzed.and_then(|()| campaign.shorten_rest(stand)) {
+        campaign.end_early(&error);
+    }
+    if let Err(error) = campaign.leave(stand) {
+        campaign.end_early(&error);
+    }
+    let bus = stand.bus();
+    campaign.interruptions = bus.health().interruptions(bus.now());
     Ok(campaign.outcome())
 }
 
@@ -220,6 +237,10 @@ struct Campaign<'a> {
     unshortened: VecDeque<Shortening>,
     /// What that has taken.
     shortened_for: Duration,
+    /// A violation that was seen and is being repeated.
+    unrepeated: Option<Unrepeated>,
+    interruptions: Option<Interruptions>,
+    ended_by: Option<String>,
     plan: &'a Plan,
 }
 
@@ -241,7 +262,7 @@ impl Campaign<'_> {
         stand: &mut dyn TestStand,
         knowledge: &Arc<Knowledge>,
         go_on: &mut dyn FnMut(Progress<'_>) -> bool,
-    ) -> Result<(), FuzzError> {
+    ) -> Result<(), BusError> {
         for sequence in &self.plan.regressions {
             // There are few of them, and each has shown something before: what is seen now is to be the device's doing.
             self.attempt(stand, SequenceTree::new(sequence.clone()), Pace::Careful)?;
@@ -290,6 +311,15 @@ impl Campaign<'_> {
             }
             self.shorten_in_turn(stand)?;
         }
+    }
+
+    /// The bus has failed: what was found until then is kept.
+    fn end_early(&mut self, error: &BusError) {
+        self.ended_by.get_or_insert_with(|| error.to_string());
+        if let Some(Unrepeated { seen, doubts, is_swift }) = self.unrepeated.take() {
+            self.tell(Found { is_cut_off: true, ..seen }, doubts, is_swift);
+        }
+        self.keep_unshortened();
     }
 
     /// A device that goes on is left as it was found: nothing was stored. The last sequence may have been its end.
@@ -354,6 +384,8 @@ impl Campaign<'_> {
             spent_on_violations: self.spent_on_violations,
             coverage: self.executor.coverage,
             violations: self.violations,
+            interruptions: self.interruptions,
+            ended_by: self.ended_by,
         }
     }
 }

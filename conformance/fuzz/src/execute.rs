@@ -49,6 +49,8 @@ pub(super) struct Executor {
     sent: Vec<Stimulus>,
     /// The same of the start before, with its frames: of these a device died that does not come back.
     before: (Sequence, Vec<Record>),
+    /// The way to the bus was interrupted in the last sequence: whether what began it was done is not known.
+    was_interrupted: bool,
     /// What the last start has not brought back.
     pub kept: Vec<Kept>,
     /// Sequences since the last start.
@@ -140,6 +142,9 @@ pub(super) const DEATH: &str = "device death";
 /// The rule that a device breaks that one reset does not bring back.
 const REVIVED: &str = "reset after a sequence";
 
+/// So often a sequence is run that is interrupted each time: it may be what interrupts the way to the bus.
+const MOST_INTERRUPTED: u32 = 3;
+
 /// After so many sequences a device that goes on is reset, so that what shows is not the sum of too much.
 const MOST_IN_A_ROW: u32 = 64;
 
@@ -217,6 +222,7 @@ impl Executor {
             evidence: Vec::new(),
             sent: Vec::new(),
             before: (Sequence::default(), Vec::new()),
+            was_interrupted: false,
             kept: Vec::new(),
             in_a_row: 0,
             left: Left::Unknown,
@@ -247,11 +253,37 @@ impl Executor {
         }
     }
 
-    /// Runs a sequence; the first property that does not hold ends it. `keep`: with its frames.
+    /// Runs a sequence; the first property that does not hold ends it. `keep`: with its frames. If the way to the bus was
+    /// interrupted meanwhile, nothing is judged, and the sequence is run again.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
     pub fn run(
+        &mut self,
+        stand: &mut dyn TestStand,
+        sequence: &Sequence,
+        pace: Pace,
+        keep: bool,
+    ) -> Result<Ended, BusError> {
+        for _ in 0..MOST_INTERRUPTED {
+            let (before, unjudged, spent) = (stand.bus().health(), self.unjudged, self.spent);
+            let ended = self.run_once(stand, sequence, pace, keep);
+            if ended.is_ok() && !is_interrupted(stand, &before) {
+                return ended;
+            }
+            // How long an interruption was says nothing about the device.
+            (self.unjudged, self.spent) = (unjudged + 1, spent);
+            (self.left, self.was_interrupted) = (Left::Unknown, true);
+            ended?;
+            if self.in_time(stand).is_err() {
+                break;
+            }
+            stand.bus().wait_until_back()?;
+        }
+        Ok(Ended::Well)
+    }
+
+    fn run_once(
         &mut self,
         stand: &mut dyn TestStand,
         sequence: &Sequence,
@@ -296,6 +328,7 @@ impl Executor {
             return Ok(());
         }
         self.in_time(stand)?;
+        let before = stand.bus().health();
         let goes_on = match std::mem::replace(&mut self.left, Left::Unknown) {
             // What is to be shown again must not come from where the try before has ended.
             Left::AtRest if self.presumed.is_none() => true,
@@ -312,6 +345,10 @@ impl Executor {
         if !goes_on {
             self.start(stand, sequence.start)?;
             is_begun.set(true);
+        }
+        if is_interrupted(stand, &before) {
+            // The device may not have got the reset.
+            return Ok(());
         }
         (self.begun_at, self.tail) = (self.sent.len(), 0);
         self.in_a_row += 1;
@@ -347,7 +384,11 @@ impl Executor {
         let evidence = std::mem::take(&mut self.evidence);
         if !is_repeatable {
             let stimuli = std::mem::take(&mut self.sent);
-            self.before = (Sequence { start: Start::Configured, stimuli }, evidence);
+            if !std::mem::take(&mut self.was_interrupted) {
+                self.before = (Sequence::default(), Vec::new());
+            }
+            self.before.0.stimuli.extend(stimuli);
+            self.before.1.extend(evidence);
         }
         (self.in_a_row, self.begun_at, self.settled) = (0, 0, 0);
         if !is_repeatable && self.knowledge.services.boot_up_message && self.oracle.is_booting() {
@@ -559,6 +600,11 @@ impl Executor {
 
 /// Whether frames were lost on this machine, or the bus was interrupted, since then.
 fn is_troubled(stand: &mut dyn TestStand, before: &Health) -> bool {
-    let trouble = stand.bus().health().since(before);
-    trouble.lost > 0 || trouble.interruptions > 0
+    stand.bus().health().since(before).lost > 0 || is_interrupted(stand, before)
+}
+
+/// Whether the way to the bus was interrupted since then, or is so all the while.
+pub(super) fn is_interrupted(stand: &mut dyn TestStand, before: &Health) -> bool {
+    let since = stand.bus().health().since(before);
+    since.interruptions > 0 || since.interrupted_since.is_some()
 }

@@ -1,7 +1,7 @@
 //! What the fuzzer knows of a device before it begins: its dictionary, its services, its values after power-on.
 
-use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
-use canvass_analyzer::object;
+use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Manual, Value};
+use canvass_analyzer::object::{self, Acting};
 use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lmt::{Lmt, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -147,6 +147,8 @@ pub struct Known {
     pub stable: bool,
     /// It keeps what was written over a reset.
     pub persists: bool,
+    /// What it does when it is written: no value of it is put back.
+    pub acting: Option<Acting>,
     /// It can be mapped into a TPDO.
     pub tpdo_mappable: bool,
     /// How many bytes a value of variable length usually has.
@@ -184,7 +186,9 @@ impl Knowledge {
             entries,
         };
         let stores_by_itself = description.is_some_and(stores_by_itself);
+        let manual = Manual { acting: sheet.map(Sheet::acting).unwrap_or_default(), ..Manual::default() };
         for known in &mut knowledge.entries {
+            known.acting = manual.acting(known.at, description);
             known.persists = stores_by_itself || knowledge.services.persist_at_once.contains(&known.at);
             // Node-ID and bit rate are what LSS, switches or the last start made them.
             known.stable &= !knowledge.services.bus_objects.contains(&known.at);
@@ -218,6 +222,16 @@ impl Knowledge {
     /// The object at that address.
     pub fn entry(&self, at: Multiplexer) -> Option<&Known> {
         self.position(at).and_then(|found| self.entries.get(found))
+    }
+
+    /// Whether writing that object moves the zero point of a position or an angle. One that nobody has described may be a preset of
+    /// an encoder.
+    pub fn moves_zero_point(&self, at: Multiplexer) -> bool {
+        let acting = match self.is_described() {
+            true => self.entry(at).and_then(|known| known.acting),
+            false => Acting::of_encoder(at),
+        };
+        acting == Some(Acting::MovesZeroPoint)
     }
 
     /// Whether there is an object with that index.
@@ -319,6 +333,7 @@ impl Known {
                 && (constant || entry.access.is_writable())
                 && !has_a_life_of_its_own(at),
             persists: false,
+            acting: None,
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
             usual_length: match entry.start_value(node) {
                 Some(value) => value.encode(entry.data_type).map_or(0, |bytes| bytes.len()),

@@ -2,6 +2,7 @@
 //! on the bus beside it.
 
 use super::baseline;
+use super::execute::is_interrupted;
 use super::stand::{Readiness, TestStand};
 use super::time_limit::TimeLimit;
 use super::{Knowledge, Known, Start};
@@ -26,12 +27,35 @@ const LISTEN: Duration = Duration::from_millis(600);
 /// The first answer may take that long: nobody knows yet how slow the device is.
 const FIRST_ANSWER: Duration = Duration::from_secs(5);
 
+/// So often the device is read if the way to the bus is interrupted each time.
+const MOST_INTERRUPTED: u32 = 5;
+
 /// Reads what the device holds after power-on: its identity, and every number of its dictionary. `lss`: and what it knows
-/// of LSS, for which all slaves of the bus are switched to configuration and back.
+/// of LSS, for which all slaves of the bus are switched to configuration and back. If the way to the bus was interrupted
+/// meanwhile, all is read again.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
 pub(super) fn learn(
+    stand: &mut dyn TestStand,
+    knowledge: &mut Knowledge,
+    lss: bool,
+    time: &TimeLimit,
+) -> Result<Answers, BusError> {
+    let described = knowledge.clone();
+    for _ in 1..MOST_INTERRUPTED {
+        let before = stand.bus().health();
+        let answers = learn_once(stand, knowledge, lss, time)?;
+        if !is_interrupted(stand, &before) || time.is_over() {
+            return Ok(answers);
+        }
+        *knowledge = described.clone();
+        stand.bus().wait_until_back()?;
+    }
+    learn_once(stand, knowledge, lss, time)
+}
+
+fn learn_once(
     stand: &mut dyn TestStand,
     knowledge: &mut Knowledge,
     lss: bool,

@@ -46,6 +46,14 @@ impl Case {
         !matches!(self.family(), "306/file" | "306/objects")
     }
 
+    /// Whether the case may make the device operational. A run of others never does.
+    pub fn may_start_the_device(&self) -> bool {
+        let family = self.family();
+        let stays_pre_operational =
+            ["301/cob-id", "301/dictionary", "301/identity", "301/sdo", "301/verify-configuration"];
+        !stays_pre_operational.contains(&family) && !["205/", "305/", "306/"].iter().any(|of| family.starts_with(of))
+    }
+
     /// Whether the device may be lost in it, so that it runs after those that can't lose it.
     pub fn can_lose_the_device(&self) -> bool {
         self.touches.iter().any(|touch| touch.can_lose_the_device())

@@ -1,5 +1,7 @@
 //! The object dictionary before a run and after it: what a device is left with.
 
+use crate::behaviour::Changed;
+use crate::zero_point::Moved;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 
@@ -14,6 +16,12 @@ pub struct Comparison {
     pub changes: Vec<Change>,
     /// The commands that give the device its values again, in the order in which it takes them.
     pub commands: Vec<String>,
+    /// Settings that a start brings with another value than before, by rising index: they are stored so.
+    pub stored: Vec<Change>,
+    /// Zero points that are not where they were: that in use, and that which a start brings.
+    pub zero_points: Vec<Moved>,
+    /// What the device does otherwise than before after a start.
+    pub behaviour: Vec<Changed>,
 }
 
 /// An object whose value is another one than before.
@@ -75,6 +83,10 @@ impl Comparison {
 
     /// Whether the device is known to be as it was.
     pub fn is_as_found(&self) -> bool {
-        self.is_complete && self.left().next().is_none()
+        self.is_complete
+            && self.left().next().is_none()
+            && self.stored.is_empty()
+            && self.zero_points.iter().all(|moved| moved.is_denied)
+            && self.behaviour.is_empty()
     }
 }

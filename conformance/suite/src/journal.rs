@@ -8,7 +8,10 @@
 //! device motor.eds
 //! operational yes
 //! value 1017:00 E803      the dictionary before the first case
+//! zero-point 6003:00 6004:00 8192 100 0 7 -   where the zero point was: preset, position, range; position, its spread, offset, raw
 //! begun
+//! stored 1017:00 D007     what a start brings
+//! stored-zero-point 6003:00 6004:00 8192 93 0 0 -
 //! value 2041:00 41010000  an object that the dictionary does not hold, before a case wrote it
 //! case 301/store/all      a case began that may store values or change the node-ID or bit rate
 //! stores                  before the device was told to write its non-volatile memory
@@ -17,6 +20,7 @@
 //!
 //! A last line without its end is one whose change was not made yet.
 
+use crate::zero_point::ZeroPoint;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::hex;
 use std::collections::BTreeSet;
@@ -46,6 +50,7 @@ pub(crate) struct Head<'a> {
     pub device: &'a str,
     pub operational: bool,
     pub dictionary: &'a [(Multiplexer, Vec<u8>)],
+    pub zero_point: Option<&'a ZeroPoint>,
 }
 
 impl Journal {
@@ -56,7 +61,8 @@ impl Journal {
         let mut text = format!("{FIRST_LINE}\nbus {bus}\nnode {}\ndevice {device}\n", head.node);
         // Writing to a string can't fail.
         let _ = writeln!(text, "operational {}", if head.operational { "yes" } else { "no" });
-        head.dictionary.iter().for_each(|(multiplexer, value)| value_line(&mut text, *multiplexer, value));
+        head.dictionary.iter().for_each(|(multiplexer, value)| value_line(&mut text, "value", *multiplexer, value));
+        head.zero_point.iter().for_each(|zero_point| text.push_str(&format!("zero-point {zero_point}\n")));
         text.push_str("begun\n");
         let file = begin(path, text.as_bytes())?;
         let known = head.dictionary.iter().map(|(multiplexer, _)| *multiplexer).collect();
@@ -69,8 +75,20 @@ impl Journal {
             return Ok(());
         }
         let mut line = String::new();
-        value_line(&mut line, multiplexer, value);
+        value_line(&mut line, "value", multiplexer, value);
         self.append(&line)
+    }
+
+    /// What a start brings, before any case has run.
+    pub fn memory<'a>(
+        &mut self,
+        stored: impl IntoIterator<Item = (Multiplexer, &'a [u8])>,
+        zero_point: Option<&ZeroPoint>,
+    ) -> io::Result<()> {
+        let mut lines = String::new();
+        stored.into_iter().for_each(|(multiplexer, value)| value_line(&mut lines, "stored", multiplexer, value));
+        zero_point.iter().for_each(|zero_point| lines.push_str(&format!("stored-zero-point {zero_point}\n")));
+        self.append(&lines)
     }
 
     /// A case that may store values or change the node-ID or bit rate begins.
@@ -129,8 +147,8 @@ fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
     }
 }
 
-fn value_line(text: &mut String, multiplexer: Multiplexer, value: &[u8]) {
-    let _ = writeln!(text, "value {:04X}:{:02X} {}", multiplexer.index.0, multiplexer.sub.0, hex::compact(value));
+fn value_line(text: &mut String, word: &str, multiplexer: Multiplexer, value: &[u8]) {
+    let _ = writeln!(text, "{word} {:04X}:{:02X} {}", multiplexer.index.0, multiplexer.sub.0, hex::compact(value));
 }
 
 /// A run that was interrupted, as its journal tells it.
@@ -146,6 +164,11 @@ pub struct Interrupted {
     pub operational: bool,
     /// The values before the run.
     pub values: Vec<(Multiplexer, Vec<u8>)>,
+    /// What a start brought before the first case; empty if the run did not come that far.
+    pub(crate) memory: Vec<(Multiplexer, Vec<u8>)>,
+    /// Where the zero point was, and where a start brought it.
+    pub(crate) zero_point: Option<ZeroPoint>,
+    pub(crate) stored_zero_point: Option<ZeroPoint>,
     /// The values of objects that the dictionary does not hold.
     pub(crate) more: Vec<(Multiplexer, Vec<u8>)>,
     /// The id of the case that was under way, if it may have left more behind than values.
@@ -180,6 +203,9 @@ impl Interrupted {
             device: String::new(),
             operational: false,
             values: Vec::new(),
+            memory: Vec::new(),
+            zero_point: None,
+            stored_zero_point: None,
             more: Vec::new(),
             case: None,
             stored: false,
@@ -208,11 +234,19 @@ impl Interrupted {
             "operational" => self.operational = rest == "yes",
             "value" if self.begun => self.more.push(value(rest)?),
             "value" => self.values.push(value(rest)?),
+            "zero-point" => self.zero_point = Some(rest.parse()?),
             "begun" => self.begun = true,
+            "stored" => self.memory.push(value(rest)?),
+            "stored-zero-point" => self.stored_zero_point = Some(rest.parse()?),
             "case" => self.case = Some(rest.to_owned()),
             "stores" => self.stored = true,
             "settled" => (self.case, self.stored) = (None, false),
-            _ => return Err("bus, node, device, operational, value, begun, case, stores or settled"),
+            _ => {
+                return Err(
+                    "bus, node, device, operational, value, zero-point, begun, stored, stored-zero-point, case, stores \
+                            or settled",
+                );
+            }
         }
         Ok(())
     }
@@ -234,7 +268,8 @@ mod tests {
     use canvass_analyzer::object;
 
     fn head(dictionary: &[(Multiplexer, Vec<u8>)]) -> Head<'_> {
-        Head { bus: "can0", node: NodeId::new(10).unwrap(), device: "my device.eds", operational: true, dictionary }
+        let node = NodeId::new(10).unwrap();
+        Head { bus: "can0", node, device: "my device.eds", operational: true, dictionary, zero_point: None }
     }
 
     #[test]
@@ -243,7 +278,11 @@ mod tests {
         let path = folder.path().join("journal");
         let (heartbeat, other) = (Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), Multiplexer::new(0x2041, 3));
         let dictionary = [(heartbeat, vec![0xE8, 3])];
-        let mut journal = Journal::create(&path, &head(&dictionary)).unwrap();
+        let zero_point: ZeroPoint = "6003:00 6004:00 8192 100 0 7 -".parse().unwrap();
+        let before = Head { zero_point: Some(&zero_point), ..head(&dictionary) };
+        let mut journal = Journal::create(&path, &before).unwrap();
+        let stored_zero_point: ZeroPoint = "6003:00 6004:00 8192 93 0 0 -".parse().unwrap();
+        journal.memory([(heartbeat, &[0xD0, 7][..])], Some(&stored_zero_point)).unwrap();
         journal.value(heartbeat, &[9, 9]).unwrap();
         journal.value(other, &[]).unwrap();
         let case = "301/store/all";
@@ -254,6 +293,8 @@ mod tests {
         let read = Interrupted::read(&text).unwrap();
         assert_eq!((&*read.bus, read.node.raw(), &*read.device, read.operational), ("can0", 10, "my device.eds", true));
         assert_eq!((read.values, read.more), (dictionary.to_vec(), vec![(other, vec![])]));
+        assert_eq!(read.memory, [(heartbeat, vec![0xD0, 7])]);
+        assert_eq!((read.zero_point, read.stored_zero_point), (Some(zero_point), Some(stored_zero_point)));
         assert_eq!((read.case.as_deref(), read.stored, read.begun), (Some(case), true, true));
         journal.settle().unwrap();
         let settled = Interrupted::read(&fs::read_to_string(&path).unwrap()).unwrap();

@@ -9,6 +9,7 @@
 
 #![warn(clippy::disallowed_methods)]
 
+pub mod behaviour;
 pub mod bench;
 pub mod case;
 mod cases;
@@ -21,6 +22,7 @@ pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
+mod profile;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]
@@ -30,6 +32,7 @@ pub mod situation;
 pub mod touch;
 pub mod verdict;
 pub mod waiver;
+pub mod zero_point;
 
 pub(crate) use canvass_device::Fault;
 use canvass_macros::case;

@@ -16,14 +16,23 @@ pub enum Touch {
     OtherNodes,
     /// Restores the factory defaults: what the user had configured is lost.
     FactoryDefaults,
+    /// Moves the zero point of a position or an angle, and puts it back at rest.
+    Preset,
     /// Tests a device that others use meanwhile.
     OtherClients,
 }
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults, Self::OtherClients];
+    pub const ALL: [Self; 7] = [
+        Self::Nvm,
+        Self::NodeId,
+        Self::BitRate,
+        Self::OtherNodes,
+        Self::FactoryDefaults,
+        Self::Preset,
+        Self::OtherClients,
+    ];
 
     /// The name by which the user allows it.
     pub const fn name(self) -> &'static str {
@@ -33,6 +42,7 @@ impl Touch {
             Self::BitRate => "bit-rate",
             Self::OtherNodes => "other-nodes",
             Self::FactoryDefaults => "factory-defaults",
+            Self::Preset => "preset",
             Self::OtherClients => "other-clients",
         }
     }
@@ -55,6 +65,7 @@ impl Touch {
             Self::BitRate => "changes the bit rate",
             Self::OtherNodes => "commands other nodes",
             Self::FactoryDefaults => "restores the factory defaults",
+            Self::Preset => "moves the zero point",
             Self::OtherClients => "tests a device that others use meanwhile",
         }
     }
@@ -69,7 +80,8 @@ impl fmt::Display for Touch {
 /// There is nothing of that name to allow.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
-    "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults and other-clients"
+    "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults, preset and \
+     other-clients"
 )]
 pub struct UnknownTouch(pub String);
 

@@ -230,3 +230,22 @@ fn a_file_names_the_vendor_but_may_number_products_its_own_way() {
     assert_eq!(failing_identity(|device| device.vendor_number = Some(0)), none);
     assert_eq!(failing_identity(|device| device.vendor_number = Some(0x13)), ["301/identity/vendor-id"]);
 }
+
+/// Cases that are said not to make the device operational do not: a run of them alone looks at nothing there.
+#[test]
+fn who_does_not_start_the_device_does_not_start_it() {
+    let model = Model::by_id("reference-301").unwrap();
+    let node = model.default_node().unwrap().raw();
+    let target = Target::of(model, model.default_node().unwrap());
+    let (starting, others): (Vec<_>, Vec<_>) =
+        catalogue::cases().into_iter().partition(|case| case.may_start_the_device());
+    assert!(others.len() > 100 && starting.len() > 100);
+    for case in others {
+        let report = judge_target(case, model, Faults::NONE, &target);
+        let starts = report.evidence.frames().any(|exhibit| {
+            exhibit.record.frame.cob_id() == Some(0)
+                && matches!(exhibit.record.data(), [1, of] if *of == 0 || *of == node)
+        });
+        assert!(!starts, "{}", case.id);
+    }
+}

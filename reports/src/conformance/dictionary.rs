@@ -11,7 +11,7 @@ pub(super) const REPAIR: &str = "These commands put it back:";
 /// All of it, line by line.
 pub fn lines(comparison: &Comparison) -> Vec<String> {
     let mut lines = vec![sentence(comparison)];
-    lines.extend(comparison.left().map(|change| format!("  {}", row(change).join("  "))));
+    lines.extend(rows(comparison).map(|row| format!("  {}", row.join("  "))));
     if !comparison.commands.is_empty() {
         lines.push(REPAIR.to_owned());
         lines.extend(comparison.commands.iter().map(|command| format!("  {command}")));
@@ -32,15 +32,32 @@ pub(super) fn sentence(comparison: &Comparison) -> String {
         1 => format!(" {}, which the device sets itself, differs.", names(comparison)),
         _ => format!(" {own} values that the device sets itself differ: {}.", names(comparison)),
     };
-    match left {
-        0 => format!("The device is as it was before the run ({objects} objects were read).{own}"),
+    let in_use = match left {
+        0 if comparison.is_as_found() => {
+            format!("The device is as it was before the run ({objects} objects were read).{own}")
+        }
+        0 => format!("The {objects} objects are as they were before the run, but the device is not.{own}"),
         1 => format!("1 of {objects} objects is not as it was before the run.{own}"),
         _ => format!("{left} of {objects} objects are not as they were before the run.{own}"),
-    }
+    };
+    let stored = match comparison.stored.len() {
+        0 => None,
+        1 => Some("1 setting is stored with another value than before: the next start brings it.".to_owned()),
+        many => Some(format!("{many} settings are stored with other values than before: the next start brings them.")),
+    };
+    let sentence = |text: String| capitalised(&text) + ".";
+    let zero_points = comparison.zero_points.iter().map(|moved| sentence(moved.to_string()));
+    let behaviour = comparison.behaviour.iter().map(|changed| sentence(changed.to_string()));
+    [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
+}
+
+fn capitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().into_iter().flat_map(char::to_uppercase).chain(chars).collect()
 }
 
 fn names(comparison: &Comparison) -> String {
-    const MOST: usize = 8;
+    const MOST: usize = 20;
     let mut names: Vec<String> = comparison.own().take(MOST).map(|change| change.multiplexer.to_string()).collect();
     let more = comparison.own().count() - names.len();
     if more > 0 {
@@ -49,11 +66,15 @@ fn names(comparison: &Comparison) -> String {
     names.join(", ")
 }
 
-/// The columns of a change: object, name, before, after.
-pub(super) fn row(change: &Change) -> [String; 4] {
+/// What the run has left, each with its columns: object, name, before, after.
+pub(super) fn rows(comparison: &Comparison) -> impl Iterator<Item = [String; 4]> {
+    comparison.left().map(|change| row(change, "")).chain(comparison.stored.iter().map(|change| row(change, "stored ")))
+}
+
+fn row(change: &Change, place: &str) -> [String; 4] {
     let name = change.name.clone().unwrap_or_default();
     let [before, after] = [&change.before, &change.after].map(|value| shown(change, value.as_deref()));
-    [change.multiplexer.to_string(), name, format!("before: {before}"), format!("after: {after}")]
+    [change.multiplexer.to_string(), name, format!("{place}before: {before}"), format!("{place}after: {after}")]
 }
 
 /// A value by its type, and its bytes where they say more.
@@ -69,7 +90,7 @@ fn shown(change: &Change, value: Option<&[u8]>) -> String {
 
 /// Whether there is anything to say beside the sentence.
 pub(super) fn left(run: &Run) -> Option<&Comparison> {
-    run.comparison.as_ref().filter(|comparison| comparison.left().next().is_some())
+    run.comparison.as_ref().filter(|comparison| rows(comparison).next().is_some())
 }
 
 #[cfg(test)]
@@ -79,6 +100,7 @@ mod tests {
     use canvass_analyzer::dictionary::DataType;
     use canvass_analyzer::object;
     use canvass_suite::comparison::Nature;
+    use canvass_suite::zero_point::Moved;
 
     fn change(index: u16, nature: Nature) -> Change {
         Change {
@@ -101,12 +123,44 @@ mod tests {
                 change(object::PRODUCER_HEARTBEAT_TIME, Nature::Setting),
             ],
             commands: vec!["canvass sdo write can0 10 1017:00 E803 --type bytes".to_owned()],
+            ..Comparison::default()
         };
         let expected = [
             "1 of 9 objects is not as it was before the run. 1001h:00, which the device sets itself, differs.",
             "  1017h:00  Producer heartbeat time  before: 1000 (E8 03)  after: can't be read",
             "These commands put it back:",
             "  canvass sdo write can0 10 1017:00 E803 --type bytes",
+        ];
+        assert_eq!(lines(&comparison), expected);
+        assert!(!comparison.is_as_found());
+    }
+
+    /// What the next start brings counts, and so does the zero point: neither shows in the objects that are in use.
+    #[test]
+    fn what_is_stored_and_the_zero_point_are_told() {
+        let stored = Change { after: Some(vec![50, 0]), ..change(object::PRODUCER_HEARTBEAT_TIME, Nature::Setting) };
+        let zero_point = Moved {
+            steps: 307,
+            preset: Multiplexer::new(0x6003, 0),
+            position: Multiplexer::new(0x6004, 0),
+            range: 10_000,
+            is_uncertain: false,
+            is_denied: false,
+            takes_position: true,
+            is_stored: true,
+        };
+        let comparison = Comparison {
+            is_complete: true,
+            objects: 9,
+            stored: vec![stored],
+            zero_points: vec![zero_point],
+            ..Comparison::default()
+        };
+        let expected = [
+            "The 9 objects are as they were before the run, but the device is not. 1 setting is stored with another value than \
+             before: the next start brings it. The stored zero point was moved by +307 steps. To set it right by hand, at rest: \
+             read 6004h:00, and give 6003h:00 that value minus 307, modulo 10000; then store it.",
+            "  1017h:00  Producer heartbeat time  stored before: 1000 (E8 03)  stored after: 50 (32 00)",
         ];
         assert_eq!(lines(&comparison), expected);
         assert!(!comparison.is_as_found());

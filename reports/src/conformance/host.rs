@@ -16,8 +16,14 @@ pub(super) fn sentence(host: &HostTiming) -> String {
     if host.lost > 0 {
         text += &format!(" It lost {} frames.", host.lost);
     }
-    if host.interruptions > 0 {
-        text += &format!(" The bus was interrupted {} times.", host.interruptions);
+    let interrupted_for = Duration::from_millis(host.interrupted_for.nanos() / 1_000_000);
+    match host.interruptions {
+        0 => {}
+        1 => text += &format!(" The bus was interrupted once, for {interrupted_for}."),
+        times => text += &format!(" The bus was interrupted {times} times, for {interrupted_for} in all."),
+    }
+    if let Some(trouble) = host.stamps {
+        text += &format!(" The adapter's time stamps {trouble}: times that they gave are not judged.");
     }
     if let Some(trouble) = host.stamps {
         text += &format!(" The adapter's time stamps {trouble}: times that they gave are not judged.");

@@ -71,6 +71,8 @@ pub fn play(reporter: &mut dyn Reporter) {
         objects: 1,
         changes: vec![change(Nature::Setting), change(Nature::Own)],
         commands: vec![HOSTILE.to_owned()],
+        stored: vec![change(Nature::Setting)],
+        ..Comparison::default()
     };
     reporter.event(&RunEvent::DictionaryCompared(&comparison)).unwrap();
     reporter.event(&RunEvent::Noticed(HOSTILE)).unwrap();

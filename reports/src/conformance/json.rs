@@ -16,6 +16,7 @@ use canvass_suite::foreign::ForeignMessages;
 use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
+use canvass_suite::zero_point::Moved;
 use canvass_traces::{Direction, hex};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -59,6 +60,7 @@ struct Host {
     transmit_max_ns: u64,
     lost: u64,
     interruptions: u64,
+    interrupted_ns: u64,
     /// Only where they can't be trusted.
     #[serde(skip_serializing_if = "Option::is_none")]
     time_stamps: Option<&'static str>,
@@ -81,6 +83,7 @@ impl From<&HostTiming> for Host {
             transmit_max_ns: host.transmit_always.nanos(),
             lost: host.lost,
             interruptions: host.interruptions,
+            interrupted_ns: host.interrupted_for.nanos(),
             time_stamps: host.stamps.map(StampTrouble::name),
         }
     }
@@ -101,6 +104,17 @@ struct Compared<'a> {
     objects: usize,
     changes: Vec<Changed<'a>>,
     commands: &'a [String],
+    stored: Vec<Changed<'a>>,
+    zero_points: Vec<MovedZeroPoint>,
+    behaviour: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct MovedZeroPoint {
+    steps: i64,
+    uncertain: bool,
+    stored: bool,
+    text: String,
 }
 
 #[derive(Serialize)]
@@ -267,7 +281,15 @@ fn compared(comparison: &Comparison) -> Compared<'_> {
         objects: comparison.objects,
         changes: comparison.changes.iter().map(changed).collect(),
         commands: &comparison.commands,
+        stored: comparison.stored.iter().map(changed).collect(),
+        zero_points: comparison.zero_points.iter().map(zero_point).collect(),
+        behaviour: comparison.behaviour.iter().map(ToString::to_string).collect(),
     }
+}
+
+fn zero_point(moved: &Moved) -> MovedZeroPoint {
+    let (steps, uncertain, stored) = (moved.steps, moved.is_uncertain, moved.is_stored);
+    MovedZeroPoint { steps, uncertain, stored, text: moved.to_string() }
 }
 
 fn changed(change: &Change) -> Changed<'_> {

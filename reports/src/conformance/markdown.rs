@@ -1,6 +1,6 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::dictionary::{REPAIR, left, row, sentence};
+use super::dictionary::{REPAIR, left, rows, sentence};
 use super::skipped::Skipped;
 use super::told::Told;
 use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, quarantined, repetitions, symbol, uses};
@@ -62,8 +62,8 @@ fn compared(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\n## Object dictionary before and after\n\n{}", markdown(&sentence(comparison)))?;
     let Some(comparison) = left(run) else { return Ok(()) };
     writeln!(out, "\n| object | name | before | after |\n|---|---|---|---|")?;
-    for change in comparison.left() {
-        let [object, name, before, after] = row(change).map(|cell| markdown(&cell));
+    for row in rows(comparison) {
+        let [object, name, before, after] = row.map(|cell| markdown(&cell));
         writeln!(out, "| {object} | {name} | {before} | {after} |")?;
     }
     if !comparison.commands.is_empty() {

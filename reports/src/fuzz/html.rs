@@ -1,6 +1,6 @@
 //! The result as one self-contained HTML page.
 
-use super::{Run, Words, annotated, left, outcome, reliability, rust_test, sdo_rows};
+use super::{Run, Words, annotated, left, outcome, reliability, rust_test, sdo_rows, trouble};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
@@ -38,7 +38,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn head(run: &Run) -> Markup {
-    let good = run.outcome.violations.is_empty();
+    let good = run.outcome.violations.is_empty() && run.outcome.ended_by.is_none();
     let fact = |name: &str, value: &str| html! { div { dt { (name) } dd { (printable(value)) } } };
     html! {
         p.kicker { "CANopen fuzzing" }
@@ -54,6 +54,8 @@ fn head(run: &Run) -> Markup {
             (fact("Sequences", &run.outcome.sequences.to_string()))
             (fact("SDO, state × command", &run.sdo_share().to_string()))
             (fact("LSS, state × command", &run.lss_share().to_string()))
+            @let trouble = trouble(run);
+            @if !trouble.is_empty() { (fact("The bus", &trouble)) }
             @let left = left(run);
             @if !left.is_empty() { (fact("At the end", &left)) }
             (fact("Repeat with", &run.repeat))

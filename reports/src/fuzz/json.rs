@@ -2,6 +2,7 @@
 
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::{escape, provenance};
+use canvass_bus::Interruptions;
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::{FinalState, Kept, Start, Stimulus, Then, reproducer};
 use canvass_traces::{Direction, Frame, Record, hex};
@@ -33,6 +34,8 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         "frames": run.outcome.frames,
         "sequences": run.outcome.sequences,
         "unjudged": run.outcome.unjudged,
+        "interruptions": run.outcome.interruptions.as_ref().map(interruptions),
+        "ended_by": run.outcome.ended_by,
         "dead": run.outcome.dead,
         "left": run.outcome.left.as_ref().map(left),
         "coverage": coverage(run),
@@ -62,6 +65,11 @@ fn left(left: &FinalState) -> Value {
     json!({ "settings": left.settings, "compared": left.compared, "different": left.different.iter().map(state).collect::<Vec<_>>() })
 }
 
+/// How the way to the bus was interrupted.
+fn interruptions(Interruptions { count, lasted, last, is_over }: &Interruptions) -> Value {
+    json!({ "count": count, "duration_ns": lasted.nanos(), "last": last, "over": is_over })
+}
+
 /// An object that had not its value of power-on.
 fn state(kept: &Kept) -> Value {
     json!({ "index": kept.at.index.0, "sub": kept.at.sub.0, "value": kept.value, "power_on": kept.power_on })
@@ -83,6 +91,7 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Value {
         "actual": violation.actual,
         "t": violation.at.nanos(),
         "confirmed": found.confirmed,
+        "cut_off": found.is_cut_off,
         "state": found.state.iter().map(state).collect::<Vec<_>>(),
         "start": start,
         "frames": frames.map(|(stimulus, words)| step(stimulus, words)).collect::<Vec<_>>(),

@@ -1,6 +1,6 @@
 //! The result as JUnit XML: each property is a case, or, where it is violated, each of its rules that is.
 
-use super::{Run, annotated, outcome, reliability};
+use super::{Run, annotated, outcome, reliability, trouble};
 use crate::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
 use canvass_fuzzer::{Property, reproducer};
@@ -24,10 +24,19 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         ("coverage_sdo", run.sdo_share().to_string()),
         ("coverage_lss", run.lss_share().to_string()),
     ]);
+    suite.add_properties(
+        Some(trouble(run)).filter(|trouble| !trouble.is_empty()).map(|trouble| ("bus_trouble", trouble)),
+    );
     suite.add_properties(provenance::junit_properties(&run.provenance));
     for &property in Property::ALL {
         suite.add_cases(cases(run, property));
     }
+    // What was not tried would look as if it had passed.
+    suite.add_cases(run.outcome.ended_by.iter().map(|why| {
+        let problem = Problem { kind: "bus", message: why.clone(), details: vec![trouble(run)] };
+        Case::passed(format!("fuzz.{}", run.targets), "the bus works to the end of the run")
+            .ended(Outcome::Error(problem))
+    }));
     write("fuzz", &[suite], out)
 }
 

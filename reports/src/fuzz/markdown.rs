@@ -1,6 +1,6 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::{Run, annotated, left, outcome, reliability, rust_test};
+use super::{Run, annotated, left, outcome, reliability, rust_test, trouble};
 use crate::escape::{Visible, markdown, printable};
 use crate::provenance;
 use canvass_fuzzer::reproducer;
@@ -21,9 +21,8 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "| sequences | {} |", run.outcome.sequences)?;
     writeln!(out, "| SDO, state × command | {} |", run.sdo_share())?;
     writeln!(out, "| LSS, state × command | {} |", run.lss_share())?;
-    match left(run) {
-        nothing if nothing.is_empty() => {}
-        left => writeln!(out, "\n{}.", sentence(&left))?,
+    for line in [trouble(run), left(run)].iter().filter(|line| !line.is_empty()) {
+        writeln!(out, "\n{}.", sentence(&markdown(line).to_string()))?;
     }
     writeln!(out, "\nRepeat with:")?;
     code(out, "sh", &run.repeat)?;

@@ -159,8 +159,16 @@ pub fn outcome(run: &Run) -> String {
         1 => "; 1 sequence could not be judged".to_owned(),
         count => format!("; {count} sequences could not be judged"),
     };
+    let ended = if outcome.ended_by.is_some() { "; the bus was lost before the end" } else { "" };
     let cancelled = if run.cancelled { " (cancelled before the end)" } else { "" };
-    format!("{count}{flaky}{dead}{unjudged}{cancelled}")
+    format!("{count}{flaky}{dead}{unjudged}{ended}{cancelled}")
+}
+
+/// How the way to the bus was interrupted, and why the run ended with that, if it did; empty if nothing was wrong.
+fn trouble(run: &Run) -> String {
+    let interruptions = run.outcome.interruptions.as_ref().map(ToString::to_string);
+    let ended_by = run.outcome.ended_by.as_ref().map(|why| format!("the run ended early: {why}"));
+    interruptions.into_iter().chain(ended_by).collect::<Vec<_>>().join("; ")
 }
 
 /// How the run left the device's settings; empty where nothing was to be left.
@@ -168,8 +176,9 @@ fn left(run: &Run) -> String {
     let outcome = &run.outcome;
     let Some(FinalState { settings, compared, different }) = &outcome.left else {
         let is_live = outcome.dead || !outcome.is_simulated;
-        let unknown = "whether the device's settings are as before the run is not known: it does not answer any more";
-        return if is_live { unknown.to_owned() } else { String::new() };
+        let why = if outcome.ended_by.is_some() { "the bus was lost" } else { "it does not answer any more" };
+        let unknown = format!("whether the device's settings are as before the run is not known: {why}");
+        return if is_live { unknown } else { String::new() };
     };
     match (different.len(), compared) {
         (0, 0) => "no setting of the device could be read".to_owned(),
@@ -191,6 +200,9 @@ fn values(kept: &[Kept], holds: &str) -> String {
 /// What is to be known of a violation that did not come back.
 fn reliability(found: &Found, dead: bool) -> String {
     let text = match (found.confirmed, dead && found.violation.property == Property::Alive) {
+        (false, _) if found.is_cut_off => {
+            "was seen once, and the bus was lost before it could be repeated: its whole trace is shown"
+        }
         (true, _) => "comes back whenever the sequence is repeated from power-on",
         (false, true) => "the device did not come back after it: these are its last frames",
         (false, false) => {

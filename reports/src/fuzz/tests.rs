@@ -1,8 +1,9 @@
 //! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
 
 use super::*;
+use canvass_bus::Interruptions;
 use canvass_fuzzer::{Property, Sequence, Spent, Start, Stimulus, Violation};
-use canvass_traces::CanId;
+use canvass_traces::{CanId, Duration};
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";
 
@@ -22,6 +23,7 @@ fn run() -> Run {
         evidence: vec![Record::new(Timestamp(1), ChannelId(0), frame).with_direction(Direction::Tx)],
         confirmed: false,
         state: Vec::new(),
+        is_cut_off: false,
     };
     let kept = Kept { at: canvass_analyzer::Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
     let outcome = Outcome {
@@ -36,6 +38,8 @@ fn run() -> Run {
         spent: Spent::default(),
         spent_on_violations: Spent::default(),
         violations: vec![found],
+        interruptions: None,
+        ended_by: None,
     };
     Run {
         provenance: Provenance::default(),
@@ -92,6 +96,42 @@ fn what_the_run_leaves_is_told() {
     assert!(left(&run).contains("is not known"));
     run.outcome.is_simulated = true;
     assert_eq!(left(&run), "");
+}
+
+/// A run that the bus has ended is no good one, and says what was interrupted and how long.
+#[test]
+fn a_lost_bus_is_told() {
+    let last = Some(format!("{HOSTILE} was disconnected"));
+    let interruptions = Interruptions { count: 2, lasted: Duration::from_millis(1_500), last, is_over: false };
+    let mut lost = run();
+    lost.outcome.interruptions = Some(interruptions);
+    lost.outcome.ended_by = Some("the bus was not back within 120 s".to_owned());
+    lost.outcome.left = None;
+    lost.outcome.violations[0].is_cut_off = true;
+    let rendered = |render: Render| {
+        let mut out = Vec::new();
+        render(&lost, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    };
+    for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
+        let text = rendered(render);
+        assert!(text.contains("the bus was not back within 120 s"), "{text}");
+        assert!(!text.contains('\u{1b}'), "{text}");
+    }
+    for render in [text::render as Render, junit::render, markdown::render, html::render] {
+        let text = rendered(render);
+        assert!(text.contains("2 interruptions of the bus, for 1.5 s in all so far"), "{text}");
+        assert!(text.contains("was seen once, and the bus was lost before it could be repeated"), "{text}");
+    }
+    assert!(rendered(text::render).contains("is not known: the bus was lost"));
+    assert!(rendered(junit::render).contains("<error"), "{}", rendered(junit::render));
+    let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
+    let interruptions = &document["interruptions"];
+    assert_eq!((&interruptions["count"], &interruptions["over"]), (&2.into(), &false.into()));
+    assert_eq!(
+        (&interruptions["duration_ns"], &document["violations"][0]["cut_off"]),
+        (&1_500_000_000_u64.into(), &true.into())
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The result for people.
 
-use super::{Run, annotated, left, outcome, reliability};
+use super::{Run, annotated, left, outcome, reliability, trouble};
 use crate::escape::{Visible, printable};
 use crate::provenance;
 use canvass_fuzzer::reproducer;
@@ -50,9 +50,8 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         run.targets, run.seed
     )?;
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
-    match left(run) {
-        nothing if nothing.is_empty() => {}
-        left => writeln!(out, "{left}")?,
+    for line in [trouble(run), left(run)].iter().filter(|line| !line.is_empty()) {
+        writeln!(out, "{}", printable(line))?;
     }
     match run.forbidden() {
         none if none.is_empty() => {}

@@ -4,11 +4,14 @@ use crate::commands::test::which_node;
 use crate::devices::parse_node;
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
-use crate::output::{is_seen, show_progress};
+use crate::output::{diagnostic, is_seen, show_progress};
+use crate::reconnect::ReconnectArg;
 use crate::status::Failure;
-use canvass_analyzer::NodeId;
+use crate::upload_limit::{UploadLimitArgs, told};
 use canvass_analyzer::dictionary::survey::Survey;
-use canvass_bus::client::{Exchange, SurveyError, Surveyor};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_bus::PatientBus;
+use canvass_bus::client::{Exchange, SurveyError, Surveyor, UploadLimit};
 use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp};
 use std::time::Instant;
@@ -25,7 +28,11 @@ pub struct DeviceArgs {
     #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
     timeout: Duration,
     #[command(flatten)]
+    limit: UploadLimitArgs,
+    #[command(flatten)]
     client: ClientArg,
+    #[command(flatten)]
+    reconnect: ReconnectArg,
 }
 
 /// A device on an open bus.
@@ -34,6 +41,17 @@ pub struct Opened {
     /// Its node-ID.
     pub node: NodeId,
     patience: Duration,
+    limit: UploadLimit,
+    reconnect: ReconnectArg,
+}
+
+/// What was read of a device.
+pub struct Surveyed<T> {
+    pub survey: Survey,
+    /// What reading it all came to, or why it did not come to its end.
+    pub done: Result<T, SurveyError>,
+    /// The entry at which it ended before its end.
+    pub unread: Option<Multiplexer>,
 }
 
 impl DeviceArgs {
@@ -44,7 +62,8 @@ impl DeviceArgs {
         let id = u16::from(node.raw());
         // Only the two directions of this server, however busy the bus is.
         live.bus.only(&[(0x580 + id, 0x7FF), (0x600 + id, 0x7FF)]).map_err(Failure::unreachable)?;
-        Ok(Opened { live, node, patience: self.timeout })
+        let limit = self.limit.or(UploadLimit::OF_MANY);
+        Ok(Opened { live, node, patience: self.timeout, limit, reconnect: self.reconnect })
     }
 }
 
@@ -54,30 +73,33 @@ impl Opened {
         self.live.bus.bit_rate().and_then(|rate| u16::try_from(rate / 1_000).ok())
     }
 
-    /// Lets `read` read what it wants, and returns that, with what `read` returns. Ctrl-C ends it.
+    /// Lets `read` read what it wants. Ctrl-C ends it. What could not be read to its end is told.
     pub fn survey<T>(
         &mut self,
         read: impl FnOnce(&mut Surveyor<'_, '_>) -> Result<T, SurveyError>,
-    ) -> Result<(Survey, T), Failure> {
+    ) -> Result<Surveyed<T>, Failure> {
         let interrupt = Interrupt::watch()?;
         let mut observe = |_: &Record| {};
-        let mut exchange = Exchange { bus: self.live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
+        let mut bus = PatientBus::new(self.live.bus.as_mut(), self.reconnect.endurance(&interrupt));
+        let mut exchange = Exchange { bus: &mut bus, observe: &mut observe, ends: Timestamp::MAX };
         let mut shown = Instant::now();
-        let mut watch = |at: canvass_analyzer::Multiplexer| {
+        let mut watch = |at: Multiplexer| {
             if is_seen() && shown.elapsed() >= PAUSE {
                 shown = Instant::now();
                 show_progress(&Printable::line(&format!("canvass: reading {at}")));
             }
             !interrupt.came()
         };
-        let mut surveyor = Surveyor::new(&mut exchange, self.node, self.patience, &mut watch);
+        let mut surveyor = Surveyor::new(&mut exchange, self.node, self.patience, &mut watch).within(self.limit);
         let done = read(&mut surveyor);
-        let survey = surveyor.into_survey();
+        let unread = surveyor.unread();
+        let (survey, excesses) = surveyor.into_survey();
         if is_seen() {
             show_progress(&Printable::line(""));
         }
         self.live.report_health();
-        Ok((survey, done.map_err(Failure::unreachable)?))
+        excesses.iter().for_each(|(at, excess)| diagnostic(&format!("canvass: {at}: {}", told(excess))));
+        Ok(Surveyed { survey, done, unread })
     }
 }
 

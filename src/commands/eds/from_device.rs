@@ -10,6 +10,8 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
 use canvass_analyzer::dictionary::FileInfo;
 use canvass_analyzer::dictionary::survey::describe::{Scan, Scanned};
+use canvass_analyzer::{Index, Multiplexer, NodeId};
+use canvass_bus::client::SurveyError;
 use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -19,7 +21,8 @@ use std::str::FromStr;
 ///
 /// Every index is read by SDO. Names, types and access of objects that CiA 301, 302, 304 or 406 define are the standard's;
 /// those of others are guessed from what was read, and comments in the file say so. Defaults are the values that the device
-/// had. All indexes take some minutes on a live bus: --range reads fewer.
+/// had. All indexes take some minutes on a live bus: --range reads fewer. What was read before the bus or the device was
+/// lost, or before Ctrl-C, is written too; the file says what is missing, and the status is not 0.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -63,7 +66,7 @@ impl Args {
         if let Some(path) = self.output.as_deref().filter(|_| !self.force) {
             refuse_existing(path)?;
         }
-        let scanned = self.scan()?;
+        let (scanned, missing) = self.scan()?;
         let text = scanned.eds();
         match &self.output {
             Some(path) => write(path, text.as_bytes())?,
@@ -73,12 +76,15 @@ impl Args {
             }
         }
         tell(&scanned);
-        Ok(Status::Good)
+        let Some(Missing { what, status }) = missing else { return Ok(Status::Good) };
+        diagnostic(&format!("canvass: {what}: the description holds what was read before"));
+        Ok(status)
     }
 
-    fn scan(&self) -> Result<Scanned, Failure> {
+    /// Reads the device; what of it is missing, too.
+    fn scan(&self) -> Result<(Scanned, Option<Missing>), Failure> {
         let mut opened = self.device.open(None)?;
-        let (survey, given_up) = opened.survey(|surveyor| {
+        let surveyed = opened.survey(|surveyor| {
             for at in canvass_analyzer::dictionary::survey::compare::IDENTITY {
                 surveyor.read(at)?;
             }
@@ -89,19 +95,21 @@ impl Args {
             }
             Ok(None)
         })?;
-        if let Some(index) = given_up {
-            return Err(Failure::unreachable(anyhow!(
-                "node {} does not answer where it has no object, instead of abort 0602 0000h: from {index} on nothing was \
-                 read; --range tells where to look",
-                opened.node
-            )));
-        }
-        let scan = Scan { survey: &survey, node: opened.node, bit_rate: opened.bit_rate(), file: self.file()? };
-        Ok(scan.describe())
+        let (node, bit_rate) = (opened.node, opened.bit_rate());
+        let is_empty = surveyed.survey.counts().1 == 0;
+        let missing = match surveyed.done {
+            Ok(None) => None,
+            Ok(Some(index)) => Some(Missing::area(node, index)),
+            // There is nothing to describe.
+            Err(error) if is_empty => return Err(Failure::unreachable(error)),
+            Err(error) => Some(Missing::since(&error, surveyed.unread)),
+        };
+        let file = self.file(missing.as_ref())?;
+        Ok((Scan { survey: &surveyed.survey, node, bit_rate, file }.describe(), missing))
     }
 
     /// What the file says about itself.
-    fn file(&self) -> Result<FileInfo> {
+    fn file(&self, missing: Option<&Missing>) -> Result<FileInfo> {
         let name = self.output.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let at = date_of_file()?;
         let moment = (at.strftime("%m-%d-%Y").to_string(), at.strftime("%I:%M%p").to_string());
@@ -109,13 +117,45 @@ impl Args {
             name: name.unwrap_or_else(|| "device.eds".to_owned()),
             version: "1".to_owned(),
             revision: "1".to_owned(),
-            description: "Read from a device".to_owned(),
+            description: missing.map_or_else(
+                || "Read from a device".to_owned(),
+                |missing| format!("Read from a device, in part: {}", missing.what),
+            ),
             created: moment.clone(),
             created_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
             modified: moment,
             modified_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
             ..FileInfo::default()
         })
+    }
+}
+
+/// What of a device was not read.
+struct Missing {
+    what: String,
+    status: Status,
+}
+
+impl Missing {
+    /// From that index on, as the device gives no answer where it has no object.
+    fn area(node: NodeId, index: Index) -> Self {
+        let what = format!(
+            "node {node} does not answer where it has no object, instead of abort 0602 0000h: from {index} on nothing was \
+             read; --range tells where to look"
+        );
+        Self { what, status: Status::Unreachable }
+    }
+
+    /// From that entry on, for that reason.
+    fn since(error: &SurveyError, unread: Option<Multiplexer>) -> Self {
+        let from = unread.map(|at| format!(", from {at} on")).unwrap_or_default();
+        match error {
+            SurveyError::Ended => Self { what: format!("{error}{from}"), status: Status::Findings },
+            SurveyError::Bus(_) => {
+                Self { what: format!("{error}{from} nothing was read"), status: Status::Unreachable }
+            }
+            _ => Self { what: error.to_string(), status: Status::Unreachable },
+        }
     }
 }
 

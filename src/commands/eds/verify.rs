@@ -68,13 +68,14 @@ impl Args {
         let description = description(&Description::read(&self.file)?.bytes, &self.file)?;
         let configured = description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
         let mut opened = self.device.open(configured)?;
-        let (survey, given_up) = opened.survey(|surveyor| {
+        let surveyed = opened.survey(|surveyor| {
             for at in IDENTITY {
                 surveyor.read(at)?;
             }
             surveyor.described(&description)?;
             surveyor.area(if self.all { ALL } else { COMMUNICATION_PROFILE })
         })?;
+        let (survey, given_up) = (surveyed.survey, surveyed.done.map_err(Failure::unreachable)?);
         let (read, existing) = survey.counts();
         Ok(Verification {
             file: self.file.display().to_string(),

@@ -6,7 +6,7 @@ use crate::status::Failure;
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::KnownDevice;
-use canvass_bus::Bus;
+use canvass_bus::{Bus, Endurance, PatientBus};
 use canvass_device::address::BusAddress;
 use canvass_device::models::Model;
 use canvass_fuzzer::Knowledge;
@@ -92,9 +92,15 @@ impl Device {
     }
 
     /// Lets `work` use a bus with the device as it was when the run began: a simulated one is made anew.
-    pub fn on_bus<T>(&mut self, address: &str, seed: u64, work: impl FnOnce(&mut dyn Bus) -> T) -> Result<T, Failure> {
+    pub fn on_bus<T>(
+        &mut self,
+        address: &str,
+        seed: u64,
+        endurance: Endurance,
+        work: impl FnOnce(&mut dyn Bus) -> T,
+    ) -> Result<T, Failure> {
         match &mut self.place {
-            Place::Live(bus) => Ok(work(bus.as_mut())),
+            Place::Live(bus) => Ok(work(&mut PatientBus::new(bus.as_mut(), endurance))),
             Place::Simulated(_) => Ok(work(&mut *open_bus_of(address, seed, self.knowledge.node)?)),
         }
     }
@@ -105,10 +111,18 @@ impl Device {
     }
 
     /// Lets `work` use the device.
-    pub fn on_stand<T>(&mut self, time: &TimeLimit, work: impl FnOnce(&mut dyn TestStand) -> T) -> T {
+    pub fn on_stand<T>(
+        &mut self,
+        time: &TimeLimit,
+        endurance: Endurance,
+        work: impl FnOnce(&mut dyn TestStand) -> T,
+    ) -> T {
         match &mut self.place {
             Place::Simulated(stand) => work(stand.as_mut()),
-            Place::Live(bus) => work(&mut Live::new(bus.as_mut(), &self.knowledge).until(time.clone())),
+            Place::Live(bus) => {
+                let mut bus = PatientBus::new(bus.as_mut(), endurance);
+                work(&mut Live::new(&mut bus, &self.knowledge).until(time.clone()))
+            }
         }
     }
 }

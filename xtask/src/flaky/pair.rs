@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// The node-ID of every device here.
 const NODE: &str = "63";
 /// Nothing stands between the program and a verdict on a simulated device that is alone on its bus.
-const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
+const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults,preset";
 /// SLCAN adapters have one bit rate of their own; the simulated devices are told it.
 const BIT_RATE: &str = "250k";
 

@@ -1,8 +1,8 @@
 //! A block upload (CiA 301, 7.2.4.3.12 to 7.2.4.3.15) as a client sees it that takes nothing for granted, and that can do on
 //! purpose what a client does whose segments got lost.
 
-use super::sdo::{MAX_UPLOAD, Outcome, Violation};
-use super::{BlockStep, BlockTransfer, Message};
+use super::sdo::{Outcome, Violation};
+use super::{BlockStep, BlockTransfer, Message, UploadLimit};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, Request, Response, Segment, crc16};
@@ -121,7 +121,7 @@ impl BlockUpload {
             self.data.extend_from_slice(&segment.data);
             self.complete |= segment.last;
         }
-        if self.data.len() > MAX_UPLOAD {
+        if self.data.len() > UploadLimit::default().bytes {
             return violated(Violation::Endless);
         }
         if segment.last || self.received == self.block_size(self.block) { self.confirm() } else { BlockStep::Wait }
@@ -180,7 +180,7 @@ impl BlockUpload {
                 None => BlockStep::Done(Outcome::Uploaded(std::mem::take(&mut self.data))),
             };
         }
-        if received > MAX_UPLOAD {
+        if received > UploadLimit::default().bytes {
             return violated(Violation::Endless);
         }
         self.toggle = !self.toggle;

@@ -4,6 +4,7 @@ use super::lss::{Fastscan, ScanStep};
 use super::sdo::{Outcome, ServerLine, Transfer};
 use crate::{Bus, BusError};
 use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::layer_setting::{self, Dialect};
 use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::wire::{Wire, lss};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
@@ -61,14 +62,19 @@ impl Exchange<'_> {
         Ok(outcome)
     }
 
-    /// Sends an LSS request and waits for the answer of a slave. Many slaves may answer; the first one counts.
+    /// Sends a request of LSS or LMT and waits for the answer of a slave. Many slaves may answer; the first one counts.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
-    pub fn ask(&mut self, request: &lss::Request, patience: Duration) -> Result<Option<lss::Response>, BusError> {
-        self.bus.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+    pub fn ask<D: Dialect>(
+        &mut self,
+        request: &layer_setting::Request<D>,
+        patience: Duration,
+    ) -> Result<Option<layer_setting::Response<D>>, BusError> {
+        self.bus.send(&request.to_frame(layer_setting::MASTER_CAN_ID))?;
         self.wait_for(patience, |record| {
-            answer(record, lss::SLAVE_CAN_ID).and_then(|frame| lss::Response::read(frame.data()).ok())
+            let frame = answer(record, layer_setting::SLAVE_CAN_ID)?;
+            layer_setting::Response::read(frame.data()).ok()
         })
     }
 
@@ -97,6 +103,10 @@ struct ExchangeLine<'e, 'a> {
 
 impl ServerLine for ExchangeLine<'_, '_> {
     type Error = BusError;
+
+    fn now(&self) -> Timestamp {
+        self.exchange.bus.now()
+    }
 
     fn send(&mut self, request: &Request) -> Result<(), BusError> {
         self.exchange.bus.send(&request.to_frame(sdo::REQUEST_BASE + u16::from(self.node.raw())))

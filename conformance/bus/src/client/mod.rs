@@ -4,6 +4,7 @@
 pub mod block_download;
 pub mod block_upload;
 mod exchange;
+mod limit;
 pub mod lss;
 pub mod sdo;
 mod surveyor;
@@ -11,6 +12,7 @@ mod surveyor;
 pub use block_download::BlockDownload;
 pub use block_upload::BlockUpload;
 pub use exchange::Exchange;
+pub use limit::{Bound, Excess, UploadLimit};
 pub use sdo::{Outcome, Reaction, ServerLine, Transfer, Violation};
 pub use surveyor::{SurveyError, Surveyor};
 

@@ -3,23 +3,21 @@
 //!
 //! Expedited and segmented transfers; those in blocks are in [`super::block_upload`] and [`super::block_download`].
 
+use super::limit::{Bound, Excess, UploadLimit};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, response};
 use canvass_analyzer::wire::sdo::{Expedited, Segment};
-use canvass_traces::{Frame, hex};
+use canvass_traces::{Duration, Frame, Timestamp, hex};
 use std::fmt;
-
-/// The most bytes that a server may send in one upload. A hostile server announces 4 GiB and sends for ever.
-pub const MAX_UPLOAD: usize = 16 << 20;
 
 /// One transfer, from the client's side.
 #[derive(Clone, Debug)]
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
-    /// More bytes of an upload are a violation.
-    most: usize,
+    /// Of an upload.
+    limit: UploadLimit,
 }
 
 #[derive(Clone, Debug)]
@@ -43,6 +41,9 @@ pub enum Mode {
 pub trait ServerLine {
     /// Why no message went out or came in.
     type Error;
+
+    /// The time on the bus.
+    fn now(&self) -> Timestamp;
 
     /// Sends a request.
     ///
@@ -79,6 +80,8 @@ pub enum Outcome {
     Silent,
     /// The server's response has no place in the transfer.
     Violated(Violation),
+    /// The client has ended an upload that is longer, or takes longer, than it wants.
+    Exceeded(Excess),
 }
 
 impl Outcome {
@@ -87,6 +90,7 @@ impl Outcome {
         match self {
             Self::Silent => Some(AbortCode::TIMEOUT),
             Self::Violated(_) => Some(AbortCode::GENERAL),
+            Self::Exceeded(_) => Some(AbortCode::OUT_OF_MEMORY),
             Self::Uploaded(_) | Self::Downloaded | Self::Aborted(_) => None,
         }
     }
@@ -110,7 +114,7 @@ pub enum Violation {
         /// What came.
         received: usize,
     },
-    /// More than [`MAX_UPLOAD`] bytes, or than were wanted, without an end.
+    /// A transfer that does not end.
     Endless,
     /// A segment of a block has another sequence number than the next.
     Sequence {
@@ -140,12 +144,12 @@ pub enum Violation {
 impl Transfer {
     /// Starts to read an object; returns the first request.
     pub fn upload(multiplexer: Multiplexer) -> (Self, Request) {
-        Self::upload_at_most(multiplexer, MAX_UPLOAD)
+        Self::upload_within(multiplexer, UploadLimit::default())
     }
 
-    /// The same for who needs no more than that many bytes: more of them are [`Violation::Endless`].
-    pub fn upload_at_most(multiplexer: Multiplexer, most: usize) -> (Self, Request) {
-        (Self { multiplexer, state: ClientState::AwaitUpload, most }, Request::upload(multiplexer))
+    /// The same within a limit: what is beyond it ends in [`Outcome::Exceeded`].
+    pub fn upload_within(multiplexer: Multiplexer, limit: UploadLimit) -> (Self, Request) {
+        (Self { multiplexer, state: ClientState::AwaitUpload, limit }, Request::upload(multiplexer))
     }
 
     /// Starts to write an object; returns the first request.
@@ -156,7 +160,8 @@ impl Transfer {
         };
         let pending = matches!(payload, Payload::Segmented(_)).then(|| value.to_vec());
         let request = Request::InitiateDownload { multiplexer, payload };
-        (Self { multiplexer, state: ClientState::AwaitDownload { pending }, most: MAX_UPLOAD }, request)
+        let limit = UploadLimit::default();
+        (Self { multiplexer, state: ClientState::AwaitDownload { pending }, limit }, request)
     }
 
     /// The object of the transfer.
@@ -164,12 +169,13 @@ impl Transfer {
         self.multiplexer
     }
 
-    /// Sends `request`, and whatever else the transfer needs, until it ends. A server that is silent or violates the
-    /// protocol is told by an abort.
+    /// Sends `request`, and whatever else the transfer needs, until it ends. A server that is silent, violates the
+    /// protocol or exceeds the limit of an upload is told by an abort.
     ///
     /// # Errors
     /// Those of the line.
     pub fn carry_out<L: ServerLine>(mut self, mut request: Request, line: &mut L) -> Result<Outcome, L::Error> {
+        let begun = line.now();
         let outcome = loop {
             line.send(&request)?;
             let Some(frame) = line.receive()? else { break Outcome::Silent };
@@ -180,6 +186,9 @@ impl Transfer {
             match reaction {
                 Reaction::Send(next) => request = next,
                 Reaction::Done(outcome) => break outcome,
+            }
+            if let Some(excess) = self.takes_too_long(line.now().since(begun)) {
+                break Outcome::Exceeded(excess);
             }
         };
         if let Some(code) = outcome.own_abort() {
@@ -209,6 +218,19 @@ impl Transfer {
         Request::abort(self.multiplexer, code)
     }
 
+    fn takes_too_long(&self, elapsed: Duration) -> Option<Excess> {
+        let ClientState::UploadSegments { data, announced, .. } = &self.state else { return None };
+        let excess = Excess { received: data.len(), announced: *announced, bound: Bound::Time(self.limit.time) };
+        (elapsed > self.limit.time).then_some(excess)
+    }
+
+    /// An upload that has brought that many bytes, and is not over.
+    fn has_too_many(&self, received: usize, announced: Option<u32>) -> Option<Excess> {
+        let most = self.limit.bytes;
+        let is_beyond = received > most || announced.is_some_and(|size| size as usize > most);
+        is_beyond.then_some(Excess { received, announced, bound: Bound::Bytes(most) })
+    }
+
     fn on_upload(&mut self, response: &Response) -> Reaction {
         let Response::InitiateUpload { multiplexer, payload } = response else {
             return violated(Violation::Unexpected(*response));
@@ -223,6 +245,9 @@ impl Transfer {
             Payload::Segmented(size) => Some(*size),
             _ => None,
         };
+        if let Some(excess) = self.has_too_many(0, announced) {
+            return Reaction::Done(Outcome::Exceeded(excess));
+        }
         self.state = ClientState::UploadSegments { data: Vec::new(), announced, toggle: false };
         Reaction::Send(Request::UploadSegment { toggle: false })
     }
@@ -243,8 +268,8 @@ impl Transfer {
         if segment.last {
             return Reaction::Done(Outcome::Uploaded(data));
         }
-        if data.len() > self.most {
-            return violated(Violation::Endless);
+        if let Some(excess) = self.has_too_many(data.len(), announced) {
+            return Reaction::Done(Outcome::Exceeded(excess));
         }
         self.state = ClientState::UploadSegments { data, announced, toggle: !toggle };
         Reaction::Send(Request::UploadSegment { toggle: !toggle })
@@ -294,6 +319,7 @@ impl fmt::Display for Outcome {
             Self::Aborted(abort) => write!(f, "abort {}", abort.code),
             Self::Silent => f.write_str("no answer"),
             Self::Violated(violation) => fmt::Display::fmt(violation, f),
+            Self::Exceeded(excess) => fmt::Display::fmt(excess, f),
         }
     }
 }
@@ -413,6 +439,70 @@ mod tests {
         assert!(matches!(respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]), Reaction::Send(_)));
         let step = respond(&mut transfer, &[0x00, b'K', b'u', b'e', b'b', b'l', b'e', b'r']);
         assert!(matches!(step, Reaction::Send(Request::UploadSegment { toggle: true })));
+        let outcome = ended(respond(&mut transfer, &[0x1B, b' ', b'S', 0, 0, 0, 0, 0]));
+        assert_eq!(outcome, Outcome::Uploaded(b"Kuebler S".to_vec()));
+    }
+
+    /// What a client of that limit makes of an upload of that announced size, whose segments hold that many bytes each.
+    fn endless(limit: UploadLimit, announced: Option<u32>, each: usize) -> Excess {
+        struct Server {
+            now: Timestamp,
+            announced: Option<u32>,
+            each: usize,
+            answer: Option<Response>,
+            aborts: Vec<AbortCode>,
+        }
+        impl ServerLine for Server {
+            type Error = ();
+            fn now(&self) -> Timestamp {
+                self.now
+            }
+            fn send(&mut self, request: &Request) -> Result<(), ()> {
+                let payload = self.announced.map_or(Payload::SegmentedUnsized, Payload::Segmented);
+                self.answer = match *request {
+                    Request::InitiateUpload { multiplexer } => Some(Response::InitiateUpload { multiplexer, payload }),
+                    Request::UploadSegment { toggle } => {
+                        Segment::new(toggle, &[7; 7][..self.each], false).map(Response::UploadSegment)
+                    }
+                    Request::Abort(abort) => {
+                        self.aborts.push(abort.code);
+                        None
+                    }
+                    _ => None,
+                };
+                Ok(())
+            }
+            fn receive(&mut self) -> Result<Option<Frame>, ()> {
+                self.now += Duration::from_millis(2);
+                Ok(self.answer.take().map(|response| response.to_frame(0x585)))
+            }
+        }
+        let mut server = Server { now: Timestamp::ZERO, announced, each, answer: None, aborts: Vec::new() };
+        let (transfer, request) = Transfer::upload_within(NAME, limit);
+        let outcome = transfer.carry_out(request, &mut server).unwrap();
+        assert_eq!(server.aborts, [AbortCode::OUT_OF_MEMORY], "the server is told");
+        match outcome {
+            Outcome::Exceeded(excess) => excess,
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn an_upload_without_end_has_one() {
+        let limit = UploadLimit { bytes: 100, time: Duration::from_secs(1) };
+        let told = |announced, each| endless(limit, announced, each).to_string();
+        assert_eq!(told(None, 7), "upload ended after 105 bytes: expected at most 100 bytes");
+        // What is announced need not come first.
+        assert_eq!(told(Some(u32::MAX), 7), "upload ended after 0 of 4294967295 bytes: expected at most 100 bytes");
+        assert_eq!(told(None, 0), "upload ended after 0 bytes: expected its end within 1 s");
+        assert_eq!(told(Some(90), 0), "upload ended after 0 of 90 bytes: expected its end within 1 s");
+    }
+
+    #[test]
+    fn what_is_as_long_as_the_limit_is_read() {
+        let (mut transfer, _) = Transfer::upload_within(NAME, UploadLimit { bytes: 9, ..UploadLimit::default() });
+        assert!(matches!(respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]), Reaction::Send(_)));
+        respond(&mut transfer, &[0x00, b'K', b'u', b'e', b'b', b'l', b'e', b'r']);
         let outcome = ended(respond(&mut transfer, &[0x1B, b' ', b'S', 0, 0, 0, 0, 0]));
         assert_eq!(outcome, Outcome::Uploaded(b"Kuebler S".to_vec()));
     }

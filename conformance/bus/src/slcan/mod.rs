@@ -7,6 +7,7 @@ mod codec;
 mod link;
 mod reader;
 mod stamps;
+mod way;
 
 pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
 #[cfg(windows)]
@@ -18,11 +19,12 @@ use super::{Bus, BusError, Health};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use link::Place;
 use reader::Reader;
-use std::io::{self, Write};
+use std::io;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use way::Way;
 
 /// An adapter that speaks SLCAN.
 pub struct SlCan {
@@ -38,8 +40,7 @@ struct Shared {
     name: String,
     clock: SteadyClock,
     inbox: Inbox,
-    /// `None` while there is no connection.
-    writer: Mutex<Option<Box<dyn Write + Send>>>,
+    way: Way,
     /// The reading thread shall change the bit rate: it sees the adapter's answers.
     change: Mutex<Option<Change>>,
 }
@@ -122,13 +123,13 @@ impl SlCan {
             name: place.to_owned(),
             clock: SteadyClock::start(),
             inbox: Inbox::new(),
-            writer: Mutex::default(),
+            way: Way::default(),
             change: Mutex::default(),
         });
         let place = Place::parse(place).map_err(failed)?;
         let is_adapter = matches!(place, Place::Listener(_));
         let mut reader = Reader::new(Arc::clone(&shared), place, index);
-        reader.connect(true)?;
+        reader.connect()?;
         let thread = std::thread::Builder::new().name(format!("receive {}", shared.name));
         let reader = thread.spawn(move || reader.run()).map_err(failed)?;
         Ok(Self { shared, reader: Some(reader), bit_rate, is_adapter })
@@ -142,18 +143,13 @@ fn index_of(bit_rate: u32) -> Result<u8, SlCanError> {
 }
 
 impl Shared {
-    /// Writes to the adapter; a connection that fails is given up.
-    fn write(&self, bytes: &[u8]) -> Result<(), SlCanError> {
-        let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
-        let written = writer.as_mut().map(|writer| writer.write_all(bytes).and_then(|()| writer.flush()));
-        match written {
-            Some(Ok(())) => Ok(()),
-            Some(Err(_)) => {
-                *writer = None;
-                Err(SlCanError::NotConnected { name: self.name.clone() })
-            }
-            None => Err(SlCanError::NotConnected { name: self.name.clone() }),
-        }
+    fn not_connected(&self) -> SlCanError {
+        SlCanError::NotConnected { name: self.name.clone() }
+    }
+
+    /// Tells the adapter a command, or answers one.
+    fn tell(&self, line: &[u8]) -> Result<(), SlCanError> {
+        self.way.tell(line).map_err(|_| self.not_connected())
     }
 }
 
@@ -172,9 +168,9 @@ impl Bus for SlCan {
         }
         // Before it is written: the answer may be here before this thread goes on.
         self.shared.inbox.deliver(&mut vec![record.clone()]);
-        if let Err(error) = self.shared.write(&line) {
+        if self.shared.way.send(&line).is_err() {
             self.shared.inbox.retract(&record);
-            return Err(error.into());
+            return Err(self.shared.not_connected().into());
         }
         let took = self.now().since(record.timestamp);
         self.shared.inbox.note(|health| health.transmit.add(took));
@@ -195,7 +191,7 @@ impl Bus for SlCan {
 
     fn wait_for_client(&mut self, patience: canvass_traces::Duration) -> Result<(), BusError> {
         let deadline = self.now() + patience;
-        while self.is_adapter && self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
+        while self.is_adapter && !self.shared.way.is_open() {
             if self.now() >= deadline {
                 return Err(SlCanError::NoClient { name: self.shared.name.clone(), waited: patience }.into());
             }
@@ -206,6 +202,10 @@ impl Bus for SlCan {
 
     fn health(&self) -> Health {
         self.shared.inbox.health()
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.shared.inbox.is_interrupted()
     }
 
     fn limit_backlog(&mut self, frames: usize) {
@@ -223,7 +223,7 @@ impl Bus for SlCan {
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
             // Nor shall it be done later, when nobody expects it.
             self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
-            return Err(SlCanError::NotConnected { name: self.shared.name.clone() }.into());
+            return Err(self.shared.not_connected().into());
         };
         changed?;
         self.bit_rate = Some(bit_rate);
@@ -236,7 +236,7 @@ impl Drop for SlCan {
         let mut line = Vec::new();
         Command::Close.write(&mut line);
         // An adapter that is gone need not be closed.
-        let _ = self.shared.write(&line);
+        let _ = self.shared.tell(&line);
         self.shared.inbox.close();
         if let Some(reader) = self.reader.take() {
             // It panicked or not: nothing is left to do for it.
@@ -250,7 +250,7 @@ mod tests {
     use super::*;
     use crate::StampTrouble;
     use canvass_traces::{CanId, Duration};
-    use std::io::Read;
+    use std::io::{Read, Write};
     use std::net::TcpListener;
 
     fn address() -> String {

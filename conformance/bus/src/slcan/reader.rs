@@ -27,6 +27,10 @@ const IDLE: Duration = Duration::from_secs(5);
 /// How often the adapter is asked for its status flags.
 const STATUS: Duration = Duration::from_secs(1);
 
+/// An adapter that answers that question, and has neither done so nor sent anything else for this long, is taken for gone.
+/// A connection of TCP whose other end lost its supply shows in nothing else for a quarter of an hour.
+const GONE: Duration = Duration::from_secs(4);
+
 pub(super) struct Reader {
     shared: Arc<Shared>,
     place: Place,
@@ -39,12 +43,16 @@ pub(super) struct Reader {
     hardware: HardwareClock,
     stamps: StampWatch,
     records: Vec<Record>,
-    /// Whether the adapter answers the question for its status flags.
+    /// Whether the adapter answers the question for its status flags, as far as is known.
     has_status: bool,
+    /// It has answered that question.
+    has_told_status: bool,
     /// That question has been asked and not been answered yet.
     asks_status: bool,
     /// Whether the adapter has answered a command.
     has_answered: bool,
+    /// Whether it has done so on any connection.
+    is_answering: bool,
 }
 
 /// Two questions that follow each other at once take no longer.
@@ -89,34 +97,49 @@ impl Reader {
             stamps: StampWatch::default(),
             records: Vec::new(),
             has_status: true,
+            has_told_status: false,
             asks_status: false,
             has_answered: false,
+            is_answering: false,
         }
     }
 
-    /// Opens the way and the adapter's channel. `first`: failures count.
-    pub fn connect(&mut self, first: bool) -> Result<(), SlCanError> {
+    /// Opens the way and the adapter's channel; `false`: nobody has connected yet.
+    pub fn connect(&mut self) -> Result<bool, SlCanError> {
         let failed = |source| SlCanError::Open { name: self.shared.name.clone(), source };
-        let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(()) };
+        let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(false) };
         self.port = Some(reader);
         self.heard = Instant::now();
-        *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
-        (self.decoder, self.has_status) = (Decoder::default(), true);
+        self.shared.way.connect(writer);
+        (self.decoder, self.has_status, self.has_told_status) = (Decoder::default(), true, false);
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
         self.stamps = StampWatch::default();
         // A client that connects to a listener opens this end; it is not opened from here.
-        if matches!(self.place, Place::Listener(_)) {
-            return Ok(());
+        if !matches!(self.place, Place::Listener(_)) {
+            self.open_channel().inspect_err(|_| self.disconnect())?;
         }
-        let opened = self.open_channel();
-        if first { opened } else { Ok(()) }
+        self.shared.way.open();
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.came_back(now));
+        Ok(true)
+    }
+
+    fn disconnect(&mut self) {
+        self.port = None;
+        self.shared.way.close();
     }
 
     fn open_channel(&mut self) -> Result<(), SlCanError> {
         // Ends a line that another program may have left unfinished.
-        self.shared.write(b"\r\r")?;
-        self.reopen_channel()
+        self.shared.tell(b"\r\r")?;
+        self.reopen_channel()?;
+        // Some adapters answer nothing. One that did before is not ready yet, or gone again.
+        if self.is_answering && !self.has_answered {
+            return Err(self.shared.not_connected());
+        }
+        self.is_answering |= self.has_answered;
+        Ok(())
     }
 
     fn reopen_channel(&mut self) -> Result<(), SlCanError> {
@@ -153,7 +176,7 @@ impl Reader {
         self.settle();
         let mut line = Vec::new();
         command.write(&mut line);
-        self.shared.write(&line)?;
+        self.shared.tell(&line)?;
         let patience = if self.has_answered { ANSWER } else { PATIENCE };
         let begun = Instant::now();
         // The answer to the question before comes first.
@@ -195,7 +218,7 @@ impl Reader {
         while !shared.inbox.is_closed() {
             if self.port.is_none() {
                 // Not there yet: looked for again.
-                if self.connect(false).is_err() || self.port.is_none() {
+                if !self.connect().unwrap_or(false) {
                     std::thread::sleep(if matches!(self.place, Place::Listener(_)) { LOOK } else { RETRY });
                 }
                 continue;
@@ -226,11 +249,25 @@ impl Reader {
             }
             if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
                 asked = Instant::now();
-                let mut line = Vec::new();
-                Command::Status.write(&mut line);
-                // A failure shows in the next read.
-                self.asks_status = shared.write(&line).is_ok();
+                self.ask_status();
             }
+            self.notice_loss();
+        }
+    }
+
+    fn ask_status(&mut self) {
+        let mut line = Vec::new();
+        Command::Status.write(&mut line);
+        // A failure is noticed at once.
+        self.asks_status = self.shared.tell(&line).is_ok();
+    }
+
+    /// What a read does not show: that nothing can be written any more, or that the adapter has fallen silent.
+    fn notice_loss(&mut self) {
+        if let Some(error) = self.shared.way.take_failure() {
+            self.lose(&error);
+        } else if self.has_told_status && self.asks_status && self.heard.elapsed() >= GONE {
+            self.lose(&io::Error::new(io::ErrorKind::TimedOut, "it does not answer any more"));
         }
     }
 
@@ -239,15 +276,10 @@ impl Reader {
         if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
             return;
         }
-        let before = self.heard;
         // Nobody waits, or the one who does can't be served: the client that is there stays.
-        if self.connect(false).is_ok() && self.heard != before {
-            let name = &self.shared.name;
-            let trouble = format!("{name}: a silent client gave way to another one");
-            self.shared.inbox.note(|health| {
-                health.interruptions += 1;
-                health.trouble = Some(trouble);
-            });
+        if self.connect().unwrap_or(false) {
+            let trouble = format!("{}: a silent client gave way to another one", self.shared.name);
+            self.shared.inbox.note(|health| health.was_interrupted(trouble));
         }
     }
 
@@ -277,10 +309,10 @@ impl Reader {
             }
             Message::Command(command) => {
                 // A failure shows in the next read.
-                let _ = self.shared.write(command.answer());
+                let _ = self.shared.tell(command.answer());
             }
             Message::Status(status) => {
-                self.asks_status = false;
+                (self.asks_status, self.has_told_status) = (false, true);
                 self.note(status);
             }
             // Most likely the answer to the question for the status flags.
@@ -318,16 +350,13 @@ impl Reader {
     }
 
     fn lose(&mut self, error: &io::Error) {
-        self.port = None;
-        *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.disconnect();
         let name = &self.shared.name;
         let trouble = match error.kind() {
             io::ErrorKind::UnexpectedEof => format!("{name} was disconnected"),
             _ => format!("{name} was disconnected: {error}"),
         };
-        self.shared.inbox.note(|health| {
-            health.interruptions += 1;
-            health.trouble = Some(trouble);
-        });
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.went_away(now, trouble));
     }
 }

@@ -92,6 +92,11 @@ impl SocketCanError {
         }
     }
 
+    /// Whether the interface can be used again once it is back.
+    pub(crate) const fn is_interruption(&self) -> bool {
+        matches!(self, Self::NoInterface { .. } | Self::Down { .. } | Self::QueueFull { .. })
+    }
+
     fn down(interface: String) -> Self {
         match Link::find(&interface) {
             Ok(Some(link)) => Self::Down { command: link.up_command(&interface), interface },

@@ -103,6 +103,11 @@ impl Link {
         names
     }
 
+    /// Whether frames can be sent and received on it.
+    pub(super) fn is_usable(&self) -> bool {
+        self.is_can && self.is_up && !matches!(self.state, Some(ControllerState::BusOff | ControllerState::Stopped))
+    }
+
     /// The command that brings it up.
     pub fn up_command(&self, interface: &str) -> String {
         match (self.state, self.bit_rate) {

@@ -186,17 +186,21 @@ impl Bus for SocketCan {
         // Before the frame is handed over: its echo may be faster than this thread.
         self.remember_sent(started);
         loop {
-            let Err(error) = self.shared.socket.send(&packet) else { return Ok(()) };
+            let Err(error) = self.shared.socket.send(&packet) else {
+                self.shared.inbox.note_taken(started);
+                return Ok(());
+            };
             let waits = matches!(error.raw_os_error(), Some(libc::ENOBUFS | libc::EAGAIN | libc::EINTR));
             if waits && self.now().since(started) < PATIENCE && self.wait_for_room(&error).is_ok() {
                 continue;
             }
             self.forget_last_sent();
-            return Err(match waits {
-                true => self.queue_full(),
-                false => SocketCanError::of(&self.shared.interface, "send on", error),
+            if !waits {
+                return Err(SocketCanError::of(&self.shared.interface, "send on", error).into());
             }
-            .into());
+            let full = self.queue_full();
+            self.shared.inbox.note_stuck(self.now(), full.to_string());
+            return Err(full.into());
         }
     }
 
@@ -222,6 +226,10 @@ impl Bus for SocketCan {
         self.losses.set(self.losses.get().at(Link::lost(&self.shared.interface)));
         health.lost += self.losses.get().lost;
         health
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.shared.inbox.is_interrupted()
     }
 
     fn limit_backlog(&mut self, frames: usize) {

@@ -26,13 +26,23 @@ pub(super) struct Receiver {
     /// The kernel's count of lost frames when it was last seen.
     dropped: u32,
     records: Vec<Record>,
-    is_lost: bool,
+    /// What the interface has to be brought back from.
+    away: Option<Away>,
+}
+
+/// Why an interface can't be used.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Away {
+    /// It is down, or its controller is bus-off: the socket works again when it is not any more.
+    Down,
+    /// It was removed: the socket is bound to nothing.
+    Removed,
 }
 
 impl Receiver {
     pub fn new(shared: Arc<Shared>, end: PipeReader) -> Self {
         let (correction, hardware) = (Correction::default(), HardwareClock::default());
-        Self { shared, end, correction, hardware, dropped: 0, records: Vec::with_capacity(64), is_lost: false }
+        Self { shared, end, correction, hardware, dropped: 0, records: Vec::with_capacity(64), away: None }
     }
 
     /// Receives until the inbox is closed.
@@ -41,14 +51,14 @@ impl Receiver {
         let shared = Arc::clone(&self.shared);
         let mut batch = Batch::new();
         while !shared.inbox.is_closed() {
-            if self.is_lost {
-                self.find_again();
+            if let Some(away) = self.away {
+                self.find_again(away);
             }
-            match shared.socket.wait_readable_or_closed(&self.end, self.is_lost.then_some(LOOK)) {
+            match shared.socket.wait_readable_or_closed(&self.end, self.away.map(|_| LOOK)) {
                 Ok(true) => self.fetch(&mut batch),
                 Ok(false) => {}
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => self.interrupted(&format!("receiving failed: {error}")),
+                Err(error) => self.interrupted(format!("receiving failed: {error}")),
             }
         }
     }
@@ -134,7 +144,7 @@ impl Receiver {
         if frame.error_class().is_some_and(|class| class.0 & BUS_OFF != 0) {
             let link = Link::find(&self.shared.interface).ok().flatten();
             let state = link.map(|link| format!(" ({link})")).unwrap_or_default();
-            self.interrupted(&format!("{}: the controller went bus-off{state}", self.shared.interface));
+            self.went_away(Away::Down, format!("{}: the controller went bus-off{state}", self.shared.interface));
         }
     }
 
@@ -143,36 +153,47 @@ impl Receiver {
         match error.raw_os_error() {
             Some(libc::EAGAIN | libc::EINTR) => {}
             Some(libc::ENETDOWN) if self.shared.goes_down.swap(false, Ordering::SeqCst) => {}
-            Some(libc::ENETDOWN) => self.interrupted(&format!("{interface} went down")),
-            // The interface was removed: the socket is bound to nothing any more.
-            Some(libc::ENODEV) => {
-                self.interrupted(&format!("{interface} was removed"));
-                self.is_lost = true;
-            }
+            Some(libc::ENETDOWN) => self.went_away(Away::Down, format!("{interface} went down")),
+            Some(libc::ENODEV) => self.went_away(Away::Removed, format!("{interface} was removed")),
             _ => {
-                self.interrupted(&format!("{interface}: receiving failed: {error}"));
+                self.interrupted(format!("{interface}: receiving failed: {error}"));
                 // An error that comes back at once must not take all of a processor.
                 std::thread::sleep(LOOK);
             }
         }
     }
 
-    fn interrupted(&self, trouble: &str) {
-        // What was handed over may never have been sent.
-        self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        self.shared.inbox.note(|health| {
-            health.interruptions += 1;
-            health.trouble = Some(trouble.to_owned());
-        });
+    fn went_away(&mut self, away: Away, trouble: String) {
+        // An interface that is removed goes down first.
+        self.away = self.away.filter(|before| *before == Away::Removed).or(Some(away));
+        self.forget_sent();
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.went_away(now, trouble));
     }
 
-    /// An interface of the same name, perhaps the same adapter plugged in again.
-    fn find_again(&mut self) {
+    fn interrupted(&self, trouble: String) {
+        self.forget_sent();
+        self.shared.inbox.note(|health| health.was_interrupted(trouble));
+    }
+
+    /// What was handed over may never have been sent.
+    fn forget_sent(&self) {
+        self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    /// An interface that is up again, or one of the same name, perhaps the same adapter plugged in again.
+    fn find_again(&mut self, away: Away) {
         let link = Link::find(&self.shared.interface).ok().flatten();
-        if let Some(link) = link.filter(|link| link.is_can && link.is_up) {
+        let Some(link) = link.filter(Link::is_usable) else { return };
+        if away == Away::Removed {
             let filters = self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner);
             let bound = self.shared.socket.set_filters(&filters).and_then(|()| self.shared.socket.bind(link.index));
-            self.is_lost = bound.is_err();
+            if bound.is_err() {
+                return;
+            }
         }
+        self.away = None;
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.came_back(now));
     }
 }

@@ -7,15 +7,15 @@
 //! begin 0
 //! frames 0 0 1 0               how often there was none before each frame
 //! time 12 1700000000000000000  after so many questions as expected, the clock said
-//! health 3 0 0 0 0 / 3:1 7:2 / 4:9 ; 5:1 / the controller is bus-off
-//! health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; still /    the adapter's time stamps stand still
+//! health 3 0 0 0 0 0 / 3:1 7:2 / 4:9 ; 5:1 / the controller is bus-off
+//! health 4 0 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; still /    the adapter's time stamps stand still
 //! rate set                     or fixed
 //! trouble the bus failed
 //! ```
 
 use super::Transcript;
 use crate::{Health, Latencies, StampTrouble};
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 use std::str::FromStr;
 
@@ -49,11 +49,14 @@ impl fmt::Display for Transcript {
             writeln!(f, "time {after} {}", time.nanos())?;
         }
         for (after, health) in &self.health {
-            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping, stamps } =
-                health;
+            let Health {
+                lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping, stamps, ..
+            } = health;
             let trouble = trouble.as_deref().unwrap_or_default().replace(['\n', '\r'], " ");
             let (receive, transmit, stamping) = (counts(receive), counts(transmit), counts(stamping));
             write!(f, "health {after} {lost} {interruptions} {error_frames} {waits}")?;
+            write!(f, " {}", health.interrupted_for.nanos())?;
+            health.interrupted_since.map_or(Ok(()), |since| write!(f, " {}", since.nanos()))?;
             let stamps = stamps.map(|trouble| format!("; {} ", trouble.name())).unwrap_or_default();
             writeln!(f, " / {receive} / {transmit} ; {stamping} {stamps}/ {trouble}")?;
         }
@@ -124,6 +127,8 @@ fn health(text: &str) -> Option<(u64, Health)> {
     let mut number = || numbers.next().flatten();
     let after = number()?;
     let (lost, interruptions, error_frames, waits) = (number()?, number()?, number()?, number()?);
+    // Older transcripts do not tell how long interruptions lasted.
+    let (interrupted_for, interrupted_since) = (Duration(number().unwrap_or_default()), number().map(Timestamp));
     let (receive, sent) = (latencies(parts.next()?)?, parts.next()?);
     // Older transcripts have no third sort, and only an adapter that can't be trusted has trouble with its time stamps.
     let mut sorts = sent.split(';');
@@ -134,7 +139,20 @@ fn health(text: &str) -> Option<(u64, Health)> {
     };
     let (transmit, stamping) = (latencies(transmit)?, latencies(stamping)?);
     let trouble = Some(parts.next()?.trim().to_owned()).filter(|trouble| !trouble.is_empty());
-    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping, stamps }))
+    let health = Health {
+        lost,
+        interruptions,
+        interrupted_for,
+        interrupted_since,
+        trouble,
+        error_frames,
+        waits,
+        receive,
+        transmit,
+        stamping,
+        stamps,
+    };
+    Some((after, health))
 }
 
 fn latencies(text: &str) -> Option<Latencies> {

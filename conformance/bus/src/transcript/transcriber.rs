@@ -121,6 +121,14 @@ impl Bus for Transcriber<'_> {
         health
     }
 
+    fn is_interrupted(&self) -> bool {
+        self.bus.is_interrupted()
+    }
+
+    fn wait_until_back(&mut self) -> Result<(), BusError> {
+        self.bus.wait_until_back()
+    }
+
     fn limit_backlog(&mut self, frames: usize) {
         self.bus.limit_backlog(frames);
     }

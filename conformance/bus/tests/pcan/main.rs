@@ -155,6 +155,11 @@ fn a_full_transmit_queue_is_waited_for() {
     stand_in.bus(0x08);
     let full = bus.send(&frame(1, &[])).unwrap_err().to_string();
     assert!(full.contains("has sent nothing for 2") && full.contains("BUSHEAVY"), "{full}");
+    // Nobody acknowledges: nothing can be said of a device that does not answer.
+    assert!(bus.health().interrupted_since.is_some(), "{:?}", bus.health());
+    stand_in.hold(false);
+    bus.send(&frame(1, &[])).unwrap();
+    assert_eq!((bus.health().interruptions, bus.health().interrupted_since), (1, None));
 }
 
 #[test]
@@ -178,12 +183,17 @@ fn an_adapter_that_is_unplugged_is_opened_again() {
     until(&mut bus, |bus| bus.health().interruptions == 1);
     let trouble = bus.health().trouble.unwrap();
     assert!(trouble.contains("PCAN_USBBUS7 was disconnected") && trouble.contains("ILLHW"), "{trouble}");
-    assert!(bus.send(&frame(1, &[])).unwrap_err().to_string().contains("plug it in"));
+    let refused = bus.send(&frame(1, &[])).unwrap_err();
+    assert!(bus.is_interrupted() && refused.is_interruption() && refused.to_string().contains("plug it in"));
     stand_in.plug(1);
     until(&mut bus, |_| stand_in.open_with() == Some((0x011C, false, 2)));
     stand_in.receive(message(0x701, 0, &[5]), 1_000, 1);
     until(&mut bus, |bus| bus.health().receive.count() > 0);
-    assert_eq!(bus.health().interruptions, 1);
+    assert!(!bus.is_interrupted());
+    let health = bus.health();
+    assert_eq!(health.interruptions, 1);
+    // A lost adapter is looked for every 200 ms.
+    assert!(health.interrupted_for >= Duration::from_millis(150), "{health:?}");
 }
 
 #[test]

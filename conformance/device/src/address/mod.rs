@@ -121,12 +121,18 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
             if let ([only], Some(node)) = (&mut devices[..], node) {
                 only.node.get_or_insert(GivenNode::Id(node));
             }
-            simulate(&devices, seed)
+            let (bus, devices) = simulate(&devices, seed)?;
+            let model = devices.first().map(|device| device.model);
+            Ok(Opened { bus: Box::new(bus), model, devices })
         }
     }
 }
 
-fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
+/// The simulated bus itself, for whoever switches its devices off and on or wants it a second time.
+///
+/// # Errors
+/// [`BusError::Address`] if a device description or a motion can't be read.
+pub fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<(SimulatedBus, Vec<Attached>), BusError> {
     let models = named.iter().map(SimulatedDevice::model).collect::<Result<Vec<_>, _>>()?;
     let known: Vec<_> = named.iter().zip(models).collect();
     let own_rate = |(device, model): &(&SimulatedDevice, &'static Model)| {
@@ -147,8 +153,7 @@ fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
         bus.attach(Box::new(simulated));
         devices.push(Attached { model, node, firmware: device.firmware });
     }
-    let model = devices.first().map(|device| device.model);
-    Ok(Opened { bus: Box::new(bus), model, devices })
+    Ok((bus, devices))
 }
 
 impl FromStr for BusAddress {

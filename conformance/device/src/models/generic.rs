@@ -151,7 +151,8 @@ fn written(at: Multiplexer) -> String {
     format!("{:04X}:{:02X}", at.index.0, at.sub.0)
 }
 
-/// Of an encoder (CiA 406), the physical resolution that 6501h and 6502h tell.
+/// Of an encoder (CiA 406), the physical resolution: of a rotary one 6501h and 6502h tell it, of a linear one (1000h) 6002h, as
+/// 6501h is then the length of a step.
 fn encoder(description: &DeviceDescription) -> Option<Table> {
     let number = |index| {
         let entry = description.dictionary.entry(Multiplexer::new(index, 0)).ok()?;
@@ -161,8 +162,15 @@ fn encoder(description: &DeviceDescription) -> Option<Table> {
     if description.device_profile() != Some(406) || !has_position {
         return None;
     }
-    let bits = number(encoder::SINGLE_TURN_RESOLUTION).map_or(13, |steps| i64::from(steps.max(1).ilog2().min(32)));
     let mut encoder = Table::new();
+    if number(object::DEVICE_TYPE).is_some_and(|device_type| matches!(device_type >> 16, 8 | 9)) {
+        let steps = number(encoder::TOTAL_MEASURING_RANGE).unwrap_or(1).clamp(1, u64::from(u32::MAX));
+        encoder.insert("kind".to_owned(), "linear".into());
+        encoder.insert("single_turn_bits".to_owned(), 0.into());
+        encoder.insert("revolutions".to_owned(), (steps as i64).into());
+        return Some(encoder);
+    }
+    let bits = number(encoder::SINGLE_TURN_RESOLUTION).map_or(13, |steps| i64::from(steps.max(1).ilog2().min(32)));
     encoder.insert("single_turn_bits".to_owned(), bits.into());
     let revolutions = number(encoder::NUMBER_OF_REVOLUTIONS).unwrap_or(1).clamp(1, u64::from(u32::MAX));
     encoder.insert("revolutions".to_owned(), (revolutions as i64).into());

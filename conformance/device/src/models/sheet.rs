@@ -9,6 +9,7 @@ use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Manual, Settings};
+use canvass_analyzer::object::Acting;
 use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
@@ -48,6 +49,9 @@ pub struct Sheet {
     /// Values that are refused.
     #[serde(default, rename = "check")]
     pub checks: Vec<Check>,
+    /// Objects of the manufacturer that act when they are written: no settings.
+    #[serde(default)]
+    pub(super) acts: Vec<ActingRow>,
     /// The EMCY messages of its manual.
     #[serde(default, rename = "emergency")]
     pub emergencies: Vec<Emergency>,
@@ -105,7 +109,14 @@ impl Sheet {
             annotations: self.annotations(),
             settings: self.settings(),
             emergencies: self.emergencies.iter().map(Emergency::known).collect(),
+            acting: self.acting(),
         }
+    }
+
+    /// Which objects of the manufacturer act when they are written.
+    pub fn acting(&self) -> Vec<(Multiplexer, Acting)> {
+        let stores = self.storage.bus_save_object.map(|at| (at, Acting::Stores));
+        self.acts.iter().map(|row| (row.at, row.does.into())).chain(stores).collect()
     }
 
     /// How node-ID and bit rate are set.
@@ -252,6 +263,34 @@ impl Default for Storage {
             load_object: ForPeople,
             save_object: ForPeople,
             stored_values_load: ForPeople,
+        }
+    }
+}
+
+/// An object that acts when it is written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ActingRow {
+    #[serde(deserialize_with = "address")]
+    at: Multiplexer,
+    does: Does,
+}
+
+/// What it does.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Does {
+    /// Carries out a command.
+    Command,
+    /// Moves the zero point of a position or an angle.
+    ZeroPoint,
+}
+
+impl From<Does> for Acting {
+    fn from(does: Does) -> Self {
+        match does {
+            Does::Command => Self::Commands,
+            Does::ZeroPoint => Self::MovesZeroPoint,
         }
     }
 }

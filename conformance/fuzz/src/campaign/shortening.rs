@@ -133,12 +133,16 @@ impl Campaign<'_> {
     fn take_turn(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         let Some(mut shortening) = self.unshortened.pop_front() else { return Ok(()) };
         let (begun, spent) = (stand.bus().now(), self.executor.spent);
-        let found = self.shorten(stand, &mut shortening, begun + TURN)?;
+        let found = self.shorten(stand, &mut shortening, begun + TURN);
         self.shortened_for = self.shortened_for + stand.bus().now().since(begun);
         self.spent_on_violations += self.executor.spent.since(&spent);
         match found {
-            Some(found) => self.replace(&shortening, found),
-            None => self.unshortened.push_back(shortening),
+            Ok(Some(found)) => self.replace(&shortening, found),
+            Ok(None) => self.unshortened.push_back(shortening),
+            Err(error) => {
+                self.unshortened.push_back(shortening);
+                return Err(error);
+            }
         }
         Ok(())
     }
@@ -156,13 +160,25 @@ impl Campaign<'_> {
         while let Some(shortening) = self.unshortened.pop_front() {
             let may_show = !shortening.shown.is_empty() && !self.dead && !self.plan.time.is_over();
             let shown = match may_show {
-                true => self.show(stand, shortening.best(), shortening.pace)?,
-                false => shortening.whole.clone(),
+                true => self.show(stand, shortening.best(), shortening.pace),
+                false => Ok(shortening.whole.clone()),
             };
-            let found = if shown.confirmed { shown } else { shortening.whole.clone() };
+            let found = match &shown {
+                Ok(shown) if shown.confirmed => shown.clone(),
+                _ => shortening.whole.clone(),
+            };
             self.replace(&shortening, found);
+            shown?;
         }
         Ok(())
+    }
+
+    /// Keeps each violation as it was confirmed, or seen, as the bus has failed.
+    pub(super) fn keep_unshortened(&mut self) {
+        while let Some(shortening) = self.unshortened.pop_front() {
+            let whole = Found { is_cut_off: !shortening.whole.confirmed, ..shortening.whole.clone() };
+            self.replace(&shortening, whole);
+        }
     }
 
     /// It is as short as it gets.

@@ -15,6 +15,15 @@ use proptest::strategy::ValueTree;
 /// A violation that did not come back so often is not tried again.
 const MOST_DOUBTS: u32 = 3;
 
+/// A violation that was seen, while it is being repeated.
+pub(super) struct Unrepeated {
+    pub seen: Found,
+    /// How often it did not come back before.
+    pub doubts: u32,
+    /// Whether it was seen at the swift pace.
+    pub is_swift: bool,
+}
+
 impl Campaign<'_> {
     /// A violation was seen: it is repeated from power-on, with its sequence alone or, on a device that goes on, after what
     /// brought it to where the sequence began, or else with all that came before. What was seen at the swift pace and does
@@ -51,7 +60,9 @@ impl Campaign<'_> {
             evidence: self.executor.evidence.clone(),
             confirmed: false,
             state: self.executor.kept.clone(),
+            is_cut_off: false,
         };
+        self.unrepeated = Some(Unrepeated { seen: seen.clone(), doubts, is_swift: pace == Pace::Swift });
         let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation, Pace::Careful)?;
         if matches!(confirmed, Confirmed::No) && !before.is_empty() {
             let mut led = seen.sequence.clone();
@@ -76,6 +87,7 @@ impl Campaign<'_> {
             Confirmed::Again if is_whole => {
                 self.unshortened.push_back(Shortening::of_history(tree.best().clone(), seen));
                 self.seen.insert(key, Standing::InHistory(doubts));
+                self.unrepeated = None;
                 return Ok(());
             }
             Confirmed::Again => {
@@ -85,6 +97,7 @@ impl Campaign<'_> {
                     state: self.executor.kept.clone(),
                     violation: seen.violation,
                     confirmed: true,
+                    is_cut_off: false,
                 };
                 let shortening = Shortening::new(whole, stand.is_repeatable());
                 (self.shorten_now_or_later(stand, shortening)?, None)
@@ -93,6 +106,7 @@ impl Campaign<'_> {
             Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
         };
         let is_swift = lost.is_none() && pace == Pace::Swift;
+        self.unrepeated = None;
         self.tell(found, doubts, is_swift);
         match lost {
             Some((violation, dead)) => self.lose(stand, violation, dead),
@@ -140,16 +154,20 @@ impl Campaign<'_> {
         if self.seen.insert(key, Standing::Confirmed).is_some() {
             return Ok(());
         }
-        let mut confirmed = false;
-        if !dead {
-            self.executor.run(stand, &sequence, Pace::Careful, true)?;
-            if let Ended::Lost { dead, .. } = self.executor.restart(stand)? {
-                confirmed = true;
-                self.dead |= dead;
-            }
+        let again = if dead { Ok(false) } else { self.is_lost_again(stand, &sequence) };
+        let (confirmed, is_cut_off) = (matches!(again, Ok(true)), again.is_err());
+        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new(), is_cut_off });
+        again.map(|_| ())
+    }
+
+    /// Whether the device does not come back from the reset after that sequence either.
+    fn is_lost_again(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<bool, BusError> {
+        self.executor.run(stand, sequence, Pace::Careful, true)?;
+        let ended = self.executor.restart(stand)?;
+        if let Ended::Lost { dead, .. } = ended {
+            self.dead |= dead;
         }
-        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new() });
-        Ok(())
+        Ok(matches!(ended, Ended::Lost { .. }))
     }
 
     /// Whether the sequence shows the same violation again: at the careful pace from power-on.

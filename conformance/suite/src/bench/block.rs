@@ -30,7 +30,7 @@ impl Bench<'_> {
         multiplexer: Multiplexer,
         manner: UploadManner,
     ) -> Result<(Attempt, BlockUpload), Stop> {
-        self.undisturbed(has_succeeded, |bench| {
+        self.between_others(has_succeeded, |bench| {
             let mut client = BlockUpload::new(multiplexer, manner.clone());
             let attempt = bench.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
             Ok((attempt, client))
@@ -48,7 +48,7 @@ impl Bench<'_> {
         manner: DownloadManner,
     ) -> Result<(Attempt, BlockDownload), Stop> {
         self.remember(multiplexer)?;
-        self.undisturbed(has_succeeded, |bench| {
+        self.between_others(has_succeeded, |bench| {
             let mut client = BlockDownload::new(multiplexer, value, manner);
             let what = format!("block download of {} bytes to {multiplexer}", value.len());
             let attempt = bench.block_transfer(&mut client, what)?;

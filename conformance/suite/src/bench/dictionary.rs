@@ -6,7 +6,6 @@ use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
 
@@ -35,25 +34,46 @@ impl Bench<'_> {
     /// Reads every object that the description calls readable; without a description the communication objects that
     /// are there. What does not answer with a value is left out.
     pub(crate) fn dump(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
+        self.undisturbed(Self::dump_once)
+    }
+
+    fn dump_once(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
         let mut values = Vec::new();
         let mut unanswered = 0;
+        let mut lost = Vec::new();
         for multiplexer in self.described_objects() {
-            let outcome = self.upload(multiplexer).map(|attempt| attempt.outcome);
-            unanswered =
-                if matches!(outcome, Ok(Outcome::Uploaded(_) | Outcome::Aborted(_))) { 0 } else { unanswered + 1 };
-            if let Ok(Outcome::Uploaded(value)) = outcome {
-                values.push((multiplexer, value));
+            match self.upload(multiplexer).map(|attempt| attempt.outcome) {
+                Ok(Outcome::Uploaded(value)) => values.push((multiplexer, value)),
+                Ok(Outcome::Aborted(_)) => {}
+                _ => lost.push(multiplexer),
             }
+            unanswered = if lost.last() == Some(&multiplexer) { unanswered + 1 } else { 0 };
             if unanswered >= MOST_UNANSWERED && self.is_live() {
                 return values;
             }
         }
+        self.dump_again(&lost, &mut values);
         if self.target.description.is_none() {
             for index in UNDESCRIBED.into_iter().flat_map(|(first, last)| first..=last) {
                 self.dump_object(index, &mut values);
             }
         }
         values
+    }
+
+    /// One answer that was lost is not an object that is lost: what was not answered is asked for again, unless it is more than
+    /// a bad connection loses.
+    fn dump_again(&mut self, lost: &[Multiplexer], values: &mut Vec<(Multiplexer, Vec<u8>)>) {
+        const MOST_LOST: usize = 20;
+        if lost.is_empty() || lost.len() > MOST_LOST {
+            return;
+        }
+        for &multiplexer in lost {
+            if let Ok(Some(value)) = self.value_at_last(multiplexer) {
+                values.push((multiplexer, value));
+            }
+        }
+        values.sort_by_key(|(multiplexer, _)| *multiplexer);
     }
 
     fn described_objects(&self) -> Vec<Multiplexer> {
@@ -90,19 +110,21 @@ impl Bench<'_> {
     ///
     /// Works after Ctrl-C too.
     pub(crate) fn put_back_dictionary(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
-        self.uncancelled(|bench| {
-            if !bench.answers_at_last() {
-                return Comparison { objects: before.len(), ..Comparison::default() };
-            }
-            let mut changes = bench.changes_since(before);
-            if changes.iter().any(|change| bench.is_put_back(change.multiplexer)) {
-                let configured = before.iter().filter(|(multiplexer, _)| bench.is_put_back(*multiplexer));
-                let originals: Vec<Original> = configured.map(Original::from).collect();
-                bench.write_back(&originals);
-                changes = bench.changes_since(before);
-            }
-            bench.compared(bus, before, changes)
-        })
+        self.uncancelled(|bench| bench.undisturbed(|bench| bench.put_back_settings(bus, before)))
+    }
+
+    fn put_back_settings(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
+        if !self.answers_at_last() {
+            return Comparison { objects: before.len(), ..Comparison::default() };
+        }
+        let mut changes = self.changes_since(before);
+        if changes.iter().any(|change| self.is_put_back(change.multiplexer)) {
+            let configured = before.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
+            let originals: Vec<Original> = configured.map(Original::from).collect();
+            self.write_back(&originals);
+            changes = self.changes_since(before);
+        }
+        self.compared(bus, before, changes)
     }
 
     fn compared(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)], mut changes: Vec<Change>) -> Comparison {
@@ -111,8 +133,8 @@ impl Bench<'_> {
         // One that has gone meanwhile has not lost all its objects.
         let is_complete = matches!(self.answers(), Ok(true));
         let appeared = changes.iter().filter(|change| change.before.is_none()).count();
-        let commands = self.commands(bus, before, &changes);
-        Comparison { is_complete, objects: before.len() + appeared, changes, commands }
+        let commands = self.commands(bus, before, &changes, &[]);
+        Comparison { is_complete, objects: before.len() + appeared, changes, commands, ..Comparison::default() }
     }
 
     /// What reading the whole dictionary again gives otherwise than before.
@@ -120,7 +142,10 @@ impl Bench<'_> {
         let mut after: BTreeMap<Multiplexer, Vec<u8>> = self.dump().into_iter().collect();
         let mut changes: Vec<Change> = Vec::new();
         for (multiplexer, value) in before {
-            let now = after.remove(multiplexer);
+            let mut now = after.remove(multiplexer);
+            if now.is_none() {
+                now = self.value_at_last(*multiplexer).ok().flatten();
+            }
             if now.as_ref() != Some(value) {
                 changes.push(self.change(*multiplexer, Some(value.clone()), now));
             }
@@ -140,12 +165,6 @@ impl Bench<'_> {
         let is_constant = entry.is_some_and(|entry| entry.access == Access::Const);
         let nature = match multiplexer.index.0 {
             _ if self.is_put_back(multiplexer) => Nature::Setting,
-            // Writing them moves the position, so that they are not written back; but they are settings.
-            encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET
-                if entry.is_some_and(|entry| entry.access.is_writable()) =>
-            {
-                Nature::Setting
-            }
             object::DEVICE_TYPE
             | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION
             | IDENTITY => Nature::Constant,
@@ -156,7 +175,7 @@ impl Bench<'_> {
     }
 
     /// A value that differs from one reading to the next is set by the device, whatever its description says.
-    fn see_whether_it_moves(&mut self, change: &mut Change) {
+    pub(super) fn see_whether_it_moves(&mut self, change: &mut Change) {
         if change.is_left() && change.after.is_some() && self.value_of(change.multiplexer) != change.after {
             change.nature = Nature::Own;
         }
@@ -180,7 +199,7 @@ impl Bench<'_> {
     /// Whether an object is configuration that a run leaves as it was.
     pub(super) fn is_put_back(&self, multiplexer: Multiplexer) -> bool {
         let described = self.target.description.is_some() && self.is_described_as_writable(multiplexer);
-        (described || is_configuration(multiplexer)) && !super::restore::is_trigger(multiplexer)
+        (described || is_configuration(multiplexer)) && !self.acts(multiplexer)
     }
 }
 

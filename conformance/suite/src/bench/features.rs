@@ -98,6 +98,23 @@ impl Bench<'_> {
         Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 
+    /// Whether the device keeps the bit rate that it starts with: nobody has configured another one, or the object that holds
+    /// it, where the device has one, still holds what it held before the run.
+    pub(crate) fn keeps_bit_rate(&mut self) -> bool {
+        if !self.watch.has_configured_bit_rate() {
+            return true;
+        }
+        let Some(at) = self.target.manual.settings.bit_rate else { return false };
+        let stored = self.baseline.stored.iter().flatten().find(|original| original.multiplexer == at);
+        let Some(before) = stored.map(|original| original.value.clone()) else { return false };
+        matches!(self.unjudged(|bench| bench.value_at_last(at)), Ok(Some(now)) if now == before)
+    }
+
+    /// A case that was interrupted may have configured another bit rate.
+    pub(crate) fn assume_configured_bit_rate(&mut self) {
+        self.watch.assume_configured_bit_rate();
+    }
+
     /// What the manual of the device says, where it is one of the built-in models.
     pub(crate) fn manual(&self) -> Option<&'static Model> {
         Model::by_id(&self.target.model)

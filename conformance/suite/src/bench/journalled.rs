@@ -1,6 +1,6 @@
 //! What the bench writes into the journal of the run, each before it happens.
 
-use super::restore::STORE;
+use super::baseline::{Baseline, MemoryLeft};
 use super::rewrite::Original;
 use super::watch::is_store;
 use super::{Bench, Rescue};
@@ -10,7 +10,6 @@ use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_bus::client::sdo::Mode;
 use canvass_traces::Frame;
 use std::io;
 
@@ -28,7 +27,8 @@ impl Bench<'_> {
         dictionary: &[(Multiplexer, Vec<u8>)],
     ) -> io::Result<()> {
         let Some(path) = &self.options.journal else { return Ok(()) };
-        let head = Head { bus, node: self.node(), device: &self.target.model, operational, dictionary };
+        let zero_point = self.baseline.zero_point.as_ref();
+        let head = Head { bus, node: self.node(), device: &self.target.model, operational, dictionary, zero_point };
         self.journal = Some(Journal::create(path, &head)?);
         Ok(())
     }
@@ -44,10 +44,16 @@ impl Bench<'_> {
         journal.remove().err().map(|error| format!("{path} is not needed any more and could not be removed: {error}"))
     }
 
+    /// What a start brings was learned.
+    pub(super) fn journal_memory(&mut self, stored: &[Original]) -> Result<(), Stop> {
+        let Some(journal) = &mut self.journal else { return Ok(()) };
+        let stored = stored.iter().map(|original| (original.multiplexer, &*original.value));
+        journal.memory(stored, self.baseline.stored_zero_point.as_ref()).map_err(|error| unwritable(&error))
+    }
+
     /// A case begins, which may leave more behind than values.
     pub(crate) fn journal_case(&mut self, id: &str, touches: &[Touch]) -> Result<(), Stop> {
-        let leaves =
-            |touch: &Touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm | Touch::FactoryDefaults);
+        let leaves = |touch: &Touch| *touch != Touch::OtherNodes;
         match &mut self.journal {
             Some(journal) if touches.iter().any(leaves) => journal.begin(id).map_err(|error| unwritable(&error)),
             _ => Ok(()),
@@ -55,7 +61,7 @@ impl Bench<'_> {
     }
 
     /// The case has put back what it changed, or what it could not put back is reported.
-    pub(super) fn settle_journal(&mut self) {
+    pub(crate) fn settle_journal(&mut self) {
         // A journal that can't be written ends the next case that changes something.
         let _ = self.journal.as_mut().map_or(Ok(()), Journal::settle);
     }
@@ -77,7 +83,11 @@ impl Bench<'_> {
 
     /// Puts back what an interrupted run has left behind, where the case that was under way left more than values by its
     /// `rescue`, and compares. `None`: the device does not answer.
+    ///
+    /// A zero point is not put back: nobody knows whether the shaft is at rest, and by how much it was moved is told.
     pub(crate) fn put_back(&mut self, run: &Interrupted, rescue: Option<Rescue>) -> Option<Comparison> {
+        self.baseline = Baseline::of(run);
+        self.baseline.unseen = run.memory.iter().map(|(at, _)| *at).filter(|at| self.is_unseen(*at)).collect();
         self.restoring = true;
         if let Some(rescue) = rescue {
             // What fails here shows in whether the device answers then.
@@ -87,20 +97,31 @@ impl Bench<'_> {
         if !matches!(self.answers(), Ok(true)) && self.reset(Command::RESET_NODE).is_err() {
             return None;
         }
+        // What fails here shows in what is compared then.
+        let memory = self.put_back_memory_of(run).unwrap_or_default();
         let configured = run.values.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
         let originals: Vec<Original> = configured.chain(&run.more).map(Original::from).collect();
         self.write_back(&originals);
-        if run.stored && matches!(self.has(STORE), Ok(true)) {
-            // A device that refuses it has refused the case's own, too.
-            let _ = self.download_as(STORE, b"save", Mode::Shortest);
-            let _ = self.listen(self.timing().reaction);
-        }
         self.leave(run.operational);
         self.restoring = true;
         let more: Vec<Original> = run.more.iter().map(Original::from).collect();
         // What is not in the dictionary is compared with it.
         self.unrestored = self.write_back(&more);
         self.restoring = false;
-        Some(self.put_back_dictionary(&run.bus, &run.values))
+        let comparison = self.put_back_dictionary(&run.bus, &run.values);
+        Some(self.with_memory(comparison, &run.bus, &run.values, memory))
+    }
+
+    /// What the interrupted case stored is put back by storing what a start brought before; where the journal does not hold
+    /// that, the values that were in use.
+    fn put_back_memory_of(&mut self, run: &Interrupted) -> Result<MemoryLeft, Stop> {
+        if run.memory.is_empty() && !run.stored {
+            return Ok(MemoryLeft::default());
+        }
+        if run.memory.is_empty() {
+            self.baseline.stored =
+                Some(run.values.iter().filter(|(at, _)| self.is_put_back(*at)).map(Original::from).collect());
+        }
+        self.put_back_memory(run.stored, false)
     }
 }

@@ -9,8 +9,10 @@
 //! - `features`: what this device has;
 //! - `restore`: as it was found.
 
+mod acting;
 mod answers;
 mod attempt;
+mod baseline;
 pub mod block;
 mod clients;
 mod decoder;
@@ -30,13 +32,16 @@ mod provide;
 mod restore;
 mod rewrite;
 pub mod sdo;
+mod start;
 pub mod state;
 mod target;
 #[cfg(test)]
 mod tests;
 mod traffic;
+mod undisturbed;
 mod watch;
 
+pub use baseline::Harm;
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;
@@ -51,6 +56,7 @@ pub use watch::Boots;
 
 use crate::journal::Journal;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
+use baseline::Baseline;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
@@ -85,8 +91,6 @@ pub struct Bench<'a> {
     uses: Vec<Use>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
-    /// The case did not come to its own end, nor to the putting right that belongs to it.
-    ended_early: bool,
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
@@ -98,6 +102,12 @@ pub struct Bench<'a> {
     /// Frames taken since then.
     taken: u64,
     knowledge: Knowledge,
+    /// What the device was before the run.
+    baseline: Baseline,
+    /// A zero point is being put back: the only write to what moves it outside of a case that may move it.
+    moving_zero_point: bool,
+    /// The case wrote an object that is stored as soon as it is written.
+    wrote_memory: bool,
 }
 
 /// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
@@ -158,7 +168,6 @@ impl<'a> Bench<'a> {
             measurements: Vec::new(),
             uses: Vec::new(),
             restoring: false,
-            ended_early: false,
             started: false,
             foreign: Foreign::default(),
             clients: Clients::new(target.node, target.description.as_ref()),
@@ -166,6 +175,9 @@ impl<'a> Bench<'a> {
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
+            baseline: Baseline::default(),
+            moving_zero_point: false,
+            wrote_memory: false,
         }
     }
 
@@ -375,10 +387,6 @@ impl<'a> Bench<'a> {
     pub(crate) fn finish(&mut self) -> Remains {
         self.lost_before = None;
         self.restore();
-        if std::mem::take(&mut self.ended_early) {
-            self.store_again();
-        }
-        self.settle_journal();
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
         let measurements = std::mem::take(&mut self.measurements);

@@ -67,7 +67,10 @@ const CANDIDATES: [Candidate; 9] = [
 const TEXTS: [DataType; 3] = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
 
 /// For devices that have none of them: nothing is sent before the device is operational.
-const LAST_CANDIDATE: Candidate = candidate(object::TPDO_COMMUNICATION_PARAMETER, 2, DataType::UNSIGNED8, [1, 2]);
+const LAST_CANDIDATES: [Candidate; 2] = [
+    candidate(object::TPDO_COMMUNICATION_PARAMETER, 2, DataType::UNSIGNED8, [1, 2]),
+    candidate(object::TPDO_COMMUNICATION_PARAMETER, 3, DataType::UNSIGNED16, [0, 100]),
+];
 
 impl Bench<'_> {
     /// The scratch objects that the device has, best first, with their values of now.
@@ -81,7 +84,11 @@ impl Bench<'_> {
         }
         if found.is_empty() {
             found.extend(self.received_objects()?);
-            found.extend(self.scratch_of(&LAST_CANDIDATE)?);
+            for candidate in &LAST_CANDIDATES {
+                if found.is_empty() {
+                    found.extend(self.scratch_of(candidate)?);
+                }
+            }
         }
         // One that the device refuses to write, though it is described otherwise, makes no case decisive that is about
         // something else; where it refuses all, that is their matter.
@@ -126,7 +133,7 @@ impl Bench<'_> {
     }
 
     fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Stop> {
-        if !self.can_write(candidate.multiplexer)? {
+        if !self.may_write(candidate.multiplexer) || !self.can_write(candidate.multiplexer)? {
             return Ok(None);
         }
         let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };
@@ -251,7 +258,7 @@ impl Bench<'_> {
         let (profile, own): (Vec<_>, Vec<_>) =
             self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= encoder::OPERATING_PARAMETERS);
         for mapped in profile.into_iter().chain(own) {
-            if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+            if self.is_described_as_writable(mapped.at) && self.may_write(mapped.at) && mapped.bits <= 32 {
                 self.uses(mapped.at, "written and read back");
                 return self.flipped(mapped.at);
             }

@@ -254,7 +254,10 @@ impl Bench<'_> {
 
     /// Objects that the description lets an RPDO carry and an SDO read: what an RPDO does can be seen.
     pub fn rpdo_objects(&self) -> Vec<Mapped> {
-        self.mappable(|entry| entry.access.allows_rpdo() && entry.access.is_readable())
+        let mut objects = self.mappable(|entry| entry.access.allows_rpdo() && entry.access.is_readable());
+        // A PDO that carries a preset moves the zero point with every frame.
+        objects.retain(|mapped| !self.acts(mapped.at));
+        objects
     }
 
     fn mappable(&self, allowed: impl Fn(&canvass_analyzer::dictionary::Entry) -> bool) -> Vec<Mapped> {

@@ -6,25 +6,10 @@ use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_bus::client::sdo::{Bytes, Mode, Outcome};
+use canvass_bus::client::sdo::{Bytes, Outcome};
 use canvass_bus::observation::Subject;
 use canvass_traces::hex;
-
-/// Writing these makes something happen (clears the error history, stores, restores, sets the clock, moves the position);
-/// there is no value to put back. Cases that move the position put it back themselves.
-pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(
-        multiplexer.index.0,
-        object::PREDEFINED_ERROR_FIELD
-            | object::STORE_PARAMETERS
-            | object::RESTORE_DEFAULT_PARAMETERS
-            | object::HIGH_RESOLUTION_TIME_STAMP
-            | encoder::PRESET_VALUE
-            | encoder::HIGH_PRECISION_PRESET
-    )
-}
 
 /// Stores all parameters.
 pub(super) const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
@@ -46,7 +31,7 @@ impl Bench<'_> {
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
     pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if known || is_trigger(multiplexer) {
+        if known || self.acts(multiplexer) {
             return Ok(());
         }
         // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
@@ -56,7 +41,7 @@ impl Bench<'_> {
 
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if !known && let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {
+        if !known && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome {
             self.journal_value(multiplexer, &value)?;
             self.changes.push(Original { multiplexer, value });
         }
@@ -71,27 +56,12 @@ impl Bench<'_> {
         result
     }
 
-    /// Notes that the case was cancelled, or could not go on: it has not come to what it does at its end. What it stored
-    /// is put right in [`Bench::finish`], its node-ID and bit rate by `rescue`.
+    /// The case was cancelled, or could not go on: it has not come to what it does at its end. Its node-ID and bit rate are put
+    /// right by `rescue`; what it stored, by [`Bench::settle_memory`].
     pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
-        self.ended_early = true;
         let stored = self.watch.has_stored();
         // What can fail here shows in the answers of the device, which are compared after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
-    }
-
-    /// The values that are in use again are also those that are stored, if the case stored others.
-    pub(super) fn store_again(&mut self) {
-        if !self.watch.has_stored() {
-            return;
-        }
-        self.uncancelled(|bench| {
-            if matches!(bench.answers(), Ok(true)) && matches!(bench.has(STORE), Ok(true)) {
-                // A device that refuses it has refused the case's own, too.
-                let _ = bench.download_as(STORE, b"save", Mode::Shortest);
-                let _ = bench.listen(bench.timing().reaction);
-            }
-        });
     }
 
     /// Puts back what the case changed, and what could not be put back before; also after a failure and after Ctrl-C. What
@@ -144,12 +114,44 @@ impl Bench<'_> {
         stuck.into_iter().map(change).collect()
     }
 
-    /// The commands that would write these values back, each object's before those that can only follow it.
-    pub(super) fn commands(&self, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
-        let settings = changes.iter().filter(|change| change.nature == Nature::Setting);
-        let mut originals: Vec<Original> = settings
-            .filter_map(|change| Some(Original { multiplexer: change.multiplexer, value: change.before.clone()? }))
-            .collect();
+    /// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
+    /// that acts is written: no value of it puts anything back.
+    ///
+    /// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
+    /// values, so that storing takes only these, and the values that were in use are written after it.
+    pub(super) fn commands(
+        &self,
+        bus: &str,
+        before: &[(Multiplexer, Vec<u8>)],
+        changes: &[Change],
+        stored: &[Change],
+    ) -> Vec<String> {
+        let can_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
+        if stored.is_empty() || !can_store {
+            return self.writing(bus, before, changes);
+        }
+        let known = self.baseline.stored.clone().unwrap_or_default();
+        let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
+        let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), self.node())];
+        commands.extend(self.writing(bus, &known, stored));
+        commands.push(self.command_to_write(bus, (STORE, b"save".to_vec())));
+        let unlike = |(at, value): &&(Multiplexer, Vec<u8>)| known.iter().any(|(of, other)| of == at && other != value);
+        let in_use = before.iter().filter(unlike).map(|(at, value)| self.change(*at, Some(value.clone()), None));
+        let in_use: Vec<Change> = in_use.chain(changes.iter().cloned()).collect();
+        commands.extend(self.writing(bus, before, &in_use));
+        commands
+    }
+
+    fn writing(&self, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
+        let settings =
+            changes.iter().filter(|change| change.nature == Nature::Setting && !self.acts(change.multiplexer));
+        let mut originals: Vec<Original> = Vec::new();
+        for change in settings {
+            let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
+            if let (false, Some(value)) = (known, change.before.clone()) {
+                originals.push(Original { multiplexer: change.multiplexer, value });
+            }
+        }
         let companions: Vec<Multiplexer> =
             originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
         for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
@@ -157,25 +159,15 @@ impl Bench<'_> {
                 originals.push(known);
             }
         }
-        let node = self.node();
-        let command = |(at, value): (Multiplexer, Vec<u8>)| {
-            let digits = hex::compact(&value).to_string();
-            let digits = if digits.is_empty() { "''" } else { &digits };
-            format!(
-                "canvass sdo write {} {node} {:04X}:{:02X} {digits} --type bytes",
-                quoted(bus),
-                at.index.0,
-                at.sub.0
-            )
-        };
         let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
-        let mut commands: Vec<String> = writes(&originals, &held).into_iter().map(command).collect();
-        let has_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
-        if !commands.is_empty() && self.stores() > 0 && has_store {
-            // What is wrong may be what is stored.
-            commands.push(command((STORE, b"save".to_vec())));
-        }
-        commands
+        writes(&originals, &held).into_iter().map(|write| self.command_to_write(bus, write)).collect()
+    }
+
+    fn command_to_write(&self, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
+        let digits = hex::compact(&value).to_string();
+        let digits = if digits.is_empty() { "''" } else { &digits };
+        let (index, sub) = (at.index.0, at.sub.0);
+        format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), self.node())
     }
 
     /// Only in stopped the SDO server must not answer.

@@ -150,6 +150,8 @@ const fn group_of(index: u16) -> u16 {
         0x1600..=0x17FF | 0x1A00..=0x1BFF => index - 0x200,
         EMCY_INHIBIT => EMCY_ID,
         SYNC_PERIOD | SYNC_OVERFLOW => SYNC_ID,
+        // The date of the configuration is cleared by every other write (7.5.2.23): it comes last.
+        object::VERIFY_CONFIGURATION => u16::MAX,
         _ => index,
     }
 }

@@ -169,7 +169,7 @@ impl Bench<'_> {
         let has_succeeded = |(outcome, _): &(Outcome, Vec<Frame>)| {
             stores || matches!(outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
         };
-        let (outcome, responses) = self.undisturbed(has_succeeded, |bench| {
+        let (outcome, responses) = self.between_others(has_succeeded, |bench| {
             bench.drain()?;
             let asked = bench.now();
             let mut line = BenchLine { bench, multiplexer, stores, asked, responses: Vec::new() };
@@ -212,6 +212,10 @@ struct BenchLine<'l, 'b> {
 
 impl ServerLine for BenchLine<'_, '_> {
     type Error = Stop;
+
+    fn now(&self) -> Timestamp {
+        self.bench.now()
+    }
 
     fn send(&mut self, request: &Request) -> Result<(), Stop> {
         self.asked = self.bench.now();

@@ -1,6 +1,7 @@
 //! NMT states: how they are seen, and how they are reached.
 
 use super::Bench;
+use super::traffic::{is_from, is_tpdo};
 use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
@@ -233,16 +234,42 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub(crate) fn is_operational(&mut self) -> Result<bool, Stop> {
-        let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
-        let mut state = None;
-        // To the end, as that shows who else is there.
-        self.wait_for(LONGEST_HEARTBEAT, |record| {
-            let is_ours = record.frame.cob_id() == Some(cob_id);
-            let shown = is_ours.then(|| ErrorControl::read(record.frame.data()).ok()).flatten();
-            state = shown.map(|message| message.state).or(state);
+        if let Some(state) = self.heard_state(LONGEST_HEARTBEAT)? {
+            return Ok(state == State::OPERATIONAL);
+        }
+        let heartbeat_time = self.unjudged(|bench| bench.upload(HEARTBEAT_TIME))?;
+        if heartbeat_time.is_silent() {
+            // Nobody who can be asked, and nobody who says anything.
+            return Ok(false);
+        }
+        let time = heartbeat_time.value().map_or(0, |value| super::sdo::number(&value));
+        if time != 0 {
+            let period = Duration::from_millis(u64::from(time) + u64::from(time / 4)) + LONGEST_HEARTBEAT;
+            return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
+        }
+        // The first request would begin life guarding, and a device that nobody guards then reports an error.
+        let mut product = 1;
+        for at in [GUARD_TIME, LIFE_TIME_FACTOR] {
+            product *= self.unjudged(|bench| bench.number_at_last(at))?.unwrap_or_default();
+        }
+        Ok(product == 0 && self.guard()? == Some(State::OPERATIONAL))
+    }
+
+    /// The state by the last sign of life in a span: an error control message, or a PDO, which only comes in operational. The span is
+    /// waited for to its end, as that shows who else is there.
+    fn heard_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
+        let (node, mut state) = (self.node(), None);
+        let cob_id = error_control::CAN_ID_BASE + u16::from(node.raw());
+        self.wait_for(span, |record| {
+            let id = record.frame.cob_id().filter(|_| is_from(node, &record.frame))?;
+            let shown = match id {
+                _ if id == cob_id => ErrorControl::read(record.frame.data()).ok().map(|message| message.state),
+                _ => is_tpdo(id).then_some(State::OPERATIONAL),
+            };
+            state = shown.or(state);
             None::<()>
         })?;
-        Ok(state == Some(State::OPERATIONAL))
+        Ok(state)
     }
 
     /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.

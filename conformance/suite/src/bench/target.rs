@@ -49,6 +49,8 @@ pub struct Options {
     pub exhaustive: bool,
     /// How long the whole run may take on the clock of the bus, with all but putting the device back.
     pub limit: Option<Duration>,
+    /// Whether the user says that the zero point of the device is stored: a reset does not lose it.
+    pub zero_point_is_stored: bool,
     /// Where what is changed is written down beforehand, so that the device can be put back if the tester is killed.
     pub journal: Option<PathBuf>,
 }

@@ -27,9 +27,11 @@ impl Bench<'_> {
     /// Sends a frame as it is, however wrong.
     ///
     /// # Errors
-    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled.
+    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled, [`Stop::NotApplicable`] if
+    /// it would move a zero point or write the memory, and the user has not allowed that.
     pub fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         self.check_cancelled()?;
+        self.check_leave(frame)?;
         self.journal_frame(frame)?;
         let at = self.bus.now();
         self.bus.send(frame).map_err(|error| broken(&error))?;

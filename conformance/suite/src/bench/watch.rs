@@ -45,6 +45,8 @@ pub struct Watch {
     stores: u32,
     /// The case has stored something.
     stored: bool,
+    /// The case has configured another bit rate by LSS.
+    configured_bit_rate: bool,
 }
 
 impl Watch {
@@ -62,6 +64,7 @@ impl Watch {
             given: BTreeSet::new(),
             stores: 0,
             stored: false,
+            configured_bit_rate: false,
         }
     }
 
@@ -83,6 +86,9 @@ impl Watch {
             let stores = is_store(cob_id, record.data(), self.node);
             self.stores += u32::from(stores);
             self.stored |= stores;
+            let is_lss = cob_id == lss::MASTER_CAN_ID;
+            self.configured_bit_rate |=
+                is_lss && matches!(lss::Request::read(record.data()), Ok(lss::Request::ConfigureBitTiming { .. }));
             return;
         }
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
@@ -142,6 +148,16 @@ impl Watch {
         self.stored
     }
 
+    /// Whether the case has configured another bit rate.
+    pub fn has_configured_bit_rate(&self) -> bool {
+        self.configured_bit_rate
+    }
+
+    /// A case of an earlier run may have configured another bit rate.
+    pub fn assume_configured_bit_rate(&mut self) {
+        self.configured_bit_rate = true;
+    }
+
     /// Another node has answered.
     pub fn add_other(&mut self, node: NodeId) {
         if !self.given.contains(&node) {
@@ -172,6 +188,7 @@ impl Watch {
         self.emergencies.clear();
         self.provoked = false;
         self.stored = false;
+        self.configured_bit_rate = false;
     }
 }
 

@@ -250,10 +250,12 @@ fn a_device_that_was_operational_is_so_again() {
     let started = |state: &'static str| {
         let mut announced = false;
         let mut inner = device(&[]);
-        let commands: Rc<Cell<u32>> = Rc::default();
-        let count = Rc::clone(&commands);
+        let last: Rc<Cell<u8>> = Rc::default();
+        let command = Rc::clone(&last);
         let script = move |request: &Frame| {
-            count.set(count.get() + u32::from(request.data() == [1, 63]));
+            if let [number, 63] = request.data() {
+                command.set(*number);
+            }
             let mut answers = inner(request);
             if !std::mem::replace(&mut announced, true) {
                 answers.push((MS(500), frame(state)));
@@ -265,9 +267,10 @@ fn a_device_that_was_operational_is_so_again() {
             bench.send_bytes(0x123, &[]).unwrap();
             told(bench, &[&PASSES]).0.unwrap();
         });
-        commands.get()
+        last.get()
     };
-    assert_eq!((started("73F#05"), started("73F#7F"), started("73E#05")), (1, 0, 0));
+    // Start, reset node, reset node.
+    assert_eq!((started("73F#05"), started("73F#7F"), started("73E#05")), (0x01, 0x81, 0x81));
 }
 
 /// One that does not answer may be stopped, and starts when it is reset; one that does not is not there.
@@ -333,7 +336,8 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
             true
         }
         fn health(&self) -> Health {
-            let mut health = Health { lost: 3, interruptions: 2, ..Health::default() };
+            let interrupted_for = Duration::from_secs(4);
+            let mut health = Health { lost: 3, interruptions: 2, interrupted_for, ..Health::default() };
             // The 990th of a thousand.
             for n in 1..=1_000 {
                 health.receive.add(Duration(1 << [8, 10, 20][usize::from(n > 989) + usize::from(n > 990)]));
@@ -356,6 +360,7 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
         transmit_always,
         lost: 3,
         interruptions: 2,
+        interrupted_for: Duration::from_secs(4),
         stamps: None,
     };
     assert_eq!(host, right);

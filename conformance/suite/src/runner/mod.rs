@@ -19,7 +19,7 @@ pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
 pub use one_case::run_case;
 pub use summary::{EndedEarly, HostTiming, Summary};
 
-use crate::bench::{Bench, objects};
+use crate::bench::{Bench, Harm, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
@@ -50,6 +50,14 @@ pub enum RunError {
         node: NodeId,
         /// How long.
         waited: Duration,
+    },
+    /// The first reset would lose what no case puts back.
+    #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
+    WouldHarm {
+        /// The node-ID.
+        node: NodeId,
+        /// What it would lose.
+        harm: Harm,
     },
     /// Others use the device, and the user has not allowed that it is tested all the same.
     #[error("others use node {node}, and the cases would reset it and change its settings: {}", told(.messages))]
@@ -107,10 +115,19 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         cases: plan.cases.len(),
         dictionary,
     };
+    if asks {
+        let starts = plan.cases.iter().any(|case| case.may_start_the_device());
+        bench.note_zero_point(was_operational || starts);
+        if let Some(harm) = bench.harm_of_a_reset(&info.dictionary) {
+            return Err(RunError::WouldHarm { node: bench.node(), harm });
+        }
+    }
     bench
         .begin_journal(plan.bus, was_operational, &info.dictionary)
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
+    // If the dictionary was not read to its end, a reset would lose values that nobody knows.
+    let has_restarted = asks && !bench.is_cancelled() && has_learned_memory(bench, &info)?;
     let mut summary = Summary::default();
     let (undescribed, ended_by) = run_cases(bench, plan, &mut summary, report);
     summary.cancelled = bench.is_cancelled() || ended_by.is_some();
@@ -119,12 +136,10 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         let (run, of) = (summary.total(), plan.cases.len());
         report(&RunEvent::Noticed(&format!("the run ended after {run} of {of} cases: {why}")));
     }
-    // Where no case has run, nothing was changed, and the dictionary may not have been read to its end: a reset would lose
-    // values that nobody knows.
+    // Where nothing was restarted and no case has run, nothing was changed.
     summary.is_as_found = !asks;
-    if asks && summary.total() > 0 {
-        bench.leave(was_operational);
-        let comparison = bench.put_back_dictionary(plan.bus, &info.dictionary);
+    if has_restarted || asks && summary.total() > 0 {
+        let comparison = bench.put_back_device(plan.bus, was_operational, &info.dictionary);
         summary.is_as_found = comparison.is_as_found();
         report(&RunEvent::DictionaryCompared(&comparison));
         let notice = bench.end_journal(comparison.is_as_found());
@@ -144,13 +159,22 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     }
     summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
-    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health()));
+    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health(), bench.now()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
         let reason = format!("of {} cases none could be judged", summary.total());
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)
+}
+
+/// Restarts the device and learns what that brings; `true`: it was restarted.
+fn has_learned_memory(bench: &mut Bench<'_>, info: &RunInfo) -> Result<bool, RunError> {
+    match bench.learn_memory(&info.dictionary) {
+        Err(Stop::Error(reason)) => Err(RunError::Bus(reason.actual)),
+        // A device that does not start, and a user who cancels: the cases say so.
+        _ => Ok(true),
+    }
 }
 
 /// Runs one case after the other; gives how many could not be judged as nobody has described the device, and why the run
@@ -200,6 +224,9 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     }
     let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
     let case = run.case.as_deref().and_then(catalogue::find);
+    if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
+        bench.assume_configured_bit_rate();
+    }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
     bench.put_back(run, rescue).ok_or(unreachable)
 }

@@ -27,7 +27,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let took = bench.now().since(started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
-    let ran = case.asks_the_device() && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
+    let was_interrupted = bench.health().since(&health).interruptions > 0;
+    let ran = case.asks_the_device() && !was_interrupted && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
     let has_left = ran && bench.has_left(case.id, regain);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
@@ -48,6 +49,7 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let breaches = with_restart(bench, breaches, end.as_ref(), &boots);
     let (breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
     let (mut breaches, end) = if ran && !has_left { not_kept_out(bench, case, breaches, end) } else { (breaches, end) };
+    settle(bench, case, ran);
     breaches.extend(has_left.then(stopped_answering));
     let foreign = bench.foreign_messages();
     let (breaches, end) = not_of_others(case.id, breaches, end, &foreign);
@@ -59,6 +61,19 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let outcomes = vec![verdict.kind()];
     let duration = bench.now().since(started);
     CaseReport { case, verdict, evidence, notes, measurements, uses, foreign, outcomes, quarantine: None, duration }
+}
+
+/// What the case may have stored is put back, and the journal knows.
+fn settle(bench: &mut Bench<'_>, case: &Case, ran: bool) {
+    let settled = catch_unwind(AssertUnwindSafe(|| {
+        if ran {
+            bench.settle_memory(case.touches)
+        }
+    }));
+    // If the tester fails here, the journal goes on telling of the case.
+    if settled.is_ok() {
+        bench.settle_journal();
+    }
 }
 
 /// What fails on a device that is simulated from its description alone is not its simulation.
@@ -121,6 +136,9 @@ fn stopped_answering() -> Breach {
 fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
         return Err(Stop::NotApplicable(not_allowed(*touch)));
+    }
+    if case.touches.contains(&Touch::FactoryDefaults) && bench.would_lose_zero_point() {
+        return Err(Stop::NotApplicable(not_allowed(Touch::Preset)));
     }
     if case.asks_the_device() {
         bench.end_when_frames_are_lost();

@@ -2,7 +2,7 @@
 
 use crate::verdict::Kind;
 use canvass_bus::{Health, StampTrouble};
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
 /// The outcome of a run.
@@ -65,14 +65,18 @@ pub struct HostTiming {
     pub lost: u64,
     /// How often the way to the bus was interrupted.
     pub interruptions: u64,
+    /// For how long, all in all.
+    pub interrupted_for: Duration,
     /// What is wrong with the time stamps of the adapter.
     pub stamps: Option<StampTrouble>,
 }
 
 impl HostTiming {
-    pub(super) fn of(health: &Health) -> Self {
+    pub(super) fn of(health: &Health, now: Timestamp) -> Self {
         let (receive, transmit) = (&health.receive, &health.transmit);
+        let interrupted_for = health.interruptions(now).map(|interruptions| interruptions.lasted).unwrap_or_default();
         Self {
+            interrupted_for,
             receive_usually: receive.quantile(990).unwrap_or_default(),
             receive_always: receive.longest().unwrap_or_default(),
             transmit_usually: transmit.quantile(990).unwrap_or_default(),

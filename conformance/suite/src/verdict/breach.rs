@@ -189,6 +189,7 @@ pub fn observed(outcome: &Outcome) -> Observation {
         Outcome::Aborted(abort) => Observation::Abort(abort.code),
         Outcome::Silent => Observation::Silence,
         Outcome::Violated(violation) => Observation::Violation(violation.clone()),
+        Outcome::Exceeded(_) => Observation::Violation(canvass_bus::client::Violation::Endless),
     }
 }
 

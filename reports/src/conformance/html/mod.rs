@@ -7,7 +7,7 @@ mod delays;
 mod failures;
 mod timeline;
 
-use super::dictionary::{REPAIR, left, row, sentence};
+use super::dictionary::{REPAIR, left, rows, sentence};
 use super::skipped::Skipped;
 use super::{Run, name_in_family, outcome, symbol};
 use crate::escape::printable;
@@ -131,8 +131,8 @@ fn compared(run: &Run) -> Markup {
                     table {
                         thead { tr { th { "Object" } th { "Name" } th { "Before" } th { "After" } } }
                         tbody {
-                            @for change in comparison.left() {
-                                tr { @for cell in row(change) { td { (printable(&cell)) } } }
+                            @for row in rows(comparison) {
+                                tr { @for cell in row { td { (printable(&cell)) } } }
                             }
                         }
                     }

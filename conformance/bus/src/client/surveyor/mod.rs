@@ -1,7 +1,8 @@
 //! Reads what a device's object dictionary holds: every described entry, or every index of a range. Nothing is written.
 
 use super::exchange::Exchange;
-use super::sdo::{Outcome, Transfer, Violation};
+use super::sdo::{Outcome, Transfer};
+use super::{Excess, UploadLimit};
 use crate::BusError;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::survey::{Answer, Survey};
@@ -12,10 +13,8 @@ use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// Longer values are not read to their end: a DOMAIN may have megabytes, and strings are shorter.
-const MOST: usize = 4_096;
-/// Before a device is taken for gone, it is asked so many times for what every device has.
-const LAST_TRIES: u32 = 2;
+/// So often an entry is asked for that is not answered, if the way to the bus was interrupted each time.
+const MOST_INTERRUPTED: u32 = 8;
 /// A device that gives no answer where it has no object is asked for no more indexes after so many.
 const MOST_SILENT: u32 = 16;
 /// Objects have gaps, of reserved sub-indexes; none is that long.
@@ -50,8 +49,11 @@ pub struct Surveyor<'a, 'b> {
     exchange: &'a mut Exchange<'b>,
     node: NodeId,
     patience: Duration,
+    limit: UploadLimit,
     watch: &'a mut dyn FnMut(Multiplexer) -> bool,
     survey: Survey,
+    unread: Option<Multiplexer>,
+    excesses: Vec<(Multiplexer, Excess)>,
     /// The objects of which all sub-indexes were read.
     whole: BTreeSet<Index>,
 }
@@ -65,12 +67,33 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         patience: Duration,
         watch: &'a mut dyn FnMut(Multiplexer) -> bool,
     ) -> Self {
-        Self { exchange, node, patience, watch, survey: Survey::default(), whole: BTreeSet::new() }
+        Self {
+            exchange,
+            node,
+            patience,
+            limit: UploadLimit::OF_MANY,
+            watch,
+            survey: Survey::default(),
+            unread: None,
+            excesses: Vec::new(),
+            whole: BTreeSet::new(),
+        }
     }
 
-    /// What was read.
-    pub fn into_survey(self) -> Survey {
-        self.survey
+    /// The same with another limit of each upload.
+    #[must_use]
+    pub fn within(self, limit: UploadLimit) -> Self {
+        Self { limit, ..self }
+    }
+
+    /// What was read, and what was not read to its end.
+    pub fn into_survey(self) -> (Survey, Vec<(Multiplexer, Excess)>) {
+        (self.survey, self.excesses)
+    }
+
+    /// The entry at which reading has ended, if it was not read.
+    pub const fn unread(&self) -> Option<Multiplexer> {
+        self.unread
     }
 
     /// Reads an entry, unless it was read before.
@@ -79,31 +102,48 @@ impl<'a, 'b> Surveyor<'a, 'b> {
     /// [`SurveyError`] if the bus fails or the device has gone.
     pub fn read(&mut self, at: Multiplexer) -> Result<&Answer, SurveyError> {
         if self.survey.get(at).is_none() {
+            self.unread = Some(at);
             if !(self.watch)(at) {
                 return Err(SurveyError::Ended);
             }
-            let mut answer = self.ask(at)?;
-            // A frame can be lost; a device that is busy with something else can be late.
-            if answer == Answer::Silent {
-                answer = self.ask(at)?;
-            }
+            let answer = self.ask_again(at)?;
             let is_silent = answer == Answer::Silent;
             self.survey.insert(at, answer);
             if is_silent {
                 self.refuse_gone(at)?;
             }
+            self.unread = None;
         }
         // It was read, now or before.
         Ok(self.survey.get(at).unwrap_or(&Answer::Silent))
     }
 
+    /// Asks once more where there is no answer: a frame can be lost; a device that is busy with something else can be late.
+    fn ask_again(&mut self, at: Multiplexer) -> Result<Answer, BusError> {
+        let first = self.ask(at)?;
+        if first != Answer::Silent {
+            return Ok(first);
+        }
+        for _ in 0..MOST_INTERRUPTED {
+            let before = self.exchange.bus.health();
+            let answer = self.ask(at)?;
+            if answer != Answer::Silent || self.exchange.bus.health().since(&before).interruptions == 0 {
+                return Ok(answer);
+            }
+        }
+        Ok(Answer::Silent)
+    }
+
     fn ask(&mut self, at: Multiplexer) -> Result<Answer, BusError> {
-        let transfer = Transfer::upload_at_most(at, MOST);
+        let transfer = Transfer::upload_within(at, self.limit);
         Ok(match self.exchange.transfer(self.node, transfer, self.patience)? {
             Outcome::Uploaded(value) => Answer::Value(value),
             Outcome::Aborted(abort) => Answer::Aborted(abort.code),
             Outcome::Silent => Answer::Silent,
-            Outcome::Violated(Violation::Endless) => Answer::Long(MOST),
+            Outcome::Exceeded(excess) => {
+                self.excesses.push((at, excess));
+                Answer::Long(excess.least())
+            }
             violated @ (Outcome::Violated(_) | Outcome::Downloaded) => Answer::Violated(violated.to_string()),
         })
     }
@@ -111,7 +151,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
     /// A device that has not answered for some entries is asked for one that every device has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
         const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
-        if (0..LAST_TRIES).any(|_| !matches!(self.ask(DEVICE_TYPE), Ok(Answer::Silent))) {
+        if self.ask_again(DEVICE_TYPE)? != Answer::Silent {
             return Ok(());
         }
         let has_answered = self.survey.answers().any(|(_, answer)| *answer != Answer::Silent);

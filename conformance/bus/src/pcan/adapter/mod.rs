@@ -104,7 +104,9 @@ impl Pcan {
                     return Err(PcanError::Failed { channel, action: "send on", status: failure });
                 }
                 _ if self.now().since(began) >= PATIENCE => {
-                    return Err(PcanError::QueueFull { channel, waited: PATIENCE, status: library.status(channel) });
+                    let full = PcanError::QueueFull { channel, waited: PATIENCE, status: library.status(channel) };
+                    self.shared.inbox.note_stuck(self.now(), full.to_string());
+                    return Err(full);
                 }
                 _ => {
                     self.shared.inbox.note(|health| health.waits += 1);
@@ -135,8 +137,9 @@ impl Bus for Pcan {
             self.shared.inbox.retract(&record);
             return Err(error.into());
         }
-        let took = self.now().since(began);
-        self.shared.inbox.note(|health| health.transmit.add(took));
+        let now = self.now();
+        self.shared.inbox.note_taken(now);
+        self.shared.inbox.note(|health| health.transmit.add(now.since(began)));
         Ok(())
     }
 
@@ -154,6 +157,10 @@ impl Bus for Pcan {
 
     fn health(&self) -> Health {
         self.shared.inbox.health()
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.shared.inbox.is_interrupted()
     }
 
     fn limit_backlog(&mut self, frames: usize) {

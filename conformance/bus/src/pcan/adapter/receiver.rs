@@ -128,7 +128,9 @@ impl Receiver {
             let Some(wake) = &self.wake else {
                 std::thread::sleep(RETRY);
                 // Not there yet: looked for again.
-                let _ = self.connect(self.bit_rate);
+                if self.connect(self.bit_rate).is_ok() {
+                    self.note_back();
+                }
                 continue;
             };
             if let Err(error) = wake.wait(LOOK) {
@@ -257,21 +259,28 @@ impl Receiver {
         }
         if state > before {
             let trouble = format!("{}: {}", self.shared.channel, status.news().without(Status::EMPTY));
-            self.shared.inbox.note(|health| {
-                health.interruptions += u64::from(state == BusState::Off);
-                health.error_frames += u64::from(state == BusState::Off);
-                health.trouble = Some(trouble);
+            self.shared.inbox.note(|health| match state {
+                BusState::Off => {
+                    health.error_frames += 1;
+                    health.went_away(now, trouble);
+                }
+                _ => health.trouble = Some(trouble),
             });
+        } else if before == BusState::Off {
+            self.note_back();
         }
+    }
+
+    fn note_back(&self) {
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.came_back(now));
     }
 
     fn lose(&mut self, reason: &str) {
         self.disconnect();
         self.state = BusState::Active;
         let trouble = format!("{} was disconnected: {reason}", self.shared.channel);
-        self.shared.inbox.note(|health| {
-            health.interruptions += 1;
-            health.trouble = Some(trouble);
-        });
+        let now = self.shared.clock.now();
+        self.shared.inbox.note(|health| health.went_away(now, trouble));
     }
 }

@@ -201,7 +201,7 @@ impl Bench<'_> {
 
     /// Carries out a transfer, and again if it ended badly while others asked the server: one client's request ends another
     /// one's transfer. What was found wrong in a try that does not count is forgotten.
-    pub(super) fn undisturbed<T>(
+    pub(super) fn between_others<T>(
         &mut self,
         has_succeeded: impl Fn(&T) -> bool,
         mut transfer: impl FnMut(&mut Self) -> Result<T, Stop>,

@@ -3,6 +3,7 @@
 mod blocks;
 mod described;
 mod left;
+mod memory;
 mod messages;
 mod pdos;
 mod presence;

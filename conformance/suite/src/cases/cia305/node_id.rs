@@ -76,9 +76,11 @@ pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
 pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
     let rate = bench.bit_rate().and_then(Lss::bit_rate_index);
+    // A device may be delivered without one, which no command gives back.
+    let keeps_bit_rate = bench.keeps_bit_rate();
     configure(bench)?;
     set_node_id(bench, own)?;
-    if let Some(index) = rate {
+    if let Some(index) = rate.filter(|_| !keeps_bit_rate) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }
     if stored {

@@ -3,7 +3,7 @@
 
 use super::number;
 use super::position::{OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, is_near, position_at_rest, small_range};
-use super::preset::with_preset;
+use super::preset::preset;
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
@@ -52,23 +52,21 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
 
 /// The high-precision position 6008h shows the same place as 6004h: in the same units, or in a power of two more.
 #[case(id = "406/position/high-precision", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder, HighPrecision], catches = [HighPrecisionWithoutPreset])]
+       needs = [Encoder, HighPrecision, VolatilePreset], touches = [Preset],
+       catches = [HighPrecisionWithoutPreset])]
 fn high_precision(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let before = position_at_rest(bench)?;
-    with_preset(bench, (before + range / 3) % range, |bench, _| {
-        let position = position_at_rest(bench)?;
-        let bytes = bench.upload(HIGH_PRECISION)?.value()?;
-        let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
-        let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
-        bench.check(demand((0..=32).any(fits), || {
-            let duty = "6008h shows the place that 6004h shows";
-            let breach = Breach::new(HIGH_PRECISION, duty);
-            breach
-                .expected(format!("{position}, or that times a power of two"))
-                .found(Observation::Value(bytes.clone()))
-        }))
-    })
+    preset(bench, (before + range / 3) % range)?;
+    let position = position_at_rest(bench)?;
+    let bytes = bench.upload(HIGH_PRECISION)?.value()?;
+    let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
+    let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
+    bench.check(demand((0..=32).any(fits), || {
+        let duty = "6008h shows the place that 6004h shows";
+        let breach = Breach::new(HIGH_PRECISION, duty);
+        breach.expected(format!("{position}, or that times a power of two")).found(Observation::Value(bytes.clone()))
+    }))
 }
 
 /// The second TPDO, where it is synchronous as delivered and carries the position, follows SYNC with the position of now.
@@ -111,29 +109,28 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
 /// After a preset the scaling is changed: the position stays inside the new range, and 6509h goes with it: the position
 /// without offset is that of the shaft. Whether the preset outlives the change is noted.
 #[case(id = "406/preset/scaling-changed", clause = "CiA 406", confidence = Unknown, level = Should,
-       needs = [Encoder, VolatilePreset], catches = [ScalingIgnored])]
+       needs = [Encoder, VolatilePreset], touches = [Preset], catches = [ScalingIgnored])]
 fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let before = position_at_rest(bench)?;
     let shaft = without_offset(bench, before, range)?;
-    with_preset(bench, (before + range / 3) % range, |bench, _| {
-        let set = position_at_rest(bench)?;
-        bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
-        bench.write(RANGE, &(range / 2).to_le_bytes())?;
-        let position = position_at_rest(bench)?;
-        let offset = bench.read_number(OFFSET)? as i32;
-        bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
-        demand(position < range / 2, || {
-            let breach = Breach::new(POSITION, "with a new range the position lies in it");
-            breach.expected(format!("below {}", range / 2)).found(number(position))
-        })?;
-        let found = without_offset(bench, position, range / 2)?;
-        bench.check(demand(is_near(found, shaft / 2, range / 2), || {
-            let duty = "6004h without 6509h is the place of the shaft in the new units";
-            let breach = Breach::new(OFFSET, duty).expected(number(shaft / 2));
-            breach.found(number(found)).told(format!("{position} - {offset}"))
-        }))
-    })
+    preset(bench, (before + range / 3) % range)?;
+    let set = position_at_rest(bench)?;
+    bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
+    bench.write(RANGE, &(range / 2).to_le_bytes())?;
+    let position = position_at_rest(bench)?;
+    let offset = bench.read_number(OFFSET)? as i32;
+    bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
+    demand(position < range / 2, || {
+        let breach = Breach::new(POSITION, "with a new range the position lies in it");
+        breach.expected(format!("below {}", range / 2)).found(number(position))
+    })?;
+    let found = without_offset(bench, position, range / 2)?;
+    bench.check(demand(is_near(found, shaft / 2, range / 2), || {
+        let duty = "6004h without 6509h is the place of the shaft in the new units";
+        let breach = Breach::new(OFFSET, duty).expected(number(shaft / 2));
+        breach.found(number(found)).told(format!("{position} - {offset}"))
+    }))
 }
 
 /// The position less 6509h, in the range.
@@ -144,7 +141,7 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
 
 /// A preset of a shaft that turns takes effect without a jump beyond the motion, and the position goes on from there.
 #[case(id = "406/preset/moving", clause = "CiA 406", confidence = Unknown, level = Should,
-       needs = [Encoder, VolatilePreset, TurningShaft], catches = [PresetGlitch, PresetStopsCounting])]
+       needs = [Encoder, VolatilePreset, TurningShaft], touches = [Preset], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
     if super::needs::keeps_presets(bench) {
@@ -176,10 +173,6 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
         bench.listen(Duration::from_millis(5))?;
     }
     let stands = positions.windows(10).any(|ten| ten.iter().all(|position| Some(position) == ten.first()));
-    // The motion goes on: where the shaft would be without the preset is not known exactly, but near enough.
-    let turned = per_ms * bench.now().since(ended).as_millis();
-    let back = (i64::from(second) + shorter(first, second, range).signum() * turned as i64).rem_euclid(range.into());
-    bench.download(PRESET, &(back as u32).to_le_bytes())?;
     bench.check(demand(!stands, || {
         let breach = Breach::new(POSITION, "after a preset the position goes on counting");
         breach.expected("another one in 50 ms").found(Observation::named("always the same"))

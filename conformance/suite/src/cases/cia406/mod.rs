@@ -21,6 +21,9 @@ mod scaling_off;
 mod speed;
 mod timer;
 mod work_area;
+mod zero_point;
+
+pub(crate) use zero_point::Encoders;
 
 use canvass_bus::observation::Observation;
 

@@ -56,14 +56,19 @@ pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Stop> {
 
 pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
     let difference = a.abs_diff(b);
-    difference <= TREMBLE || range.saturating_sub(difference) <= TREMBLE
+    // Two positions that are further apart than the range are no neighbours over its end.
+    difference <= TREMBLE || difference <= range && range - difference <= TREMBLE
 }
 
-/// Linear encoders (1000h) have no revolutions, and no units per revolution that could be set.
+/// Whether the high word of 1000h names a linear encoder, absolute (8) or cyclic (9).
+pub(super) fn is_linear(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    Ok(matches!(bench.read_number(Multiplexer::new(object::DEVICE_TYPE, 0))? >> 16, 8 | 9))
+}
+
+/// Linear encoders have no revolutions, and no units per revolution that could be set.
 fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
-    let turns = bench.read_number(Multiplexer::new(object::DEVICE_TYPE, 0))? >> 16;
-    if matches!(turns, 8 | 9) {
-        let reason = Reason::new("the encoder is rotary", "another high word of 1000h", format!("{turns}: linear"));
+    if is_linear(bench)? {
+        let reason = Reason::new("the encoder is rotary", "another high word of 1000h", "8 or 9: linear");
         return Err(Stop::NotApplicable(reason));
     }
     Ok(())
@@ -71,22 +76,21 @@ fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// Writing a preset makes the position that value, at rest.
 #[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder, VolatilePreset], catches = [PresetIgnored])]
+       needs = [Encoder, VolatilePreset], touches = [Preset], catches = [PresetIgnored])]
 fn preset(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let wanted = (position_at_rest(bench)? + 1_000) % range;
-    super::preset::with_preset(bench, wanted, |bench, _| {
-        let position = bench.read_number(POSITION)?;
-        bench.check(demand(is_near(position, wanted, range), || {
-            let breach = Breach::new(POSITION, "after a preset 6004h has its value");
-            breach.expected(number(wanted)).found(number(position))
-        }))
-    })
+    super::preset::preset(bench, wanted)?;
+    let position = bench.read_number(POSITION)?;
+    bench.check(demand(is_near(position, wanted, range), || {
+        let breach = Breach::new(POSITION, "after a preset 6004h has its value");
+        breach.expected(number(wanted)).found(number(position))
+    }))
 }
 
 /// A preset outside the measuring range is refused.
 #[case(id = "406/preset/out-of-range", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder], catches = [PresetOutOfRangeAccepted])]
+       needs = [Encoder, VolatilePreset], touches = [Preset], catches = [PresetOutOfRangeAccepted])]
 fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let attempt = bench.download(PRESET, &range.to_le_bytes())?;

@@ -2,7 +2,7 @@
 
 use super::number;
 use super::position::position_at_rest;
-use super::preset::{range_now, with_preset};
+use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Precondition, demand};
@@ -20,17 +20,16 @@ const START: u16 = 0x1021;
 
 /// The raw position 600Ch comes from the sensor: a preset does not change it.
 #[case(id = "406/raw-position/preset", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder, RawPosition, VolatilePreset], catches = [RawPositionFollowsPreset])]
+       needs = [Encoder, RawPosition, VolatilePreset], touches = [Preset], catches = [RawPositionFollowsPreset])]
 fn preset(bench: &mut Bench<'_>) -> Judged {
     let range = range_now(bench)?;
     let wanted = position_at_rest(bench)?.wrapping_add(range / 3) % range;
     let raw = bench.read_number(RAW_POSITION)?;
-    with_preset(bench, wanted, |bench, _| {
-        let after = bench.read_number(RAW_POSITION)?;
-        bench.check(demand(after.abs_diff(raw) <= 64, || {
-            Breach::new(RAW_POSITION, "600Ch does not follow a preset").expected(number(raw)).found(number(after))
-        }))
-    })
+    super::preset::preset(bench, wanted)?;
+    let after = bench.read_number(RAW_POSITION)?;
+    bench.check(demand(after.abs_diff(raw) <= 64, || {
+        Breach::new(RAW_POSITION, "600Ch does not follow a preset").expected(number(raw)).found(number(after))
+    }))
 }
 
 /// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.

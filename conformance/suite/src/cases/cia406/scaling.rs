@@ -5,7 +5,7 @@ use super::position::{
     CODE_SEQUENCE, OFFSET, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest,
     small_range,
 };
-use super::preset::with_preset;
+use super::preset::preset;
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
@@ -141,20 +141,19 @@ fn smaller_range(bench: &mut Bench<'_>, range: u32) -> Judged {
 
 /// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
 #[case(id = "406/scaling/zero-range", clause = "CiA 406", confidence = Unknown, level = Should,
-       needs = [Encoder, VolatilePreset], catches = [RangeZeroStops])]
+       needs = [Encoder, VolatilePreset], touches = [Preset], catches = [RangeZeroStops])]
 fn zero_range(bench: &mut Bench<'_>) -> Judged {
     const WANTED: u32 = 0x8000_1234;
     operate(bench, SCALING, 0)?;
     if bench.download(RANGE, &0_u32.to_le_bytes())?.outcome != Outcome::Downloaded {
         return Ok(());
     }
-    with_preset(bench, WANTED, |bench, _| {
-        let position = bench.read_number(POSITION)?;
-        bench.check(demand(position.abs_diff(WANTED) <= 2, || {
-            let duty = "with 6002h = 0 the position has 32 bits";
-            Breach::new(POSITION, duty).expected(number(WANTED)).found(number(position))
-        }))
-    })
+    preset(bench, WANTED)?;
+    let position = bench.read_number(POSITION)?;
+    bench.check(demand(position.abs_diff(WANTED) <= 2, || {
+        let duty = "with 6002h = 0 the position has 32 bits";
+        Breach::new(POSITION, duty).expected(number(WANTED)).found(number(position))
+    }))
 }
 
 /// The same shaft seen in both code sequences: the two positions, without the offset 6509h, add up to the measuring range.

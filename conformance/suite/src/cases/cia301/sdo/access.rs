@@ -109,7 +109,11 @@ fn limited_objects(bench: &Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     let entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
         let is_standard = matches!(multiplexer.index.0, object::COB_ID_TIME..=object::ERROR_BEHAVIOR | 0x6000..=0x9FFF);
         let is_plain = !entry.flags.refuses_write_on_download() && entry.access.is_readable();
-        is_standard && is_plain && entry.access.is_writable()
+        is_standard
+            && is_plain
+            && entry.access.is_writable()
+            && !bench.acts(*multiplexer)
+            && bench.may_write(*multiplexer)
     });
     let beyond = entries.filter_map(|(multiplexer, entry)| {
         let limit = entry.high_limit.as_ref()?.resolve(entry.data_type, node).as_number()?;

@@ -32,16 +32,18 @@ fn nothing(expected: &str, actual: &str) -> Stop {
 }
 
 /// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
-fn is_harmless(at: Multiplexer) -> bool {
-    matches!(
-        at.index.0,
-        object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
-            | object::GUARD_TIME
-            | object::LIFE_TIME_FACTOR
-            | object::COB_ID_TIME..=object::ERROR_BEHAVIOR
-            | 0x1400..=0x1BFF
-            | 0x6000..=0x9FFF
-    )
+fn is_harmless(bench: &Bench<'_>, at: Multiplexer) -> bool {
+    bench.may_write(at)
+        && !bench.acts(at)
+        && matches!(
+            at.index.0,
+            object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH
+                | object::GUARD_TIME
+                | object::LIFE_TIME_FACTOR
+                | object::COB_ID_TIME..=object::ERROR_BEHAVIOR
+                | 0x1400..=0x1BFF
+                | 0x6000..=0x9FFF
+        )
 }
 
 fn is_plain(entry: &Entry) -> bool {
@@ -96,7 +98,9 @@ fn every_length(
     situation: Situation,
 ) -> Judged {
     let objects = described(bench, |at, entry| {
-        is_harmless(at) && is_plain(entry) && entry.data_type.bytes().is_some_and(|bytes| lengths.contains(&bytes))
+        is_harmless(bench, at)
+            && is_plain(entry)
+            && entry.data_type.bytes().is_some_and(|bytes| lengths.contains(&bytes))
     })?;
     bench.each(objects, |bench, (multiplexer, entry)| {
         let length = wrong(entry.data_type.bytes().unwrap_or(1));
@@ -131,7 +135,7 @@ fn below(bench: &Bench<'_>, entry: &Entry) -> Option<Vec<u8>> {
 #[case(id = "301/sdo/download/below-range", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoRangeUnchecked, SdoRangeWrongCode], cct = "2.11")]
 fn below_range(bench: &mut Bench<'_>) -> Judged {
-    let objects = described(bench, |at, entry| is_harmless(at) && is_plain(entry) && entry.low_limit.is_some())?;
+    let objects = described(bench, |at, entry| is_harmless(bench, at) && is_plain(entry) && entry.low_limit.is_some())?;
     let tried: Vec<(Multiplexer, Vec<u8>)> =
         objects.iter().filter_map(|(at, entry)| Some((*at, below(bench, entry)?))).collect();
     if tried.is_empty() {

@@ -1,0 +1,65 @@
+//! How much of one upload a client takes. A faulty or hostile server announces 4 GiB, or sends segments without end.
+
+use canvass_traces::Duration;
+use std::fmt;
+
+/// The most that a client takes of one upload.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct UploadLimit {
+    /// Of the value.
+    pub bytes: usize,
+    /// From the request to the last segment: segments may be empty.
+    pub time: Duration,
+}
+
+impl UploadLimit {
+    /// Of each object where a whole dictionary is read: longer values are programs and logs, which say nothing of the object.
+    pub const OF_MANY: Self = Self { bytes: 64 << 10, time: Duration::from_secs(30) };
+}
+
+/// Of an object that is read for its own sake: a program of 1 MiB takes six minutes at 125 kbit/s.
+impl Default for UploadLimit {
+    fn default() -> Self {
+        Self { bytes: 16 << 20, time: Duration::from_secs(600) }
+    }
+}
+
+/// An upload beyond the limit of the client, which has ended it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub struct Excess {
+    /// How many bytes had come.
+    pub received: usize,
+    /// How many the server had announced, if it had.
+    pub announced: Option<u32>,
+    /// What it exceeds.
+    pub bound: Bound,
+}
+
+impl Excess {
+    /// The number of bytes that the value has at least.
+    pub fn least(&self) -> usize {
+        match self.bound {
+            Bound::Bytes(most) => most,
+            Bound::Time(_) => self.received,
+        }
+    }
+}
+
+/// One side of an [`UploadLimit`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Bound {
+    Bytes(usize),
+    Time(Duration),
+}
+
+/// `upload ended after 65541 of 4294967295 bytes: expected at most 65536 bytes`.
+impl fmt::Display for Excess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "upload ended after {}", self.received)?;
+        self.announced.map_or(Ok(()), |announced| write!(f, " of {announced}"))?;
+        match self.bound {
+            Bound::Bytes(most) => write!(f, " bytes: expected at most {most} bytes"),
+            Bound::Time(most) => write!(f, " bytes: expected its end within {most}"),
+        }
+    }
+}

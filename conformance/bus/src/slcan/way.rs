@@ -1,0 +1,126 @@
+//! The writing end of the way to an adapter, which the sender and the reading thread share.
+
+use std::io::{self, Write};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The way to an adapter.
+#[derive(Default)]
+pub(super) struct Way(Mutex<State>);
+
+type Writer = Box<dyn Write + Send>;
+
+#[derive(Default)]
+enum State {
+    /// There is no connection.
+    #[default]
+    Closed,
+    /// The adapter's channel is being opened: it takes commands, and no frames yet.
+    Opening(Writer),
+    /// It takes frames.
+    Open(Writer),
+    /// Writing failed. The reading thread, which can wait for bytes that never come, does not know it yet.
+    Failed(io::Error),
+}
+
+impl State {
+    /// Writes all of the line. A way on which that fails takes nothing more: the other end has got a part of the line.
+    fn write(&mut self, line: &[u8]) -> io::Result<()> {
+        let writer = match self {
+            Self::Opening(writer) | Self::Open(writer) => writer,
+            Self::Closed | Self::Failed(_) => return Err(io::ErrorKind::NotConnected.into()),
+        };
+        writer.write_all(line).and_then(|()| writer.flush()).inspect_err(|error| {
+            *self = Self::Failed(error.kind().into());
+        })
+    }
+}
+
+impl Way {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// There is a connection, on which the channel is to be opened.
+    pub fn connect(&self, writer: Writer) {
+        *self.state() = State::Opening(writer);
+    }
+
+    /// The channel is open.
+    pub fn open(&self) {
+        let mut state = self.state();
+        *state = match std::mem::take(&mut *state) {
+            State::Opening(writer) => State::Open(writer),
+            other => other,
+        };
+    }
+
+    /// There is no connection any more.
+    pub fn close(&self) {
+        *self.state() = State::Closed;
+    }
+
+    pub fn is_open(&self) -> bool {
+        matches!(*self.state(), State::Open(_))
+    }
+
+    /// Why writing failed, told once.
+    pub fn take_failure(&self) -> Option<io::Error> {
+        let mut state = self.state();
+        match std::mem::take(&mut *state) {
+            State::Failed(error) => Some(error),
+            other => {
+                *state = other;
+                None
+            }
+        }
+    }
+
+    /// Writes a frame.
+    pub fn send(&self, line: &[u8]) -> io::Result<()> {
+        let mut state = self.state();
+        match &*state {
+            State::Open(_) => state.write(line),
+            _ => Err(io::ErrorKind::NotConnected.into()),
+        }
+    }
+
+    /// Writes a command, or the answer to one.
+    pub fn tell(&self, line: &[u8]) -> io::Result<()> {
+        self.state().write(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes a few bytes, and then no more.
+    struct Full(usize);
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let taken = bytes.len().min(self.0);
+            self.0 -= taken;
+            if taken == 0 { Err(io::ErrorKind::TimedOut.into()) } else { Ok(taken) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn frames_wait_for_the_channel_and_a_failure_is_told_once() {
+        let way = Way::default();
+        assert!(way.tell(b"O\r").is_err() && way.send(b"t0010\r").is_err());
+        way.connect(Box::new(Full(10)));
+        assert!(way.send(b"t0010\r").is_err() && !way.is_open(), "the adapter would refuse it");
+        way.tell(b"O\r").unwrap();
+        way.open();
+        way.send(b"t0010\r").unwrap();
+        assert!(way.send(b"t0020\r").is_err(), "a part of it was taken");
+        assert!(way.send(b"\r").is_err() && !way.is_open());
+        assert_eq!(way.take_failure().map(|error| error.kind()), Some(io::ErrorKind::TimedOut));
+        assert!(way.take_failure().is_none());
+    }
+}

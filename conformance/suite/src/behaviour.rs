@@ -1,0 +1,108 @@
+//! What a device does after a start: what no object shows. It is compared before and after a run.
+
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_analyzer::wire::error_control::State;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// A PDO that came this often in one look and never in the other has stopped, or begun: less may be a value that changed.
+const CERTAIN: u32 = 3;
+
+/// A device after a start, and once more after the command to become operational.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct Behaviour {
+    /// The errors that it reported as it started.
+    pub emergencies: BTreeSet<EmcyCode>,
+    /// The state that it entered by itself, where it showed one.
+    pub state: Option<State>,
+    /// How often each PDO came while it was operational.
+    pub pdos: BTreeMap<u16, u32>,
+}
+
+/// Something that it does otherwise than before.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Changed {
+    /// It reports an error as it starts.
+    Emergency(EmcyCode),
+    /// It enters another state by itself.
+    State {
+        /// That of before the run.
+        before: State,
+        /// That of now.
+        after: State,
+    },
+    /// A PDO came in operational, and does not any more.
+    PdoStopped(u16),
+    /// A PDO comes in operational, and did not before.
+    PdoBegan(u16),
+}
+
+impl Behaviour {
+    /// What is otherwise than before.
+    pub fn changed(&self, after: &Self) -> Vec<Changed> {
+        let new = after.emergencies.difference(&self.emergencies).filter(|code| !code.is_reset());
+        let emergencies = new.map(|code| Changed::Emergency(*code));
+        let states = self.state.zip(after.state).filter(|(before, after)| before != after);
+        let states = states.map(|(before, after)| Changed::State { before, after });
+        let gone = |one: &Self, other: &Self| {
+            let certain = one.pdos.iter().filter(|(_, count)| **count >= CERTAIN);
+            certain.map(|(pdo, _)| *pdo).filter(|pdo| !other.pdos.contains_key(pdo)).collect::<Vec<u16>>()
+        };
+        let stopped = gone(self, after).into_iter().map(Changed::PdoStopped);
+        let began = gone(after, self).into_iter().map(Changed::PdoBegan);
+        emergencies.chain(states).chain(stopped).chain(began).collect()
+    }
+}
+
+impl fmt::Display for Changed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Emergency(code) => {
+                write!(f, "after a start the device reports EMCY {code}, and did not before the run")
+            }
+            Self::State { before, after } => {
+                write!(f, "after a start the device is {after}, and was {before} before the run")
+            }
+            Self::PdoStopped(pdo) => {
+                write!(f, "in operational the device does not send the PDO {pdo:03X}h any more, and did before the run")
+            }
+            Self::PdoBegan(pdo) => {
+                write!(f, "in operational the device sends the PDO {pdo:03X}h, and did not before the run")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn behaviour(emergencies: &[u16], state: Option<State>, pdos: &[(u16, u32)]) -> Behaviour {
+        Behaviour {
+            emergencies: emergencies.iter().map(|code| EmcyCode(*code)).collect(),
+            state,
+            pdos: pdos.iter().copied().collect(),
+        }
+    }
+
+    #[test]
+    fn what_a_device_does_otherwise_is_told() {
+        let before = behaviour(&[0x8100], Some(State::PRE_OPERATIONAL), &[(0x181, 9), (0x281, 1)]);
+        let after = behaviour(&[0x8100, 0x5000, 0], Some(State::OPERATIONAL), &[(0x381, 3), (0x481, 2)]);
+        let told: Vec<String> = before.changed(&after).iter().map(ToString::to_string).collect();
+        assert_eq!(told.len(), 4, "{told:?}");
+        assert!(told[0].starts_with("after a start the device reports EMCY 5000h"), "{told:?}");
+        assert_eq!(told[1], "after a start the device is operational, and was pre-operational before the run");
+        assert!(told[2].contains("181h any more") && told[3].contains("381h, and did not"), "{told:?}");
+    }
+
+    /// Errors that ended, states that did not show, and PDOs that come by chance, are no change.
+    #[test]
+    fn what_only_did_not_show_is_no_change() {
+        let before = behaviour(&[0x8100], None, &[(0x181, 2)]);
+        let after = behaviour(&[], Some(State::OPERATIONAL), &[]);
+        assert_eq!(before.changed(&after), []);
+        assert_eq!(after.changed(&before).len(), 1, "that one is new");
+        assert_eq!(before.changed(&before), []);
+    }
+}

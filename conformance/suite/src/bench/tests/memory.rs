@@ -1,0 +1,246 @@
+//! The memory of a device and its zero point are as they were, whatever a case did to them: on simulated devices, each
+//! looked at as the next start brings it.
+
+#![cfg(test)]
+
+use super::super::{Bench, Options, Target};
+use crate::touch::Touch;
+use crate::verdict::Stop;
+use crate::zero_point::ZeroPoint;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::{Bus, SimulatedBus};
+use canvass_device::models::Model;
+use canvass_device::{Device, Fault, Faults, Firmware};
+use canvass_traces::{Duration, Record, Timestamp};
+use std::sync::atomic::AtomicBool;
+
+const HEARTBEAT: Multiplexer = Multiplexer::new(0x1017, 0);
+const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
+const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+const RESTORE: Multiplexer = Multiplexer::new(0x1011, 1);
+const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
+const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
+const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+
+/// Runs `test` on a bench with a device of that model, which has started and whose dictionary was read.
+fn on<T>(model: &str, fault: Option<Fault>, allow: &[Touch], test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
+    let model = Model::by_id(model).unwrap();
+    let node = model.default_node().unwrap();
+    let faults: Faults = fault.into_iter().collect();
+    let firmware: Firmware = faults.into();
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    bus.attach(Box::new(Device::new(model, Some(node), firmware, 0)));
+    bus.receive(Timestamp::ZERO + Duration::from_secs(6)).unwrap();
+    let (target, cancel) = (Target::of(model, node), AtomicBool::new(false));
+    let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
+    let mut annotate = |record: &Record| record.frame.to_string();
+    test(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel))
+}
+
+/// A user has stored a heartbeat time of 2 s, and works with one of 1 s.
+fn at_work(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
+    bench.write(HEARTBEAT, &[0xD0, 7]).unwrap();
+    bench.write(STORE, b"save").unwrap();
+    bench.listen(Duration::from_millis(500)).unwrap();
+    bench.write(HEARTBEAT, &[0xE8, 3]).unwrap();
+    bench.begin();
+    bench.changes.clear();
+    bench.note_zero_point(true);
+    let dictionary = bench.dump();
+    bench.learn_memory(&dictionary).unwrap();
+    dictionary
+}
+
+fn after_a_start(bench: &mut Bench<'_>, at: Multiplexer) -> u32 {
+    bench.reset(Command::RESET_NODE).unwrap();
+    bench.read_number(at).unwrap()
+}
+
+/// What a case stored of other values, its own and those that another wrote for it, is not there after the next start; what was
+/// in use is in use again.
+#[test]
+fn what_a_case_stored_does_not_stay() {
+    on("reference-301", None, &[Touch::Nvm], |bench| {
+        let dictionary = at_work(bench);
+        bench.begin();
+        bench.write(HEARTBEAT, &[50, 0]).unwrap();
+        bench.write(GUARD_TIME, &[100, 0]).unwrap();
+        bench.write(STORE, b"save").unwrap();
+        bench.finish();
+        assert_eq!(after_a_start(bench, HEARTBEAT), 50, "finish puts back what is in use only");
+        bench.settle_memory(&[Touch::Nvm]);
+        assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
+        assert_eq!(bench.read_number(GUARD_TIME), Ok(0));
+        let comparison = bench.put_back_device("sim:x", false, &dictionary);
+        assert!(comparison.is_as_found(), "{comparison:?}");
+        assert_eq!(bench.read_number(HEARTBEAT), Ok(1_000));
+        assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
+    });
+}
+
+/// A memory that is as it was is not written once more: it wears out.
+#[test]
+fn a_memory_that_is_as_it_was_is_not_written() {
+    on("reference-301", None, &[Touch::Nvm], |bench| {
+        at_work(bench);
+        let stores = bench.stores();
+        bench.settle_memory(&[Touch::Nvm]);
+        bench.settle_memory(&[]);
+        assert_eq!(bench.stores(), stores);
+    });
+}
+
+/// Defaults that were restored are not what stays.
+#[test]
+fn restored_defaults_do_not_stay() {
+    on("reference-301", None, &[Touch::Nvm, Touch::FactoryDefaults], |bench| {
+        at_work(bench);
+        bench.begin();
+        bench.write(RESTORE, b"load").unwrap();
+        assert_eq!(after_a_start(bench, HEARTBEAT), 0);
+        bench.finish();
+        bench.settle_memory(&[Touch::Nvm, Touch::FactoryDefaults]);
+        assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
+    });
+}
+
+/// What was stored and can't be put back is told with the commands that do it, the memory first: also where the user had not
+/// allowed to write it.
+#[test]
+fn a_memory_that_is_not_as_it_was_is_told() {
+    on("reference-301", None, &[], |bench| {
+        let dictionary = at_work(bench);
+        bench.write(HEARTBEAT, &[50, 0]).unwrap();
+        // By somebody else.
+        bench.write(STORE, b"save").unwrap();
+        let comparison = bench.put_back_device("sim:x", false, &dictionary);
+        let stored: Vec<(String, Option<Vec<u8>>)> =
+            comparison.stored.iter().map(|change| (change.multiplexer.to_string(), change.after.clone())).collect();
+        assert_eq!(stored, [("1017h:00".to_owned(), Some(vec![50, 0]))]);
+        assert!(!comparison.is_as_found());
+        let expected = [
+            "canvass nmt sim:x reset-node 10",
+            "canvass sdo write sim:x 10 1017:00 D007 --type bytes",
+            "canvass sdo write sim:x 10 1010:01 73617665 --type bytes",
+            "canvass sdo write sim:x 10 1017:00 E803 --type bytes",
+        ];
+        assert_eq!(comparison.commands, expected);
+    });
+}
+
+/// A zero point that is not that of the delivery, stored.
+fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
+    bench.write(PRESET, &position.to_le_bytes()).unwrap();
+    bench.write(STORE, b"save").unwrap();
+    bench.listen(Duration::from_millis(500)).unwrap();
+    bench.begin();
+    bench.note_zero_point(true);
+    let dictionary = bench.dump();
+    bench.learn_memory(&dictionary).unwrap();
+    bench.read_number(OFFSET).unwrap()
+}
+
+/// A preset that a case stored is taken back at rest, to the step, and stored.
+#[test]
+fn a_zero_point_that_a_case_stored_is_put_back() {
+    on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
+        let offset = preset_to(bench, 30_000);
+        bench.begin();
+        bench.write(PRESET, &[1, 2, 3, 0]).unwrap();
+        bench.write(STORE, b"save").unwrap();
+        bench.finish();
+        assert_ne!(after_a_start(bench, OFFSET), offset);
+        bench.settle_memory(&[Touch::Nvm, Touch::Preset]);
+        assert_eq!((after_a_start(bench, OFFSET), bench.read_number(POSITION)), (offset, Ok(30_000)));
+    });
+}
+
+/// A firmware that stores presets by itself: with the leave to preset the zero point is put back without the leave to store.
+#[test]
+fn a_zero_point_that_stays_by_itself_is_put_back() {
+    on("reference-406", Some(Fault::PresetPersists), &[Touch::Preset], |bench| {
+        let before = preset_to(bench, 30_000);
+        bench.begin();
+        bench.write(PRESET, &[1, 2, 3, 0]).unwrap();
+        bench.finish();
+        bench.settle_memory(&[Touch::Preset]);
+        assert_eq!((after_a_start(bench, OFFSET), bench.read_number(POSITION)), (before, Ok(30_000)));
+    });
+}
+
+/// Nobody but a case that was allowed to moves a zero point; it is told to the step, with what is to be done by hand.
+#[test]
+fn a_zero_point_that_moved_is_told_and_not_put_back() {
+    let moved = |bench: &mut Bench<'_>| {
+        let before = preset_to(bench, 30_000);
+        let dictionary = bench.dump();
+        bench.write(PRESET, &30_307_u32.to_le_bytes()).unwrap();
+        bench.write(STORE, b"save").unwrap();
+        bench.begin();
+        (before, dictionary)
+    };
+    on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
+        let (_, dictionary) = moved(bench);
+        // As `canvass restore` finds it: without any leave.
+        let (before, options) = (bench.baseline.clone(), Options::default());
+        let cancel = AtomicBool::new(false);
+        let mut annotate = |record: &Record| record.frame.to_string();
+        let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
+        other.baseline = before;
+        let comparison = other.put_back_device("sim:x", false, &dictionary);
+        let told: Vec<(i64, bool)> =
+            comparison.zero_points.iter().map(|moved| (moved.steps, moved.is_stored)).collect();
+        assert_eq!(told, [(307, false), (307, true)]);
+        assert!(!comparison.is_as_found() && comparison.commands.is_empty(), "{comparison:?}");
+        assert_eq!(other.read_number(POSITION), Ok(30_307), "it was left where it is");
+        assert!(other.evidence().frames().all(|exhibit| !exhibit.text.starts_with("614#23036000")));
+    });
+}
+
+/// Restoring the defaults moves a zero point that a preset has set, so that it needs the leave to preset too.
+#[test]
+fn defaults_are_not_restored_over_a_zero_point_without_leave() {
+    let loses = |allow: &[Touch], position: Option<u32>| {
+        on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
+            match position {
+                Some(position) => drop(preset_to(bench, position)),
+                None => drop(at_work(bench)),
+            }
+            let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
+            let (cancel, baseline) = (AtomicBool::new(false), bench.baseline.clone());
+            let mut annotate = |record: &Record| record.frame.to_string();
+            let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
+            other.baseline = baseline;
+            other.would_lose_zero_point()
+        })
+    };
+    assert!(loses(&[Touch::FactoryDefaults], Some(30_000)));
+    assert!(!loses(&[Touch::FactoryDefaults, Touch::Preset], Some(30_000)));
+    assert!(!loses(&[Touch::FactoryDefaults], None), "it is that of the delivery");
+}
+
+/// An encoder that stores what is written as soon as it is written: that needs the leave to write its memory.
+#[test]
+fn what_is_stored_at_once_is_written_with_leave_only() {
+    const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+    let written = |allow: &[Touch]| {
+        on("tr-c65", None, allow, |bench| {
+            let value = bench.read(OPERATING_PARAMETERS).unwrap();
+            match bench.download(OPERATING_PARAMETERS, &value) {
+                Ok(_) => true,
+                Err(Stop::NotApplicable(_)) => false,
+                Err(other) => panic!("{other:?}"),
+            }
+        })
+    };
+    assert_eq!((written(&[]), written(&[Touch::Preset]), written(&[Touch::Nvm])), (false, false, true));
+}
+
+/// A device that is no encoder has no zero point, whatever it answers at 6004h.
+#[test]
+fn only_an_encoder_has_a_zero_point() {
+    on("reference-301", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
+    on("reference-406", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some()));
+    on("kuebler-c100", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some(), "that of its angle"));
+}

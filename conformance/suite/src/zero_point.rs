@@ -1,0 +1,346 @@
+//! The zero point of a position: what a preset moves. It is compared before and after a run, at rest, to the step.
+//!
+//! Writing back the value that a preset had moves the zero point once more. So nobody "restores" it: a case that was allowed to
+//! move it puts it back at rest by [`Bench::put_back_zero_point`]; everybody else says by how much it was moved.
+
+use crate::bench::Bench;
+use crate::profile;
+use crate::verdict::Stop;
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Duration;
+use std::fmt;
+use std::str::FromStr;
+
+/// By how many steps a position at rest trembles: the last bit of the sensor.
+const TREMBLE: i64 = 2;
+
+/// A position is at rest if it is the same in this many readings, this far apart.
+const READINGS: usize = 4;
+const BETWEEN: Duration = Duration::from_millis(30);
+
+/// The objects by which a device profile shows and moves a zero point.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Objects {
+    /// Writing it moves the zero point. It holds the new position if `takes_position`; else 1 makes the position of now 0, and 0
+    /// takes that back.
+    pub preset: Multiplexer,
+    pub takes_position: bool,
+    /// The position.
+    pub position: Multiplexer,
+    /// By how much presets have moved the zero point, where the device tells.
+    pub offset: Option<Multiplexer>,
+    /// The position without preset and scaling, where the device tells.
+    pub raw: Option<Multiplexer>,
+    /// How many positions the device shows.
+    pub range: u64,
+}
+
+impl Objects {
+    /// The position. An angle is shown with a sign, or without.
+    fn shown(&self, bench: &mut Bench<'_>) -> Result<i64, Stop> {
+        let number = bench.read_number(self.position)?;
+        let is_negative = !self.takes_position && u64::from(number) >= self.range;
+        Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
+    }
+}
+
+/// Where a zero point is, as far as it shows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ZeroPoint {
+    preset: Multiplexer,
+    takes_position: bool,
+    position: Multiplexer,
+    range: u64,
+    /// The position, and how far readings of it differed.
+    shown: i64,
+    spread: i64,
+    offset: Option<i64>,
+    raw: Option<i64>,
+}
+
+/// A zero point that is not where it was.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Moved {
+    /// By how many steps of the position.
+    pub steps: i64,
+    /// What moves it.
+    pub preset: Multiplexer,
+    /// Whether that takes the new position; else 1 makes the position of now 0.
+    pub takes_position: bool,
+    /// What shows it.
+    pub position: Multiplexer,
+    /// How many positions there are.
+    pub range: u64,
+    /// Whether the shaft may have been turned instead: the device does not tell the offset, or tells the same as before.
+    pub is_uncertain: bool,
+    /// Whether the device tells the offset, and that it is the same as before: then most likely the shaft was turned.
+    pub is_denied: bool,
+    /// Whether it is moved in the device's memory: the next start brings it.
+    pub is_stored: bool,
+}
+
+impl ZeroPoint {
+    /// Looks where the zero point is; `None`: the device has none that anything moves.
+    ///
+    /// # Errors
+    /// Those of reading the position.
+    pub(crate) fn look(bench: &mut Bench<'_>) -> Result<Option<Self>, Stop> {
+        let Some(objects) = profile::zero_point(bench)? else { return Ok(None) };
+        let first = objects.shown(bench)?;
+        let mut around = [0, 0];
+        for _ in 1..READINGS {
+            bench.listen(BETWEEN)?;
+            let away = shorter_way(first, objects.shown(bench)?, objects.range);
+            around = [around[0].min(away), around[1].max(away)];
+        }
+        let mut number = |at: Option<Multiplexer>| at.map(|at| bench.read_number(at)).transpose();
+        let (offset, raw) = (number(objects.offset)?, number(objects.raw)?);
+        let Objects { preset, takes_position, position, range, .. } = objects;
+        Ok(Some(Self {
+            preset,
+            takes_position,
+            position,
+            range,
+            shown: first,
+            spread: around[1] - around[0],
+            offset: offset.map(|offset| i64::from(offset as i32)),
+            raw: raw.map(i64::from),
+        }))
+    }
+
+    /// Whether the shaft was at rest.
+    pub(crate) const fn is_at_rest(&self) -> bool {
+        self.spread <= TREMBLE
+    }
+
+    /// Whether the device says that no preset has moved it, or does not tell.
+    pub(crate) fn is_as_delivered(&self) -> bool {
+        self.offset.is_none_or(|offset| offset == 0)
+    }
+
+    /// Whether a preset can put it back from every position.
+    pub(crate) const fn takes_position(&self) -> bool {
+        self.takes_position
+    }
+
+    /// What moves it.
+    pub(crate) const fn preset(&self) -> Multiplexer {
+        self.preset
+    }
+
+    /// By how much it has moved until `now`; `None` if not at all, or if the shaft turns and nothing tells.
+    pub(crate) fn moved(&self, now: &Self) -> Option<Moved> {
+        let Self { preset, takes_position, position, range, .. } = *self;
+        let by_offset = self.offset.zip(now.offset).map(|(before, after)| shorter_way(before, after, range));
+        let by_position = shorter_way(self.shown, now.shown, range);
+        let both_at_rest = self.is_at_rest() && now.is_at_rest();
+        let has_turned = self.raw.zip(now.raw).is_some_and(|(before, after)| (before - after).abs() > TREMBLE);
+        let excused = match by_offset {
+            Some(_) => TREMBLE.max(self.spread).max(now.spread),
+            None => self.spread + now.spread,
+        };
+        let is_denied = by_offset == Some(0);
+        let (steps, is_uncertain) = match by_offset {
+            Some(steps) if steps != 0 && takes_position => (steps, false),
+            // What was set on the spot tells that it was, and not by how much.
+            Some(changed) if changed != 0 => (by_position, false),
+            _ if both_at_rest && !has_turned && by_position.abs() > excused => (by_position, true),
+            _ => return None,
+        };
+        Some(Moved { steps, preset, takes_position, position, range, is_uncertain, is_denied, is_stored: false })
+    }
+
+    /// The preset that moves the zero point from `now` back to here, at rest.
+    fn preset_back(&self, now: &Self, moved: &Moved) -> u32 {
+        let range = i64::try_from(self.range).unwrap_or(i64::MAX).max(1);
+        u32::try_from((now.shown - moved.steps).rem_euclid(range)).unwrap_or(u32::MAX)
+    }
+}
+
+/// As a journal keeps it: `6003:00 6004:00 33554432 19642 0 307 -`; a `=` before the first object if that takes no position.
+impl fmt::Display for ZeroPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let object = |at: Multiplexer| format!("{:04X}:{:02X}", at.index.0, at.sub.0);
+        let known = |number: Option<i64>| number.map_or_else(|| "-".to_owned(), |number| number.to_string());
+        let Self { preset, position, range, shown, spread, offset, raw, .. } = *self;
+        let kind = if self.takes_position { "" } else { "=" };
+        write!(f, "{kind}{} {} {range} {shown} {spread} ", object(preset), object(position))?;
+        write!(f, "{} {}", known(offset), known(raw))
+    }
+}
+
+impl FromStr for ZeroPoint {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const EXPECTED: &str = "the objects and numbers of a zero point, such as 6003:00 6004:00 8192 100 0 7 -";
+        let object = |text: &str| {
+            let (index, sub) = text.split_once(':')?;
+            Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
+        };
+        let known = |text: &str| if text == "-" { Some(None) } else { text.parse().ok().map(Some) };
+        let read = |words: &[&str]| {
+            let &[preset, position, range, shown, spread, offset, raw] = words else { return None };
+            let takes_position = !preset.starts_with('=');
+            Some(Self {
+                preset: object(preset.trim_start_matches('='))?,
+                takes_position,
+                position: object(position)?,
+                range: range.parse().ok().filter(|range| (1..=1 << 32).contains(range))?,
+                shown: shown.parse().ok()?,
+                spread: spread.parse().ok()?,
+                offset: known(offset)?,
+                raw: known(raw)?,
+            })
+        };
+        read(&text.split(' ').collect::<Vec<_>>()).ok_or(EXPECTED)
+    }
+}
+
+impl fmt::Display for Moved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { steps, preset, position, .. } = self;
+        let plural = if steps.abs() == 1 { "" } else { "s" };
+        let stored = if self.is_stored { "stored " } else { "" };
+        match self.is_uncertain {
+            false => write!(f, "the {stored}zero point was moved by {steps:+} step{plural}")?,
+            true => write!(
+                f,
+                "the position at rest is {steps:+} step{plural} from that before the run: the {stored}zero point was moved, or \
+                 the shaft was turned"
+            )?,
+        }
+        f.write_str(". To set it right by hand, at rest: ")?;
+        if self.takes_position {
+            let more = if *steps < 0 { "plus" } else { "minus" };
+            let (amount, range) = (steps.abs(), self.range);
+            write!(f, "read {position}, and give {preset} that value {more} {amount}, modulo {range}")?;
+        } else {
+            write!(f, "bring it to where {position} was 0, and write 1 to {preset}")?;
+        }
+        if self.is_stored { f.write_str("; then store it") } else { Ok(()) }
+    }
+}
+
+impl Bench<'_> {
+    /// Puts the zero point back where it was, by a preset at rest, and looks whether it is there. What is left is given back.
+    ///
+    /// # Errors
+    /// Those of the bus; and [`Stop::NotApplicable`] where the user has not allowed presets.
+    pub(crate) fn put_back_zero_point(&mut self, before: &ZeroPoint) -> Result<Option<Moved>, Stop> {
+        /// A shaft that trembles needs more than one: the step that it is at changes between reading and writing.
+        const TRIES: usize = 6;
+        let mut left = None;
+        for _ in 0..TRIES {
+            let Some(now) = ZeroPoint::look(self)? else { return Ok(None) };
+            left = before.moved(&now);
+            let may_be_put_back = |moved: &Moved| now.is_at_rest() && moved.takes_position && !moved.is_denied;
+            let Some(moved) = left.filter(may_be_put_back) else { break };
+            let value = before.preset_back(&now, &moved);
+            self.with_leave_to_move(|bench| bench.download_now(moved.preset, &value.to_le_bytes()))?;
+        }
+        Ok(left)
+    }
+}
+
+/// From one position to another the shorter way round.
+fn shorter_way(from: i64, to: i64, range: u64) -> i64 {
+    let range = i64::try_from(range).unwrap_or(i64::MAX).max(1);
+    let way = (to - from).rem_euclid(range);
+    if way > range / 2 { way - range } else { way }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn at(shown: i64, spread: i64, offset: Option<i64>, raw: Option<i64>) -> ZeroPoint {
+        let (preset, position) = (Multiplexer::new(0x6003, 0), Multiplexer::new(0x6004, 0));
+        ZeroPoint { preset, takes_position: true, position, range: 10_000, shown, spread, offset, raw }
+    }
+
+    fn steps(before: ZeroPoint, now: ZeroPoint) -> Option<(i64, bool)> {
+        before.moved(&now).map(|moved| (moved.steps, moved.is_uncertain))
+    }
+
+    /// What 6509h says counts first, over the end of the range too; the position at rest where it says nothing.
+    #[test]
+    fn a_zero_point_that_moved_is_told_to_the_step() {
+        let before = at(100, 0, Some(0), None);
+        assert_eq!(steps(before, before), None);
+        assert_eq!(steps(before, at(407, 0, Some(307), None)), Some((307, false)));
+        assert_eq!(steps(before, at(101, 0, Some(1), None)), Some((1, false)));
+        assert_eq!(steps(at(5, 0, Some(-20), None), at(9_985, 0, Some(9_960), None)), Some((-20, false)));
+        assert_eq!(steps(before, at(100, 0, Some(10_000), None)), None, "once round is nowhere");
+        assert_eq!(steps(before, at(407, 0, Some(0), None)), Some((307, true)), "6509h may be wrong");
+        assert_eq!(steps(at(100, 0, None, None), at(101, 0, None, None)), Some((1, true)));
+    }
+
+    /// A shaft that trembles or turns moves no zero point.
+    #[test]
+    fn a_shaft_that_moves_is_no_zero_point_that_moved() {
+        let before = at(100, 0, Some(7), Some(50));
+        assert_eq!(steps(before, at(102, 2, Some(7), Some(52))), None, "it trembles");
+        assert_eq!(steps(before, at(400, 0, Some(7), Some(350))), None, "it was turned meanwhile");
+        assert_eq!(steps(before, at(400, 90, Some(7), None)), None, "it turns");
+        assert_eq!(steps(at(100, 1, None, None), at(101, 0, None, None)), None, "nothing tells a step from trembling");
+        assert_eq!(steps(before, at(400, 90, Some(8), None)), Some((1, false)), "it turns, and was moved");
+    }
+
+    #[test]
+    fn it_is_told_how_to_set_it_right_by_hand() {
+        let moved = at(100, 0, Some(0), None).moved(&at(407, 0, Some(307), None)).unwrap();
+        let told = "the zero point was moved by +307 steps. To set it right by hand, at rest: read 6004h:00, and give 6003h:00 \
+                    that value minus 307, modulo 10000";
+        assert_eq!(moved.to_string(), told);
+        let stored = Moved { steps: -1, is_stored: true, is_uncertain: true, ..moved };
+        let told = "the position at rest is -1 step from that before the run: the stored zero point was moved, or the shaft was \
+                    turned. To set it right by hand, at rest: read 6004h:00, and give 6003h:00 that value plus 1, modulo 10000; \
+                    then store it";
+        assert_eq!(stored.to_string(), told);
+    }
+
+    /// An angle whose zero is set where it stands can only be set again there.
+    #[test]
+    fn a_zero_that_is_set_on_the_spot_is_set_again_there() {
+        let angle = |shown| ZeroPoint { takes_position: false, ..at(shown, 0, Some(1), None) };
+        let gone = ZeroPoint { offset: Some(0), ..angle(9_000) };
+        assert_eq!(steps(angle(0), gone), Some((-1_000, false)));
+        let told = angle(0).moved(&gone).unwrap().to_string();
+        assert!(told.ends_with("at rest: bring it to where 6004h:00 was 0, and write 1 to 6003h:00"), "{told}");
+        assert_eq!(angle(7).to_string().parse(), Ok(angle(7)));
+    }
+
+    proptest! {
+        #[test]
+        fn a_journal_gives_back_what_it_was_told(
+            shown in 0_i64..10_000,
+            spread in 0_i64..5,
+            offset in proptest::option::of(-5_000_i64..5_000),
+            raw in proptest::option::of(0_i64..1 << 32),
+        ) {
+            let zero_point = at(shown, spread, offset, raw);
+            prop_assert_eq!(zero_point.to_string().parse(), Ok(zero_point));
+        }
+
+        #[test]
+        fn any_other_text_is_none(text in "[0-9A-F: -]{0,60}") {
+            // It must not panic; what it reads it writes again.
+            if let Ok(read) = text.parse::<ZeroPoint>() {
+                prop_assert_eq!(read.to_string().parse(), Ok(read));
+            }
+        }
+
+        /// Where a shaft rests and wherever its zero point was moved to, the preset brings back the position that it had.
+        #[test]
+        fn the_preset_back_brings_the_position_back(shaft in 0_i64..10_000, old in 0_i64..10_000, new in 0_i64..10_000) {
+            let shown = |offset: i64| at((shaft + offset).rem_euclid(10_000), 0, Some(offset), None);
+            let (before, now) = (shown(old), shown(new));
+            match before.moved(&now) {
+                Some(moved) => prop_assert_eq!(i64::from(before.preset_back(&now, &moved)), before.shown),
+                None => prop_assert_eq!(before.shown, now.shown),
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! `--reconnect-timeout`: how long a bus is waited for while the way to it is interrupted.
+
+use crate::interrupt::Interrupt;
+use crate::live::parse_span;
+use crate::status::Status;
+use canvass_bus::{Bus, Endurance, Interruptions};
+use canvass_traces::Duration;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Gateways take a minute and a half to start again.
+pub const RECONNECT: Duration = Duration::from_secs(120);
+
+/// How long it is waited for, as typed.
+#[derive(Clone, Copy, clap::Args)]
+pub struct ReconnectArg {
+    /// How long to wait for the bus if the way to it is interrupted: an adapter is unplugged, a connection breaks, an
+    /// interface goes down
+    #[arg(long, default_value = "2min", value_name = "SPAN", value_parser = parse_span)]
+    reconnect_timeout: Duration,
+}
+
+impl ReconnectArg {
+    /// Until the user ends it.
+    pub fn endurance(self, interrupt: &Interrupt) -> Endurance {
+        self.until(None, interrupt.flag())
+    }
+
+    /// Until that moment, or until the user ends it.
+    pub const fn until(self, ends: Option<Instant>, cancelled: Arc<AtomicBool>) -> Endurance {
+        Endurance { patience: self.reconnect_timeout, ends, cancelled }
+    }
+}
+
+/// How often and how long the way to a bus was interrupted so far; `None` if it was not.
+pub fn interruptions(bus: &dyn Bus) -> Option<Interruptions> {
+    bus.health().interruptions(bus.now())
+}
+
+/// The status of a command that only listens, which would otherwise end with `status`. A bus that is not back is an error,
+/// except where this end is the adapter: whoever has connected to it may leave it.
+pub fn status_of_listener(address: &str, interruptions: Option<&Interruptions>, status: Status) -> Status {
+    let is_lost = interruptions.is_some_and(|interruptions| !interruptions.is_over);
+    let may_leave = address.starts_with("slcan:listen://");
+    if is_lost && !may_leave && status == Status::Good { Status::Unreachable } else { status }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bus_that_is_not_back_is_an_error() {
+        let of = |address, is_over, status| {
+            let interruptions = Interruptions { count: 1, lasted: Duration::from_secs(1), last: None, is_over };
+            status_of_listener(address, Some(&interruptions), status)
+        };
+        assert_eq!(of("can0", false, Status::Good), Status::Unreachable);
+        assert_eq!(of("can0", true, Status::Good), Status::Good);
+        assert_eq!(of("can0", false, Status::Findings), Status::Findings);
+        assert_eq!(of("slcan:listen://2000", false, Status::Good), Status::Good);
+        assert_eq!(status_of_listener("can0", None, Status::Good), Status::Good);
+    }
+}

@@ -1,0 +1,161 @@
+//! `canvass test` and `canvass restore` on the simulated bus, and what their user is told.
+
+use super::request::Wanted;
+use super::watched::{Moments, Seen, Watched};
+use super::world::{Subject, World};
+use anyhow::{Context, Result};
+use canvass_analyzer::dictionary::KnownDevice;
+use canvass_bus::Bus;
+use canvass_reports::conformance::dictionary::lines;
+use canvass_suite::bench::{Bench, Options, Target};
+use canvass_suite::case::Case;
+use canvass_suite::catalogue;
+use canvass_suite::comparison::Comparison;
+use canvass_suite::journal::Interrupted;
+use canvass_suite::runner::{self, Plan, RunEvent, Summary};
+use canvass_suite::touch::Touch;
+use canvass_suite::verdict::Kind;
+use canvass_traces::{Frame, Record};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+/// What a run tells while it goes on.
+#[derive(Default)]
+struct Told {
+    /// Each case that has ended: its id, the frames before its begin and at its end, its verdict.
+    cases: Vec<(&'static str, u64, u64, &'static str)>,
+    begun_at: u64,
+    /// How many cases have begun.
+    begun: usize,
+    /// How many frames the tester had sent when the last case ended.
+    closing: usize,
+    comparison: Option<Comparison>,
+    notices: Vec<String>,
+}
+
+pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
+    let journal = world.journal_path();
+    let _ = std::fs::remove_file(&journal);
+    let cases = chosen(&wanted.select)?;
+    let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
+    let zero_point_is_stored = wanted.zero_point_stored;
+    let options = Options { allow, journal: Some(journal.clone()), zero_point_is_stored, ..Options::default() };
+    let moments = Moments {
+        interrupt: wanted.interrupt,
+        kill: wanted.kill.clone(),
+        journal: journal.clone(),
+        ..Moments::default()
+    };
+    let (seen, mut told) = (Seen::default(), Told::default());
+    let (subject, state) = world.current()?;
+    let bit_rate = state.bus.bit_rate();
+    let plan = Plan { cases: &cases, bus: &subject.address, bit_rate, seed: 0 };
+    let target = Target::of(subject.model, subject.node);
+    let mut bus = Watched { bus: &mut state.bus, moments: &moments, seen: &seen };
+    let mut annotate = |_: &Record| String::new();
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &moments.cancel);
+    let ended = runner::run(&mut bench, &plan, &mut |event| told.hear(event, &seen));
+    drop(bench);
+    state.journal = std::fs::read_to_string(&journal).ok();
+    let mut answer = told.answer(&seen);
+    answer["journal_is_left"] = state.journal.is_some().into();
+    match ended {
+        Ok(summary) => answer["summary"] = counted(&summary),
+        Err(error) => answer["failed"] = error.to_string().into(),
+    }
+    for (frame, state) in seen.kills.into_inner() {
+        world.put_away(format!("kill {frame}"), state);
+    }
+    Ok(answer)
+}
+
+pub fn restore(world: &mut World) -> Result<Value> {
+    let (subject, state) = world.current()?;
+    let Some(journal) = &state.journal else { return Ok(json!({ "had_journal": false, "lines": [], "sent": [] })) };
+    let interrupted = Interrupted::read(journal)?;
+    let target = target(&interrupted, subject);
+    let (seen, moments, options) = (Seen::default(), Moments::default(), Options::default());
+    let mut bus = Watched { bus: &mut state.bus, moments: &moments, seen: &seen };
+    let mut annotate = |_: &Record| String::new();
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &moments.cancel);
+    let compared = runner::put_back(&mut bench, &interrupted);
+    drop(bench);
+    let mut answer = json!({ "had_journal": true, "sent": shown(&seen.sent.borrow()) });
+    match compared {
+        Ok(comparison) => compare(&mut answer, &comparison),
+        Err(error) => answer["failed"] = error.to_string().into(),
+    }
+    if answer["is_as_found"] == true {
+        state.journal = None;
+    }
+    Ok(answer)
+}
+
+/// What `canvass restore` knows of the device: what the journal says.
+fn target(interrupted: &Interrupted, subject: &Subject) -> Target {
+    let known = (!interrupted.device.is_empty()).then(|| KnownDevice::clone(subject.model.device()));
+    Target::known(interrupted.node, interrupted.device.clone(), known)
+}
+
+fn chosen(ids: &[String]) -> Result<Vec<&'static Case>> {
+    if ids.is_empty() {
+        return Ok(catalogue::cases());
+    }
+    ids.iter().map(|id| catalogue::find(id).with_context(|| format!("there is no case {id}"))).collect()
+}
+
+impl Told {
+    fn hear(&mut self, event: &RunEvent<'_>, seen: &Seen) {
+        match event {
+            RunEvent::OtherClients(_) => {}
+            RunEvent::CaseStarted { .. } => {
+                self.begun_at = seen.frames.get();
+                self.begun += 1;
+            }
+            RunEvent::CaseFinished(report) => {
+                let verdict = report.verdict.kind().name();
+                self.cases.push((report.case.id, self.begun_at, seen.frames.get(), verdict));
+                self.closing = seen.sent.borrow().len();
+            }
+            RunEvent::DictionaryCompared(comparison) => self.comparison = Some((*comparison).clone()),
+            RunEvent::Noticed(notice) => self.notices.push((*notice).to_owned()),
+            RunEvent::RunStarted(_) | RunEvent::RunFinished(_) => {}
+        }
+    }
+
+    fn answer(self, seen: &Seen) -> Value {
+        let sent = seen.sent.borrow();
+        let closing = sent.get(self.closing..).unwrap_or_default();
+        let mut answer = json!({
+            "frames": seen.frames.get(),
+            "begun": self.begun,
+            "cases": self.cases,
+            "notices": self.notices,
+            "closing": shown(closing),
+        });
+        if let Some(comparison) = &self.comparison {
+            compare(&mut answer, comparison);
+        }
+        answer
+    }
+}
+
+/// What the user reads of the object dictionary.
+fn compare(answer: &mut Value, comparison: &Comparison) {
+    answer["is_as_found"] = comparison.is_as_found().into();
+    answer["lines"] = lines(comparison).into();
+    answer["commands"] = comparison.commands.clone().into();
+}
+
+fn counted(summary: &Summary) -> Value {
+    let counts = Kind::ALL.map(|kind| (kind.name().to_owned(), summary.count(kind).into()));
+    json!({
+        "counts": counts.into_iter().collect::<serde_json::Map<_, _>>(),
+        "cancelled": summary.cancelled,
+        "is_as_found": summary.is_as_found,
+    })
+}
+
+fn shown(frames: &[Frame]) -> Vec<String> {
+    frames.iter().map(Frame::to_string).collect()
+}

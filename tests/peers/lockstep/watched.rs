@@ -1,0 +1,79 @@
+//! The bus as the run has it: every frame is counted, and at chosen frames the run is interrupted or its state is kept.
+
+use super::world::State;
+use canvass_bus::{Bus, BusError, SimulatedBus};
+use canvass_traces::{Direction, Frame, Record, Timestamp};
+use std::cell::{Cell, RefCell};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What happens at which frame, counted from 1.
+#[derive(Default)]
+pub struct Moments {
+    pub interrupt: Option<u64>,
+    pub kill: Vec<u64>,
+    /// Where the run writes its journal.
+    pub journal: PathBuf,
+    pub cancel: AtomicBool,
+}
+
+/// What was on the bus so far.
+#[derive(Default)]
+pub struct Seen {
+    pub frames: Cell<u64>,
+    /// Those of the tester.
+    pub sent: RefCell<Vec<Frame>>,
+    /// What a kill would leave, by the number of the frame.
+    pub kills: RefCell<Vec<(u64, State)>>,
+}
+
+/// The bus of a run.
+pub struct Watched<'a> {
+    pub bus: &'a mut SimulatedBus,
+    pub moments: &'a Moments,
+    pub seen: &'a Seen,
+}
+
+impl Watched<'_> {
+    fn count(&self, record: &Record) {
+        let frame = self.seen.frames.get() + 1;
+        self.seen.frames.set(frame);
+        if record.direction == Direction::Tx {
+            self.seen.sent.borrow_mut().push(record.frame);
+        }
+        if self.moments.interrupt == Some(frame) {
+            self.moments.cancel.store(true, Ordering::Relaxed);
+        }
+        if self.moments.kill.contains(&frame)
+            && let Some(bus) = self.bus.duplicate()
+        {
+            // The tester never learns of this frame: what it had written down by now is all there is.
+            let journal = std::fs::read_to_string(&self.moments.journal).ok();
+            self.seen.kills.borrow_mut().push((frame, State { bus, journal }));
+        }
+    }
+}
+
+impl Bus for Watched<'_> {
+    fn now(&self) -> Timestamp {
+        self.bus.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        self.bus.send(frame)
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        let record = self.bus.receive(deadline)?;
+        record.iter().for_each(|record| self.count(record));
+        Ok(record)
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
+    }
+
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.bus.set_bit_rate(bit_rate)
+    }
+}

@@ -1,0 +1,21 @@
+//! `cargo xtask as-found`: whether canvass leaves devices as it found them, judged by python-canopen in virtual time.
+
+use crate::peers;
+use crate::run::run;
+use anyhow::Result;
+
+/// Where cargo puts the simulated device that the judge drives, and the program.
+const LOCKSTEP: &str = "target/debug/lockstep";
+const CANVASS: &str = "target/debug/canvass";
+const JUDGE: &str = "tests/peers/as_found";
+
+/// Runs the judge with its own options; it prints a table and the shortest run of each kind of difference.
+///
+/// # Errors
+/// If a device is not as it was found, or something can't be built.
+pub fn as_found(options: &[String]) -> Result<()> {
+    peers::install_python()?;
+    run("cargo", &["build", "--locked", "--features", "peers", "--bin", "lockstep", "--bin", "canvass"])?;
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    run(peers::PYTHON, &[&[JUDGE, "--lockstep", LOCKSTEP, "--canvass", CANVASS], &options[..]].concat())
+}
