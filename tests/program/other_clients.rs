@@ -124,6 +124,12 @@ fn tested(model: &str, more: &[&str]) -> Run {
     finished(command(&[&args, more].concat()).stdin(Stdio::null()).output().unwrap())
 }
 
+/// The cases that ended so, each with its reason.
+fn ending(document: &serde_json::Value, verdict: &str) -> Vec<String> {
+    let ending = document["cases"].as_array().unwrap().iter().filter(|case| case["verdict"] == verdict);
+    ending.map(|case| format!("{} {}", case["id"], case["reason"])).collect()
+}
+
 /// The whole suite, in parts that run at the same time, each on a bus of its own.
 fn whole_suite(model: &'static str) {
     const PARTS: usize = 8;
@@ -137,13 +143,8 @@ fn whole_suite(model: &'static str) {
     for run in runs.into_iter().map(|run| run.join().unwrap()) {
         let document: serde_json::Value =
             serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}", run.stderr));
-        let of = |verdict: &str| {
-            let all = document["cases"].as_array().unwrap().iter();
-            all.filter(|case| case["verdict"] == verdict).map(|case| format!("{} {}", case["id"], case["reason"]))
-        };
-        let bad: Vec<String> = of("fail").chain(of("error")).collect();
-        assert_eq!(bad, Vec::<String>::new(), "{model}");
-        let (passed, undecided) = (of("pass").count(), of("inconclusive").collect::<Vec<_>>());
+        assert_eq!([ending(&document, "fail"), ending(&document, "error")].concat(), Vec::<String>::new(), "{model}");
+        let (passed, undecided) = (ending(&document, "pass").len(), ending(&document, "inconclusive"));
         assert!(undecided.len() * 10 <= passed, "{model}: {passed} passed, {undecided:#?}");
         let others = &document["other_clients"];
         assert_eq!((&others[0]["kind"], &others[0]["id"]), (&"sdo-read".into(), &0x63F.into()), "{others}");

@@ -25,9 +25,6 @@ pub(super) fn sentence(host: &HostTiming) -> String {
     if let Some(trouble) = host.stamps {
         text += &format!(" The adapter's time stamps {trouble}: times that they gave are not judged.");
     }
-    if let Some(trouble) = host.stamps {
-        text += &format!(" The adapter's time stamps {trouble}: times that they gave are not judged.");
-    }
     text
 }
 
