@@ -68,6 +68,8 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+mod other_clients;
+#[cfg(test)]
 #[cfg(unix)] // a signal ends what goes on for ever
 mod outages;
 #[cfg(test)]
