@@ -118,7 +118,6 @@ fn a_device_that_is_polled_fails_nothing() {
         assert_eq!((outcomes.of(Kind::Fail), outcomes.of(Kind::Error)), (Vec::new(), Vec::new()), "{model}");
         let alone = tested(model, None, &[], &everything());
         let (passed, usually) = (outcomes.of(Kind::Pass).len(), alone.of(Kind::Pass).len());
-        println!("{model}: {passed} of {usually} passed");
         assert!(passed * 100 >= usually * 90, "{model}: {passed} of {usually}: {:#?}", outcomes.of(Kind::Inconclusive));
         let request = ForeignKind::SdoRead;
         let [ForeignMessages { kind, can_id, count }] = outcomes.others[..] else { panic!("{:?}", outcomes.others) };
@@ -170,11 +169,6 @@ fn what_others_send_is_told_by_its_kind_and_fails_nothing() {
         let outcomes = tested("reference-301", Some(controller), &[cases], &everything());
         assert_eq!(outcomes.of(Kind::Fail), Vec::<String>::new(), "{frame}");
         assert!(outcomes.others.iter().any(|sent| sent.kind == kind), "{frame}: {:?}", outcomes.others);
-        println!(
-            "{frame}: {} pass, {} inconclusive",
-            outcomes.of(Kind::Pass).len(),
-            outcomes.of(Kind::Inconclusive).len()
-        );
     }
 }
 
