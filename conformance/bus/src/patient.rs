@@ -13,7 +13,7 @@ pub struct Endurance {
     /// Each of them.
     pub patience: Duration,
     /// The end of what the bus is used for; `None`: there is none. What is done after it, such as putting a device back, is
-    /// waited for [`LAST`].
+    /// waited for five seconds more.
     pub ends: Option<Instant>,
     /// Whether the user has ended it. The same holds from then on.
     pub cancelled: Arc<AtomicBool>,
