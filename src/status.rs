@@ -1,6 +1,7 @@
 //! Exit statuses, and how errors become one.
 
 use canvass_bus::BusError;
+use canvass_suite::runner::RunError;
 use canvass_traces::{OpenError, WriteError};
 use std::process::ExitCode;
 
@@ -76,6 +77,9 @@ fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     }
     if let Some(BusError::Interrupted { .. }) = cause.downcast_ref() {
         return Some("--reconnect-timeout says how long to wait");
+    }
+    if let Some(RunError::OtherClients { .. }) = cause.downcast_ref() {
+        return Some("stop them, or test the device beside them with --allow other-clients");
     }
     let Some(WriteError::NotWritten(_)) = cause.downcast_ref() else { return None };
     Some("choose another format with --to (`canvass list formats` shows them)")

@@ -1,7 +1,8 @@
 //! The attributes `#[rule]` and `#[case]`: all that there is to say of a rule of the diagnosis, or of a conformance case,
-//! beside its code.
+//! beside its code. `#[derive(Catalogue)]`: enums whose variants are entries of a list.
 
 mod case;
+mod catalogue;
 mod doc;
 mod keys;
 mod rule;
@@ -10,16 +11,18 @@ use proc_macro::TokenStream;
 
 /// Registers a rule of the diagnosis.
 ///
-/// On the struct that is the rule's state. Its doc comment is what a user reads in `canvass explain` and `docs/rules.md`:
+/// On the struct that is the rule's state. Its doc comment is what a user reads in `canvass explain` and on the reference page:
 /// the title as the first paragraph, then what exactly is found, then a section `# Why`, and a section `# What to do`.
 ///
 /// Keys:
 ///
 /// - `id`: stable and textual, such as `"nodes/heartbeat-missing"`;
 /// - `severity`: `Error`, `Warning` or `Info`;
+/// - `rank`: how grave its findings are for a machine, such as `Loss` or `Detail`;
 /// - `services`: those whose frames the rule is shown, `[Sdo, Nmt]` or `all`;
 /// - `also` (optional): frames that it is shown beside these, such as `KnownTpdos`, or several in brackets;
-/// - `of` (optional): `capture` for a rule about whole captures, `nothing` for one that other code reports.
+/// - `of` (optional): `capture` for a rule about whole captures, `nothing` for one that other code reports;
+/// - `leads_to` (optional): what follows from its findings, a slice of `Effect`.
 ///
 /// Fields of the struct:
 ///
@@ -50,4 +53,14 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> TokenStream {
 #[proc_macro_attribute]
 pub fn case(attribute: TokenStream, item: TokenStream) -> TokenStream {
     case::case(attribute.into(), item.into()).unwrap_or_else(|error| error.to_compile_error()).into()
+}
+
+/// Makes the entries of a catalogue of the variants of an enum.
+///
+/// The name of a variant in lower case with hyphens is `id()`, its doc comment `summary()`; `ALL` has all in their order.
+/// `#[row(field = value, …)]` on a variant gives fields of the type `Row`, which stands beside the enum, values other than
+/// those of `Row::USUAL`; `row()` is the row of a variant.
+#[proc_macro_derive(Catalogue, attributes(row))]
+pub fn catalogue(item: TokenStream) -> TokenStream {
+    catalogue::catalogue(item.into()).unwrap_or_else(|error| error.to_compile_error()).into()
 }

@@ -1,4 +1,4 @@
-//! All cases as a page of Markdown: what `docs/cases.md` is.
+//! All cases as a page of Markdown: a reference page of the book.
 
 use crate::answers;
 use crate::escape::markdown as escaped;
@@ -10,47 +10,11 @@ use std::fmt::Write;
 const HEAD: &str = "\
 # Conformance cases
 
-This page is made from the code by `cargo xtask docs`; `canvass explain ID` prints one case in full.
+`canvass explain ID` prints one case in full.
 
 A clause is printed with how sure its number is: without a word where the clause was read or an independent source cites
 it, *(derived)* where it was counted between two such, *(unconfirmed)* where it comes from the structure of the standard. *catches* are the
 firmware faults (`canvass list faults`) on which the case is known to fail: `canvass selftest` proves it.
-
-## Waivers
-
-Breaches that the user of a device accepts stand in a file for `--waivers`. They get the verdict *deviation*, as what the
-device's own manual documents does.
-
-```toml
-[[waiver]]
-case = \"301/pdo/mapping/*\"              # an id or a pattern with *
-object = \"1A00:01\"                      # what the breach is about: an object, a service, \"TPDO 1\", \"device\"
-does = \"abort 0604 0041h\"               # what the device does instead of what the standard says
-reason = \"mapping is fixed, ticket 4711\"
-owner = \"Ann\"                           # optional: who answers for it
-expires = 2027-06-30                    # optional: the last day on which the waiver holds
-```
-
-A waiver excuses that behaviour of that object in that case, and nothing else: whatever else the case finds still fails. A
-report prints `object` and `does` of each failure (*as data*), ready to be copied. What differs from run to run is named by a
-range, `time 90 ms..110 ms` or `count 2..5`, or by its sort: `value *`, `number *`, `time *`, `count *`, `frame *`; an abort
-is accepted with its code only.
-
-A waiver that lacks one of these, or is for a case that does not exist, is an error with its line. One that has expired, or
-that excused nothing in a run, is reported with what was found instead: waivers must not outlive what they are for.
-
-A case that sometimes fails for an unknown reason is not for a waiver. List it in the same file, in quarantine:
-
-```toml
-[[quarantine]]
-case = \"301/heartbeat/period\"           # an id or a pattern with *
-owner = \"Ann\"                           # who looks into it
-reason = \"fails on sample 3 every tenth time, ticket 12\"
-until = 2027-06-30                      # the last day on which it holds
-```
-
-Its failure is shown in every report, with owner and day, and does not count until then: the status stays 0, JUnit has it among the
-skipped, `canvass compare` does not call it worse, `--fail-fast` goes on. From the day after it counts, and the report says why.
 
 ## What is only noted
 

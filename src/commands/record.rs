@@ -120,6 +120,9 @@ impl Args {
                 if let Some(trouble) = since.trouble {
                     diagnostic(&format!("canvass: {trouble}: recording goes on when it is back"));
                 }
+                if told.interrupted_since.is_some() && health.interrupted_since.is_none() {
+                    diagnostic(&format!("canvass: the bus is back, after {}", since.interrupted_for));
+                }
                 told = health;
             }
         }

@@ -53,12 +53,12 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
+    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/waivers.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
     /// Run each case this many times; a case that does not always end the same way is flaky

@@ -7,6 +7,8 @@
 #[cfg(test)]
 mod agreement;
 #[cfg(test)]
+mod as_found;
+#[cfg(test)]
 mod can_utils;
 #[cfg(test)]
 mod cantools;

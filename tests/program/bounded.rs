@@ -64,3 +64,38 @@ fn scan_ends_in_time() {
         }
     });
 }
+
+#[test]
+fn an_upload_has_a_limit() {
+    let read = |rogue, more: &[&str]| on(rogue, &[&["sdo", "read", "BUS", "5", "1008"], more].concat());
+    let (endless, took) = read(Rogue::Endless, &["--max-time", "700ms"]);
+    assert!(took < MOST && endless.status == 1 && endless.stdout.is_empty(), "{took:?}: {}", endless.stderr);
+    let says = "upload ended after 0 bytes: expected its end within 700 ms (--max-time raises the limit)";
+    assert!(endless.stderr.contains(says), "{}", endless.stderr);
+    for (more, most) in [(&[][..], "16777216"), (&["--max-size", "3k"], "3000")] {
+        let (huge, took) = read(Rogue::Huge, more);
+        assert!(took < MOST && huge.status == 1 && huge.stdout.is_empty(), "{took:?}: {}", huge.stderr);
+        let says = format!(
+            "upload ended after 0 of 4294967295 bytes: expected at most {most} bytes (--max-size raises the limit)"
+        );
+        assert!(huge.stderr.contains(&says), "{}", huge.stderr);
+    }
+}
+
+#[test]
+fn a_dictionary_of_endless_objects_is_described() {
+    for (rogue, more, option) in
+        [(Rogue::Huge, &[][..], "--max-size"), (Rogue::Endless, &["--max-time", "20ms"], "--max-time")]
+    {
+        let args = ["eds", "from-device", "BUS", "--node", "5", "--range", "2000", "--timeout", "300ms"];
+        let (described, took) = on(rogue, &[&args[..], more].concat());
+        assert!(took < Duration::from_secs(60) && described.status == 0, "{took:?}: {}", described.stderr);
+        assert!(described.stdout.contains("[2000]"), "{}", described.stdout);
+        let told = described.stderr.lines().filter(|line| line.contains(option)).count();
+        assert!(
+            told > 200 && described.stderr.contains("2000h:00: upload ended after 0"),
+            "{told}: {}",
+            described.stderr
+        );
+    }
+}

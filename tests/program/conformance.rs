@@ -365,11 +365,3 @@ fn waiting_times_can_be_set() {
         assert_eq!(run(&["test", ENCODER, "--timeout", wrong]).status, 2, "{wrong}");
     }
 }
-
-/// `docs/cases.md` is what the program prints.
-#[test]
-fn the_catalogue_page_is_current() {
-    let page = std::fs::read_to_string(format!("{}/docs/cases.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let printed = run(&["list", "cases", "--format", "markdown"]).stdout;
-    assert!(page == printed, "docs/cases.md is out of date: run cargo xtask docs");
-}

@@ -2,7 +2,6 @@
 
 use crate::running::{run, run_with_input};
 use serde_json::Value;
-use std::path::Path;
 
 const PLAIN: &str = include_str!("../../analyzer/tests/eds/plain.eds");
 
@@ -164,14 +163,6 @@ fn rules_are_listed_and_explained() {
         let explained = run(&["explain", rule["id"].as_str().unwrap()]);
         assert!(explained.status == 0 && explained.stdout.contains("Passes:"), "{rule}: {}", explained.stderr);
     }
-}
-
-/// `docs/eds-rules.md` is what the program prints.
-#[test]
-fn eds_rules_md_is_current() {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/eds-rules.md")).unwrap();
-    let printed = run(&["list", "eds-rules", "--format", "markdown"]).stdout;
-    assert!(page == printed, "docs/eds-rules.md is out of date: run cargo xtask docs");
 }
 
 /// What a DCF names stands beside it: the EDS that it was made of, and what is to be downloaded.

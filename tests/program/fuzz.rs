@@ -128,14 +128,6 @@ fn properties_are_listed_and_explained() {
     assert!(run(&["explain", "PROP-05"]).stdout.contains("abort"));
 }
 
-/// `docs/fuzz-faults.md` is what the program prints.
-#[test]
-fn the_page_of_faults_is_current() {
-    let printed = run(&["list", "faults", "--format", "markdown"]).stdout;
-    let page = std::fs::read_to_string(format!("{}/docs/fuzz-faults.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    assert!(page == printed, "docs/fuzz-faults.md is out of date: run cargo xtask docs");
-}
-
 /// A file for each violation, which shows it again.
 #[test]
 fn reproducers_are_files_of_their_own() {

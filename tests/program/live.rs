@@ -1,5 +1,6 @@
 //! The commands of live buses: on the simulated bus, and in two processes with an SLCAN connection between them.
 
+use crate::proxy::Proxy;
 use crate::running::{Run, command, run};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
@@ -148,6 +149,59 @@ fn lss_asks_and_configures() {
     let other = run(&["lss", "configure", ENCODER, "--address", "1:2:3:4", "--node-id", "5"]);
     assert_eq!((other.status, other.stderr.contains("no device answers")), (3, true), "{}", other.stderr);
     assert_eq!(run(&["lss", "fastscan", ENCODER]).status, 3, "it has a node-ID");
+}
+
+/// LMT, which older devices have in place of LSS, has the same commands and another table of bit rates.
+#[test]
+fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
+    const LMT: &str = "sim:tr-lmp30";
+    let inquired = run(&["lss", "inquire", LMT]);
+    assert_eq!((inquired.status, &*inquired.stdout), (3, ""), "{}", inquired.stderr);
+    let says =
+        "no device answers to LSS, and one does to LMT (CiA DS-205): manufacturer name \"TR-ELEC\", product name";
+    assert!(inquired.stderr.contains(says), "{}", inquired.stderr);
+    let refused = run(&["lss", "configure", LMT, "--node-id", "5", "--bit-rate", "50k", "--store"]);
+    assert_eq!((refused.status, &*refused.stdout), (2, ""), "{}", refused.stderr);
+    for says in [
+        "manufacturer name \"TR-ELEC\"",
+        "row 6 is 50 kbit/s in that of LSS and 20 kbit/s in that of LMT; nothing was configured",
+    ] {
+        assert!(refused.stderr.contains(says), "{}", refused.stderr);
+    }
+    // The node-ID has one meaning in both, and a device with LSS, or none of either, is as it was.
+    let configured = run(&["lss", "configure", LMT, "--node-id", "5"]);
+    assert_eq!(
+        (configured.status, &*configured.stdout),
+        (0, "configure node-ID: successful\n"),
+        "{}",
+        configured.stderr
+    );
+    let configured = run(&["lss", "configure", ENCODER, "--bit-rate", "250k"]);
+    assert_eq!(configured.status, 0, "{}", configured.stderr);
+    assert!(configured.stdout.contains("configure bit timing: successful"), "{}", configured.stdout);
+    for (action, more) in [("inquire", &[][..]), ("configure", &["--bit-rate", "250k"])] {
+        let silent = run(&[&["lss", action, "sim:tr-c65"], more].concat());
+        assert_eq!(silent.status, 3, "{action}");
+        assert!(
+            silent.stderr.contains("no device answers to \"") && !silent.stderr.contains("LMT"),
+            "{}",
+            silent.stderr
+        );
+    }
+}
+
+/// Nothing that sets anything is sent to a device with LMT, and it is left in operation.
+#[test]
+fn what_a_device_with_lmt_is_sent_changes_nothing() {
+    let device = Device::of("tr-lmp30", &[]);
+    let proxy = Proxy::start(device.bus.strip_prefix("slcan:tcp://").unwrap().parse().unwrap()).unwrap();
+    let refused = run(&["lss", "configure", &proxy.bus(), "--node-id", "5", "--bit-rate", "50k", "--store"]);
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    let sent = proxy.frames("t7E58");
+    assert_eq!(
+        sent,
+        ["0401000000000000", "2400000000000000", "2500000000000000", "2600000000000000", "0400000000000000"]
+    );
 }
 
 /// A device that takes part in Fastscan though it has a node-ID would be given one after the other, up to 127.

@@ -68,6 +68,11 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+mod other_clients;
+#[cfg(test)]
+#[cfg(unix)] // a signal ends what goes on for ever
+mod outages;
+#[cfg(test)]
 #[cfg(unix)] // the documentation shows a POSIX shell
 mod pages;
 #[cfg(test)]
@@ -78,7 +83,11 @@ mod progress;
 #[cfg(test)]
 mod provenance;
 #[cfg(test)]
+mod proxy;
+#[cfg(test)]
 mod quarantine;
+#[cfg(test)]
+mod reference;
 #[cfg(test)]
 mod rogues;
 #[cfg(test)]

@@ -19,14 +19,24 @@ pub enum Rogue {
     Nonsense,
     /// It boots, and each upload is one of segments that hold nothing and never end.
     Endless,
+    /// It boots, and announces 4 GiB of each object, which it would deliver.
+    Huge,
     /// Closes the connection in the middle of a frame, each time.
     Closing,
 }
 
 impl Rogue {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Silent, Self::Garbage, Self::HalfLines, Self::Flood, Self::Nonsense, Self::Endless, Self::Closing];
+    pub const ALL: [Self; 8] = [
+        Self::Silent,
+        Self::Garbage,
+        Self::HalfLines,
+        Self::Flood,
+        Self::Nonsense,
+        Self::Endless,
+        Self::Huge,
+        Self::Closing,
+    ];
 
     /// Starts one that serves whoever connects as long as this process lives.
     pub fn start(self) -> std::io::Result<SocketAddr> {
@@ -68,7 +78,7 @@ impl Rogue {
                     stream.write_all(b"t58584300")?;
                     return Ok(());
                 }
-                Self::Silent | Self::Nonsense | Self::Endless => {}
+                Self::Silent | Self::Nonsense | Self::Endless | Self::Huge => {}
             }
         }
     }
@@ -78,14 +88,16 @@ impl Rogue {
             (Self::Silent, _) => Ok(()),
             (_, b"t00028105" | b"t00028205") => stream.write_all(b"\rt705100\r"),
             (Self::Nonsense, [b't', b'6', b'0', b'5', ..]) => stream.write_all(b"\rt5858EEEEEEEEEEEEEEEE\r"),
-            // An upload begins; its segments hold nothing and are not the last.
-            (Self::Endless, [b't', b'6', b'0', b'5', _, b'4', b'0', object @ ..]) => {
+            // An upload begins; its segments hold nothing, or all that they can, and are not the last.
+            (Self::Endless | Self::Huge, [b't', b'6', b'0', b'5', _, b'4', b'0', object @ ..]) => {
                 let object = String::from_utf8_lossy(object.get(..6).unwrap_or_default()).into_owned();
-                stream.write_all(format!("\rt585840{object}00000000\r").as_bytes())
+                let (begin, size) = if self == Self::Huge { ("41", "FFFFFFFF") } else { ("40", "00000000") };
+                stream.write_all(format!("\rt5858{begin}{object}{size}\r").as_bytes())
             }
-            (Self::Endless, [b't', b'6', b'0', b'5', _, toggle @ (b'6' | b'7'), ..]) => {
+            (Self::Endless | Self::Huge, [b't', b'6', b'0', b'5', _, toggle @ (b'6' | b'7'), ..]) => {
                 let toggle = if *toggle == b'6' { '0' } else { '1' };
-                stream.write_all(format!("\rt5858{toggle}E00000000000000\r").as_bytes())
+                let unused = if self == Self::Huge { '0' } else { 'E' };
+                stream.write_all(format!("\rt5858{toggle}{unused}00000000000000\r").as_bytes())
             }
             _ => stream.write_all(b"\r"),
         }

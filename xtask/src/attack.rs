@@ -52,6 +52,18 @@ pub fn attack(args: &[String]) -> Result<()> {
         return attack_built(span, seed);
     }
     run("cargo", &["build", "--locked"])?;
+    by_child(span, seed)
+}
+
+/// Attacks the program that lies there.
+///
+/// # Errors
+/// If it did not hold.
+pub fn built(span: &str) -> Result<()> {
+    by_child(parse_span(span)?, 1)
+}
+
+fn by_child(span: Duration, seed: u64) -> Result<()> {
     // The system tells the most memory of all children together: those that have built the program must not be among them.
     let this = this_program()?;
     let args = ["attack", "--built", "--for", &format!("{}s", span.as_secs()), "--seed", &seed.to_string()];

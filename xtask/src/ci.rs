@@ -1,15 +1,21 @@
 //! What CI runs: one step after the other, those first that are quick and find most. A step that fails hides no other.
 
-use crate::attack::attack;
+use crate::attack;
 use crate::browser;
 use crate::consent;
+use crate::docs;
 use crate::fleet;
 use crate::fuzz::fuzz;
+use crate::incidents::incidents;
 use crate::peers;
-use crate::run::{is_there, run};
+use crate::run::{is_there, run, target_folder};
+use crate::storm::storm;
 use crate::{vcan, web, windows};
 use anyhow::{Result, bail};
+use std::path::PathBuf;
 use std::process::Command;
+use std::sync::Mutex;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// What CI compiles at once: also the tests that need other people's programs, a browser, or a kernel with CAN, and that have
@@ -24,6 +30,11 @@ const WITHOUT_NEEDS: [&str; 2] =
 const LINTS: &str =
     "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
+/// How long CI runs each fuzz target, in seconds: long enough for the seeds and for what is found at once.
+const FUZZ: u32 = 5;
+/// How long it does at night.
+const FUZZ_AT_NIGHT: u32 = 120;
+
 /// Something that must pass.
 struct CiStep {
     name: &'static str,
@@ -35,31 +46,71 @@ struct CiStep {
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
 const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-const STEPS: [CiStep; 14] = [
+const STEPS: [CiStep; 16] = [
     FORMAT,
-    CiStep { name: "build", alone: "cargo build --workspace --locked", run: build },
     CiStep { name: "tests", alone: ALL_TESTS, run: tests },
+    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
     CiStep { name: "lints", alone: LINTS, run: lints },
     CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
-    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
+    CiStep { name: "without features", alone: "cargo check --no-default-features", run: without_features },
+    CiStep { name: "book", alone: "cargo xtask docs", run: book },
+    CiStep { name: "programs of others", alone: "cargo xtask peers; cargo xtask browser", run: fetched },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
-    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
-    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: web::step },
-    CiStep { name: "Windows", alone: "cargo xtask windows --build", run: windows::step },
-    CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::test },
-    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
+    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
+    CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::step },
+    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
+    CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
+    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ) },
+];
+
+/// What takes long and finds little: once a night is enough.
+const NIGHTLY: [CiStep; 5] = [
+    CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
+    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
+    CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
+    CiStep { name: "storm", alone: "cargo xtask storm", run: storm },
+    CiStep { name: "incidents", alone: "cargo xtask incidents", run: incidents },
 ];
 
 /// Everything that must pass: format, lints, documentation, all tests, with all their set-up.
 pub fn ci() -> Result<()> {
+    // Downloads mostly wait, and compilations do not.
+    if let Ok(mut fetching) = FETCHING.lock() {
+        *fetching = Some(std::thread::spawn(fetch));
+    }
     all(&STEPS)
+}
+
+/// What is worth running once a night, beside [`ci`].
+pub fn nightly() -> Result<()> {
+    all(&NIGHTLY)
 }
 
 /// What is worth running after each change.
 pub fn everyday() -> Result<()> {
     all(&[FORMAT, CiStep { name: "tests", alone: ALL_TESTS, run: everyday_tests }])
+}
+
+/// What installs the programs of others while this compiles.
+static FETCHING: Mutex<Option<JoinHandle<Result<()>>>> = Mutex::new(None);
+
+/// Installs what the steps after that of [`fetched`] need. They look for it themselves too, and say what is missing.
+fn fetch() -> Result<()> {
+    let needed = peers::install_all().and_then(|()| browser::install_all()).and_then(|()| vcan::install_all());
+    // Without these, their steps are left out.
+    let optional = windows::install_compiler().and_then(|()| web::prepare());
+    if let Err(missing) = optional {
+        eprintln!("{missing:#}");
+    }
+    needed
+}
+
+/// Waits for them.
+fn fetched() -> Result<()> {
+    let fetching = FETCHING.lock().ok().and_then(|mut fetching| fetching.take());
+    fetching.map_or(Ok(()), |fetching| fetching.join().unwrap_or_else(|_| bail!("installing has panicked")))
 }
 
 /// Runs all steps, and says at the end how each went.
@@ -102,10 +153,24 @@ fn lints() -> Result<()> {
     run("cargo", &clippy.concat())
 }
 
-fn build() -> Result<()> {
-    run("cargo", &[&["build", "--workspace", "--locked"], &FEATURES[..]].concat())?;
-    // What can be switched off really can.
-    run("cargo", &["check", "--workspace", "--no-default-features", "--locked"])
+/// What can be switched off really can: it is features of these two.
+fn without_features() -> Result<()> {
+    run("cargo", &["check", "--package", "canvass", "--package", "canvass-bus", "--no-default-features", "--locked"])
+}
+
+/// The program that the tests have built prints the reference pages.
+fn book() -> Result<()> {
+    docs::book(&built())
+}
+
+/// The program, as the tests have built it.
+fn built() -> PathBuf {
+    target_folder().join("debug/canvass")
+}
+
+/// The page, tried beside the program that the tests have built.
+fn page() -> Result<()> {
+    web::step(|| test(&[&["--workspace", "-E", "package(canvass) & binary(page)"], &FEATURES[..]].concat()))
 }
 
 fn everyday_tests() -> Result<()> {
@@ -143,16 +208,22 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
+/// With the same features as the tests: the libraries that they have compiled.
 fn doc_tests() -> Result<()> {
-    run("cargo", &["test", "--workspace", "--locked", "--doc"])
+    run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }
 
 fn on_vcan() -> Result<()> {
     vcan::test(&[])
 }
 
+/// Of the program that the tests have built.
 fn attacked() -> Result<()> {
-    attack(&["--for".to_owned(), "45s".to_owned()])
+    attack::built("45s")
+}
+
+fn attacked_long() -> Result<()> {
+    attack::attack(&["--for".to_owned(), "10m".to_owned()])
 }
 
 /// All cases and properties against all faults and liberties, and the fuzzer against all faults. The tests try a part of it.

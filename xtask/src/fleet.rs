@@ -5,7 +5,7 @@ pub mod bench;
 mod cluster;
 mod readers;
 
-use crate::run::{cargo, run};
+use crate::run::{cargo, run, target_folder};
 use anyhow::{Context, Result, anyhow, ensure};
 
 /// Its manifest.
@@ -18,9 +18,17 @@ const TARGET: &str = "fleet/target";
 /// # Errors
 /// If something is missing, is not as it should be or fails.
 pub fn test() -> Result<()> {
-    run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
     // Answers are compared with those of the program. As CI builds it: the same crates.
     run("cargo", &["build", "--workspace", "--locked"])?;
+    step()
+}
+
+/// The step of CI, beside the program that its tests have built.
+///
+/// # Errors
+/// As [`test`].
+pub fn step() -> Result<()> {
+    run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
     // Slow downloads go on in the meantime.
     std::thread::scope(|scope| {
         let installing = scope.spawn(readers::install_all);
@@ -44,7 +52,7 @@ fn release() -> Result<()> {
 /// that the tests run from.
 fn lints_and_tests() -> Result<()> {
     let root = std::env::current_dir()?;
-    let program = root.join("target/debug/canvass");
+    let program = root.join(target_folder()).join("debug/canvass");
     let words = ["test", "--manifest-path", MANIFEST, "--target-dir", TARGET, "--locked", "--no-fail-fast"];
     eprintln!("$ cargo {} (compiled by clippy-driver)", words.join(" "));
     let status = cargo()

@@ -1,5 +1,5 @@
-//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the pages that are made from the code. `cargo xtask ci`: everything that must pass; with
-//! `--install` it installs what is missing for that, as do all others. `cargo xtask peers`: of these, the tests that
+//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the book. `cargo xtask ci`: everything that must pass; with
+//! `--install` it installs what is missing for that, as do all others. `cargo xtask nightly`: what takes longer. `cargo xtask peers`: of these, the tests that
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
@@ -19,6 +19,7 @@ mod attack;
 mod bench;
 mod browser;
 mod ci;
+mod compiled;
 mod consent;
 mod describing;
 mod diagnosing;
@@ -48,7 +49,7 @@ mod worst;
 use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
-    test | ci | docs
+    test | ci | nightly | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
     as-found [--all] [--seed N] [--model ID]
@@ -68,6 +69,7 @@ fn main() -> Result<()> {
     let more = words.get(1..).unwrap_or_default();
     match words.first().map(String::as_str) {
         Some("ci") => ci::ci(),
+        Some("nightly") => ci::nightly(),
         Some("test") => ci::everyday(),
         Some("dist") => dist::dist(),
         Some("docs") => docs::docs(),
@@ -81,7 +83,7 @@ fn main() -> Result<()> {
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
         Some("fleet") => fleet::test(),
-        Some("fuzz") => fuzz::fuzz(),
+        Some("fuzz") => fuzz::fuzz(fuzz::USUAL),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(),
         Some("mutants") => mutants::mutants(more),
@@ -90,7 +92,7 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
-        Some("windows") if more.first().is_some_and(|word| word == "--build") => windows::step(),
+        Some("windows") if more.first().is_some_and(|word| word == "--check") => windows::step(),
         Some("windows") => windows::test(),
         Some("web") => web::build(),
         Some("web-bench") => web::bench(),

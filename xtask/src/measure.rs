@@ -1,11 +1,11 @@
 //! Measuring other programs: their time by the kernel's own account, their memory by GNU time.
 
 use crate::packages::Package;
+use crate::run::target_folder;
 use anyhow::{Context, Result, ensure};
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeValLike;
 use std::fs::{self, File};
-use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 pub const TIME: Package = Package { program: TIME_PATH, probe: &["--version"], package: "time" };
@@ -51,8 +51,7 @@ fn of_children() -> Result<f64> {
 
 /// A program of the release profile.
 pub fn release(name: &str) -> String {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-    target.join("release").join(name).to_string_lossy().into_owned()
+    target_folder().join("release").join(name).to_string_lossy().into_owned()
 }
 
 /// The processor and how many of it there are.

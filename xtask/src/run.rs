@@ -29,6 +29,11 @@ pub fn cargo() -> Command {
     cargo
 }
 
+/// Where cargo builds: another folder than `target` if its variable names one.
+pub fn target_folder() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from)
+}
+
 /// Whether a program is there and answers `--version`.
 pub fn is_there(program: &str, args: &[&str]) -> bool {
     Command::new(program).args(args).output().is_ok_and(|output| output.status.success())

@@ -8,12 +8,13 @@ mod kernel;
 mod machine;
 mod report;
 
+use crate::compiled::compile;
 use crate::packages::{Package, install};
 use crate::peers;
 use crate::run::{is_there, this_program};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Duration;
 
 /// Where Debian's kernel and the way into it are.
@@ -73,9 +74,18 @@ pub fn on_machines(program: PathBuf, machines: u32, command: &str, arguments: &[
 }
 
 fn prepare() -> Result<Job> {
+    install_all()?;
+    build()
+}
+
+/// Installs what the tests need, and QEMU where this kernel has no vcan.
+///
+/// # Errors
+/// If something can't be had.
+pub fn install_all() -> Result<()> {
     install(&[IPROUTE])?;
     peers::install_all()?;
-    build()
+    if has_vcan() { Ok(()) } else { machine::install_all() }
 }
 
 fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
@@ -98,31 +108,14 @@ pub fn program() -> Result<PathBuf> {
 
 /// Builds the program and its tests.
 fn build() -> Result<Job> {
-    let args = [
-        "test",
-        "--locked",
-        "--features",
-        "vcan",
-        "--test",
-        "vcan",
-        "--no-run",
-        "--message-format",
-        "json-render-diagnostics",
-    ];
-    eprintln!("$ cargo {}", args.join(" "));
-    // An emulated processor is slow. What others wrote is optimised in any case, and need not be built once more.
-    let optimised = ("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
     let mut cargo = Command::new("cargo");
+    // An emulated processor is slow. What others wrote is optimised in any case, and need not be built once more.
+    cargo.env("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
     for package in OPTIMISED {
         cargo.args(["--config", &format!("profile.dev.package.canvass-{package}.opt-level=3")]);
     }
-    let output = cargo.args(args).env(optimised.0, optimised.1).stderr(Stdio::inherit()).output()?;
-    ensure!(output.status.success(), "the tests could not be built: {}", output.status);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let mut executables = text.lines().filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
-    let is_test =
-        |path: &&str| Path::new(path).file_name().is_some_and(|name| name.to_string_lossy().starts_with("vcan-"));
-    let tests = executables.rfind(is_test).map(PathBuf::from).context("cargo names no test to run")?;
+    let args = ["test", "--locked", "--features", "vcan", "--test", "vcan", "--no-run"];
+    let tests = compile(&mut cargo, &args)?.tests.pop().context("cargo names no test to run")?;
     // The tests start the program that lies there.
     let program = tests.parent().and_then(Path::parent).context("the tests have no folder")?.join("canvass");
     let arguments = ["--test-threads 1 --nocapture --exact".to_owned(), String::new()];

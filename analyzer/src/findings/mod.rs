@@ -1,7 +1,7 @@
 //! What was wrong on the buses of a capture.
 //!
 //! - [`Rule`] is one thing that can be wrong, one file each; its [`Metadata`] is what `canvass explain` and
-//!   `docs/rules.md` say of it.
+//!   the reference page of rules say of it.
 //! - [`Diagnosis`] takes a capture record by record, once, and lets every rule look at the frames of the services
 //!   that it asks for.
 //! - [`Finding`] is what a rule found. The same fault of the same node is one finding, however often it happens, so
@@ -12,6 +12,7 @@ mod capture;
 mod context;
 mod diagnosis;
 mod dispatch;
+mod effect;
 mod emcy;
 mod encoder;
 mod facts;
@@ -37,6 +38,7 @@ mod wear;
 
 pub use context::{Context, Scene};
 pub use diagnosis::{Diagnosis, Observed, Results};
+pub use effect::{Effect, Rank};
 pub use facts::{Facts, NodeFacts};
 pub use finding::{Exhibit, Finding, Severity};
 pub use latest::Latest;

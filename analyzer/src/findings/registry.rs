@@ -44,6 +44,22 @@ mod tests {
     }
 
     #[test]
+    fn effects_name_rules_or_families() {
+        for metadata in all().map(|definition| definition.metadata) {
+            for name in metadata.leads_to.iter().flat_map(|effect| effect.rules) {
+                let is_family = name.strip_suffix('/').is_some_and(|family| FAMILIES.contains(&family));
+                assert!(is_family || find(name).is_some(), "{} leads to {name}", metadata.id);
+            }
+        }
+    }
+
+    #[test]
+    fn a_loss_comes_before_a_restart_and_that_before_an_emcy() {
+        let ids = ["nodes/lost", "nodes/boot-up-without-command", "emcy/raised", "nodes/state-lost", "sdo/aborted"];
+        assert!(ids.map(|id| find(id).unwrap().metadata.rank).is_sorted_by(|a, b| a < b));
+    }
+
+    #[test]
     fn every_rule_can_be_made_and_belongs_to_a_family() {
         for rule in all() {
             match rule.make {

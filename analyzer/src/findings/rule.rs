@@ -1,6 +1,7 @@
 //! What a rule is: what is said of it, and how it watches a bus.
 
 use super::context::{Context, Scene};
+use super::effect::{Effect, Rank};
 use super::finding::Severity;
 use super::sink::Sink;
 use super::source::SourceQuality;
@@ -8,13 +9,17 @@ use super::thresholds::{Threshold, Thresholds};
 use crate::NodeId;
 use crate::message::Service;
 
-/// What is said of a rule. `canvass explain` and `docs/rules.md` have no other source.
+/// What is said of a rule. `canvass explain` and the reference page of rules have no other source.
 #[derive(Debug)]
 pub struct Metadata {
     /// Its id, which never changes, such as `nodes/heartbeat-missing`.
     pub id: &'static str,
     /// The severity of its findings; single findings may be less severe.
     pub severity: Severity,
+    /// How grave its findings are for a machine: what is told first.
+    pub rank: Rank,
+    /// What follows from its findings.
+    pub leads_to: &'static [Effect],
     /// What it finds, in one line.
     pub title: &'static str,
     /// What exactly is found, and what is not.

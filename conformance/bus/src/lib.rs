@@ -190,4 +190,14 @@ impl BusError {
             _ => false,
         }
     }
+
+    /// Whether the transmit queue was full all the time: nobody has acknowledged, or the bus had no room.
+    pub const fn is_full(&self) -> bool {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::SocketCan(socketcan::SocketCanError::QueueFull { .. }) => true,
+            Self::Pcan(pcan::PcanError::QueueFull { .. }) => true,
+            _ => false,
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! breaks and is made anew, an interface goes down and comes up.
 
 use super::{Bus, BusError, Health};
-use canvass_traces::{Duration, Frame, Record, Timestamp};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -13,7 +13,7 @@ pub struct Endurance {
     /// Each of them.
     pub patience: Duration,
     /// The end of what the bus is used for; `None`: there is none. What is done after it, such as putting a device back, is
-    /// waited for [`LAST`].
+    /// waited for five seconds more.
     pub ends: Option<Instant>,
     /// Whether the user has ended it. The same holds from then on.
     pub cancelled: Arc<AtomicBool>,
@@ -34,27 +34,44 @@ pub struct PatientBus<'a> {
     waits_since: Option<Instant>,
     /// When it was seen that the user has ended it.
     cancelled_at: Option<Instant>,
+    /// Whether anybody else has sent something.
+    has_heard: bool,
 }
 
 impl<'a> PatientBus<'a> {
     pub const fn new(bus: &'a mut dyn Bus, endurance: Endurance) -> Self {
-        Self { bus, endurance, waits_since: None, cancelled_at: None }
+        Self { bus, endurance, waits_since: None, cancelled_at: None, has_heard: false }
+    }
+
+    /// Whether waiting may help: where nobody was heard yet, and nobody takes what is sent, there is nobody.
+    const fn may_end(&self, refused: &BusError) -> bool {
+        refused.is_interruption() && (self.has_heard || !refused.is_full())
     }
 
     /// Waits a moment. `refused`: what a frame was refused with.
     fn wait(&mut self, refused: Option<&BusError>) -> Result<(), BusError> {
-        let now = Instant::now();
-        let since = *self.waits_since.get_or_insert(now);
-        if self.endurance.cancelled.load(Ordering::Relaxed) {
-            self.cancelled_at.get_or_insert(now);
-        }
-        let ends = [self.endurance.ends, self.cancelled_at].into_iter().flatten().min();
-        let is_over = ends.is_some_and(|ends| now >= ends + LAST);
-        if is_over || now.duration_since(since) >= self.endurance.patience.into() {
+        let since = *self.waits_since.get_or_insert_with(Instant::now);
+        if self.is_over(since) {
             return Err(self.not_back(since, refused));
         }
         std::thread::sleep(LOOK);
         Ok(())
+    }
+
+    /// Whether an interruption is not waited for any more, in which waiting has begun then.
+    fn is_over(&mut self, since: Instant) -> bool {
+        let now = Instant::now();
+        if self.endurance.cancelled.load(Ordering::Relaxed) {
+            self.cancelled_at.get_or_insert(now);
+        }
+        let ends = [self.endurance.ends, self.cancelled_at].into_iter().flatten().min();
+        ends.is_some_and(|ends| now >= ends + LAST) || now.duration_since(since) >= self.endurance.patience.into()
+    }
+
+    /// When waiting has begun for the interruption that is not waited for any more, if there is one.
+    fn given_up(&mut self) -> Option<Instant> {
+        let since = self.waits_since.filter(|_| self.bus.is_interrupted())?;
+        self.is_over(since).then_some(since)
     }
 
     fn not_back(&self, since: Instant, refused: Option<&BusError>) -> BusError {
@@ -78,7 +95,7 @@ impl Bus for PatientBus<'_> {
         loop {
             if !self.bus.is_interrupted() {
                 match self.bus.send(frame) {
-                    Err(error) if error.is_interruption() => refused = Some(error),
+                    Err(error) if self.may_end(&error) => refused = Some(error),
                     sent => {
                         self.waits_since = None;
                         return sent;
@@ -89,8 +106,17 @@ impl Bus for PatientBus<'_> {
         }
     }
 
+    /// # Errors
+    /// [`BusError::Interrupted`] once the bus has not come back in time, until it does: nothing can come.
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        self.bus.receive(deadline)
+        let given_up = self.given_up();
+        let until = if given_up.is_some() { deadline.min(self.bus.now()) } else { deadline };
+        let received = self.bus.receive(until)?;
+        self.has_heard |= received.as_ref().is_some_and(|record| record.direction == Direction::Rx);
+        match (received, given_up) {
+            (None, Some(since)) => Err(self.not_back(since, None)),
+            (received, _) => Ok(received),
+        }
     }
 
     fn bit_rate(&self) -> Option<u32> {
@@ -140,8 +166,9 @@ impl Bus for PatientBus<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pcan::{PcanError, Status as PcanStatus};
     use crate::slcan::SlCanError;
-    use canvass_traces::CanId;
+    use canvass_traces::{CanId, ChannelId};
     use std::time;
 
     /// A bus that takes frames except during an interruption, of which it tells at once or only when it refuses a frame.
@@ -198,7 +225,9 @@ mod tests {
     fn a_frame_is_sent_once_when_the_bus_is_back() {
         for tells in [true, false] {
             let (mut bus, begun) = (broken(100, tells), Instant::now());
-            PatientBus::new(&mut bus, endurance(10_000)).send(&frame()).unwrap();
+            let mut patient = PatientBus::new(&mut bus, endurance(10_000));
+            assert!(patient.receive(Timestamp::ZERO).unwrap().is_none(), "what came before can be fetched");
+            patient.send(&frame()).unwrap();
             assert!(begun.elapsed() >= time::Duration::from_millis(100));
             assert_eq!(bus.sent, 1);
         }
@@ -214,6 +243,7 @@ mod tests {
         let begun = Instant::now();
         assert!((0..100).all(|_| patient.send(&frame()).is_err()));
         assert!(begun.elapsed() < time::Duration::from_millis(50), "the next ones are refused at once");
+        assert!(patient.receive(Timestamp::MAX).is_err(), "and nobody waits for an answer");
     }
 
     #[test]
@@ -228,6 +258,43 @@ mod tests {
         cancelled.cancelled_at = Some(ended);
         assert!(cancelled.send(&frame()).is_err());
         assert!(begun.elapsed() < time::Duration::from_secs(1));
+    }
+
+    /// An adapter whose transmit queue is full, and stays so.
+    struct Full {
+        hears: bool,
+    }
+
+    impl Bus for Full {
+        fn now(&self) -> Timestamp {
+            Timestamp::ZERO
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            let channel = "PCAN_USBBUS1".parse().unwrap();
+            Err(PcanError::QueueFull { channel, waited: Duration::ZERO, status: PcanStatus::OK }.into())
+        }
+
+        fn receive(&mut self, _: Timestamp) -> Result<Option<Record>, BusError> {
+            let record = Record::new(Timestamp::ZERO, ChannelId(0), frame()).with_direction(Direction::Rx);
+            Ok(std::mem::take(&mut self.hears).then_some(record))
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+    }
+
+    /// At the wrong bit rate nobody acknowledges; a device that has answered may be switched on again.
+    #[test]
+    fn who_was_never_heard_is_not_waited_for() {
+        for hears in [false, true] {
+            let mut bus = Full { hears };
+            let mut patient = PatientBus::new(&mut bus, endurance(50));
+            patient.receive(Timestamp::ZERO).unwrap();
+            let error = patient.send(&frame()).unwrap_err();
+            assert_eq!(matches!(error, BusError::Interrupted { .. }), hears, "{error}");
+        }
     }
 
     #[test]

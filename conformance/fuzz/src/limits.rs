@@ -66,7 +66,10 @@ fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTree
         [0x20..=0x3F, _, _, _, _, sub, low, high] if request.first().is_some_and(|command| command & 2 != 0) => {
             writing(Multiplexer::from_bytes([low, high, sub]), knowledge, allow)
         }
-        _ => Touch::ALL.into_iter().find(|touch| !allow.contains(touch)).map(Forbidden::Touch),
+        _ => {
+            let mut touches = Touch::ALL.into_iter().filter(|touch| touch.is_by_the_tester());
+            touches.find(|touch| !allow.contains(touch)).map(Forbidden::Touch)
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The conformance suite: the cases, what they run on, and who runs them.
 //!
 //! - [`catalogue`]: all cases; [`case`](mod@case) says what one is, [`verdict`] how it ends;
+//! - [`foreign`]: what others on the bus may have caused;
 //! - [`need`]: what a case needs of a device; [`needs`]: all needs;
 //! - [`bench`](mod@bench): where a case runs;
 //! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
@@ -15,12 +16,12 @@ mod cases;
 pub mod catalogue;
 pub use canvass_analyzer::clause;
 pub mod comparison;
+pub mod foreign;
 pub mod glob;
 pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
-mod profile;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]

@@ -18,12 +18,21 @@ pub enum Touch {
     FactoryDefaults,
     /// Moves the zero point of a position or an angle, and puts it back at rest.
     Preset,
+    /// Tests a device that others use meanwhile.
+    OtherClients,
 }
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults, Self::Preset];
+    pub const ALL: [Self; 7] = [
+        Self::Nvm,
+        Self::NodeId,
+        Self::BitRate,
+        Self::OtherNodes,
+        Self::FactoryDefaults,
+        Self::Preset,
+        Self::OtherClients,
+    ];
 
     /// The name by which the user allows it.
     pub const fn name(self) -> &'static str {
@@ -34,12 +43,18 @@ impl Touch {
             Self::OtherNodes => "other-nodes",
             Self::FactoryDefaults => "factory-defaults",
             Self::Preset => "preset",
+            Self::OtherClients => "other-clients",
         }
     }
 
     /// Whether the device may be out of reach if the case goes wrong, or without what its user had configured.
     pub const fn can_lose_the_device(self) -> bool {
         matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
+    }
+
+    /// Whether the tester does it itself; else others do.
+    pub const fn is_by_the_tester(self) -> bool {
+        !matches!(self, Self::OtherClients)
     }
 
     /// What the case would do.
@@ -51,6 +66,7 @@ impl Touch {
             Self::OtherNodes => "commands other nodes",
             Self::FactoryDefaults => "restores the factory defaults",
             Self::Preset => "moves the zero point",
+            Self::OtherClients => "tests a device that others use meanwhile",
         }
     }
 }
@@ -64,7 +80,8 @@ impl fmt::Display for Touch {
 /// There is nothing of that name to allow.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
-    "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults and preset"
+    "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults, preset and \
+     other-clients"
 )]
 pub struct UnknownTouch(pub String);
 

@@ -225,6 +225,7 @@ mod tests {
             verdict: Verdict::new(ruled, None),
             evidence: Evidence::default(),
             notes: Vec::new(),
+            foreign: Vec::new(),
             measurements: Vec::new(),
             uses: Vec::new(),
             outcomes: Vec::new(),

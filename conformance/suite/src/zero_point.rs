@@ -1,22 +1,14 @@
 //! The zero point of a position: what a preset moves. It is compared before and after a run, at rest, to the step.
 //!
 //! Writing back the value that a preset had moves the zero point once more. So nobody "restores" it: a case that was allowed to
-//! move it puts it back at rest by [`Bench::put_back_zero_point`]; everybody else says by how much it was moved.
+//! move it puts it back at rest by `Bench::put_back_zero_point`; everybody else says by how much it was moved.
 
-use crate::bench::Bench;
-use crate::profile;
-use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
-use canvass_traces::Duration;
 use std::fmt;
 use std::str::FromStr;
 
 /// By how many steps a position at rest trembles: the last bit of the sensor.
 const TREMBLE: i64 = 2;
-
-/// A position is at rest if it is the same in this many readings, this far apart.
-const READINGS: usize = 4;
-const BETWEEN: Duration = Duration::from_millis(30);
 
 /// The objects by which a device profile shows and moves a zero point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -33,15 +25,6 @@ pub(crate) struct Objects {
     pub raw: Option<Multiplexer>,
     /// How many positions the device shows.
     pub range: u64,
-}
-
-impl Objects {
-    /// The position. An angle is shown with a sign, or without.
-    fn shown(&self, bench: &mut Bench<'_>) -> Result<i64, Stop> {
-        let number = bench.read_number(self.position)?;
-        let is_negative = !self.takes_position && u64::from(number) >= self.range;
-        Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
-    }
 }
 
 /// Where a zero point is, as far as it shows.
@@ -80,32 +63,12 @@ pub struct Moved {
 }
 
 impl ZeroPoint {
-    /// Looks where the zero point is; `None`: the device has none that anything moves.
-    ///
-    /// # Errors
-    /// Those of reading the position.
-    pub(crate) fn look(bench: &mut Bench<'_>) -> Result<Option<Self>, Stop> {
-        let Some(objects) = profile::zero_point(bench)? else { return Ok(None) };
-        let first = objects.shown(bench)?;
-        let mut around = [0, 0];
-        for _ in 1..READINGS {
-            bench.listen(BETWEEN)?;
-            let away = shorter_way(first, objects.shown(bench)?, objects.range);
-            around = [around[0].min(away), around[1].max(away)];
-        }
-        let mut number = |at: Option<Multiplexer>| at.map(|at| bench.read_number(at)).transpose();
-        let (offset, raw) = (number(objects.offset)?, number(objects.raw)?);
+    /// What readings of the position say: the first of them, and how far those that came after it were away to either side.
+    pub(crate) fn new(objects: Objects, first: i64, around: [i64; 2], offset: Option<i64>, raw: Option<i64>) -> Self {
         let Objects { preset, takes_position, position, range, .. } = objects;
-        Ok(Some(Self {
-            preset,
-            takes_position,
-            position,
-            range,
-            shown: first,
-            spread: around[1] - around[0],
-            offset: offset.map(|offset| i64::from(offset as i32)),
-            raw: raw.map(i64::from),
-        }))
+        let spread = around[1] - around[0];
+        debug_assert!(spread >= 0, "what is furthest up is not below what is furthest down");
+        Self { preset, takes_position, position, range, shown: first, spread, offset, raw }
     }
 
     /// Whether the shaft was at rest.
@@ -151,7 +114,7 @@ impl ZeroPoint {
     }
 
     /// The preset that moves the zero point from `now` back to here, at rest.
-    fn preset_back(&self, now: &Self, moved: &Moved) -> u32 {
+    pub(crate) fn preset_back(&self, now: &Self, moved: &Moved) -> u32 {
         let range = i64::try_from(self.range).unwrap_or(i64::MAX).max(1);
         u32::try_from((now.shown - moved.steps).rem_euclid(range)).unwrap_or(u32::MAX)
     }
@@ -222,29 +185,8 @@ impl fmt::Display for Moved {
     }
 }
 
-impl Bench<'_> {
-    /// Puts the zero point back where it was, by a preset at rest, and looks whether it is there. What is left is given back.
-    ///
-    /// # Errors
-    /// Those of the bus; and [`Stop::NotApplicable`] where the user has not allowed presets.
-    pub(crate) fn put_back_zero_point(&mut self, before: &ZeroPoint) -> Result<Option<Moved>, Stop> {
-        /// A shaft that trembles needs more than one: the step that it is at changes between reading and writing.
-        const TRIES: usize = 6;
-        let mut left = None;
-        for _ in 0..TRIES {
-            let Some(now) = ZeroPoint::look(self)? else { return Ok(None) };
-            left = before.moved(&now);
-            let may_be_put_back = |moved: &Moved| now.is_at_rest() && moved.takes_position && !moved.is_denied;
-            let Some(moved) = left.filter(may_be_put_back) else { break };
-            let value = before.preset_back(&now, &moved);
-            self.with_leave_to_move(|bench| bench.download_now(moved.preset, &value.to_le_bytes()))?;
-        }
-        Ok(left)
-    }
-}
-
 /// From one position to another the shorter way round.
-fn shorter_way(from: i64, to: i64, range: u64) -> i64 {
+pub(crate) fn shorter_way(from: i64, to: i64, range: u64) -> i64 {
     let range = i64::try_from(range).unwrap_or(i64::MAX).max(1);
     let way = (to - from).rem_euclid(range);
     if way > range / 2 { way - range } else { way }

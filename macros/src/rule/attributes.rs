@@ -3,12 +3,14 @@
 use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
-use syn::{Error, Ident, LitStr, Result};
+use syn::{Error, Expr, Ident, LitStr, Result};
 
 /// What stands between the parentheses of `#[rule(…)]`.
 pub struct Attributes {
     pub id: LitStr,
     pub severity: Ident,
+    pub rank: Ident,
+    pub leads_to: Option<Expr>,
     pub services: Services,
     pub also: Vec<Ident>,
     pub of: Of,
@@ -36,6 +38,8 @@ pub enum Of {
 struct RuleKeys {
     id: Option<LitStr>,
     severity: Option<Ident>,
+    rank: Option<Ident>,
+    leads_to: Option<Expr>,
     services: Option<Services>,
     also: Option<Vec<Ident>>,
     of: Option<Ident>,
@@ -50,12 +54,14 @@ impl Parse for Attributes {
 
 impl Keys for RuleKeys {
     const ITEM: &str = "rule";
-    const KNOWN: &str = "id, severity, services, also and of";
+    const KNOWN: &str = "id, severity, rank, services, also, of and leads_to";
 
     fn read(&mut self, key: &str, value: ParseStream) -> Result<Option<bool>> {
         Ok(Some(match key {
             "id" => self.id.replace(value.parse()?).is_some(),
             "severity" => self.severity.replace(value.parse()?).is_some(),
+            "rank" => self.rank.replace(value.parse()?).is_some(),
+            "leads_to" => self.leads_to.replace(value.parse()?).is_some(),
             "services" => self.services.replace(services(value)?).is_some(),
             "also" => self.also.replace(one_or_several(value)?).is_some(),
             "of" => self.of.replace(value.parse()?).is_some(),
@@ -83,7 +89,9 @@ impl RuleKeys {
             return Err(Error::new(whole, advice));
         }
         let severity = Self::required(self.severity, "severity = Error|Warning|Info", whole)?;
-        Ok(Attributes { id, severity, services, also: self.also.unwrap_or_default(), of })
+        let rank = Self::required(self.rank, "rank = Loss|Restart|Participants|DeviceError|…|Detail", whole)?;
+        let also = self.also.unwrap_or_default();
+        Ok(Attributes { id, severity, rank, leads_to: self.leads_to, services, also, of })
     }
 }
 

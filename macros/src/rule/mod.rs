@@ -18,7 +18,8 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let Doc { title, what, why, advice } = doc(&state.attrs, state.ident.span())?;
     let name = state.ident.clone();
     let fields = begins(&mut state.fields)?;
-    let Attributes { id, severity, services, also, of } = attributes;
+    let Attributes { id, severity, rank, leads_to, services, also, of } = attributes;
+    let leads_to = leads_to.map_or_else(|| quote!(&[]), |effects| quote!(#effects));
     let services = match services {
         Services::All => quote!(&crate::message::Service::ALL),
         Services::These(these) => quote!(&[#(crate::message::Service::#these),*]),
@@ -38,6 +39,8 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
             pub(in crate::findings) const METADATA: &'static crate::findings::Metadata = &crate::findings::Metadata {
                 id: #id,
                 severity: crate::findings::Severity::#severity,
+                rank: crate::findings::Rank::#rank,
+                leads_to: #leads_to,
                 title: #title,
                 what: #what,
                 why: #why,
@@ -127,8 +130,7 @@ mod tests {
             wait: Duration,
             nodes: PerNode<Seen>,
         }"#;
-    const COMPLETE: &str =
-        r#"id = "nodes/heartbeat-missing", severity = Error, services = [Heartbeat, Nmt], also = KnownTpdos"#;
+    const COMPLETE: &str = r#"id = "nodes/heartbeat-missing", severity = Error, rank = State, services = [Heartbeat, Nmt], also = KnownTpdos"#;
 
     fn expanded(attribute: &str, item: &str) -> std::result::Result<String, String> {
         let parsed = (attribute.parse().unwrap(), item.parse().unwrap());
@@ -145,6 +147,7 @@ mod tests {
             r#"advice : "Look for a boot-up.""#,
             "Service :: Heartbeat , crate :: message :: Service :: Nmt",
             "Also :: KnownTpdos",
+            "rank : crate :: findings :: Rank :: State , leads_to : & []",
             "percent : thresholds . percent (Self :: METADATA , 0usize)",
             "top_speed : thresholds . count (Self :: METADATA , 1usize)",
             "wait : other :: wait (thresholds)",
@@ -165,6 +168,7 @@ mod tests {
         };
         assert!(without("id").contains("`id ="), "{}", without("id"));
         assert!(without("severity").contains("`severity ="));
+        assert!(without("rank").contains("lacks `rank ="));
         let docless = |line: &str| expanded(COMPLETE, &STATE.replace(line, "")).unwrap_err();
         assert!(docless("/// # Why").contains("lacks a section `# Why`"), "{}", docless("/// # Why"));
         assert!(docless("/// Look for a boot-up.").contains("`# What to do`"));
@@ -190,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_rule_about_captures_is_shown_no_frames() {
-        let capture = expanded(r#"id = "capture/gaps", severity = Info, of = capture"#, STATE).unwrap();
+        let capture = expanded(r#"id = "capture/gaps", severity = Info, rank = Detail, of = capture"#, STATE).unwrap();
         assert!(capture.contains("Make :: Capture"));
         let both = expanded(r#"id = "capture/gaps", severity = Info, of = capture, services = all"#, STATE);
         assert!(both.is_err());

@@ -22,6 +22,9 @@ pub(super) fn sentence(host: &HostTiming) -> String {
         1 => text += &format!(" The bus was interrupted once, for {interrupted_for}."),
         times => text += &format!(" The bus was interrupted {times} times, for {interrupted_for} in all."),
     }
+    if let Some(trouble) = host.stamps {
+        text += &format!(" The adapter's time stamps {trouble}: times that they gave are not judged.");
+    }
     text
 }
 
@@ -37,6 +40,17 @@ fn bound(span: Duration) -> Duration {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_bus::StampTrouble;
+
+    #[test]
+    fn time_stamps_that_are_wrong_are_told() {
+        let told = |stamps| sentence(&HostTiming { stamps, ..HostTiming::default() });
+        assert!(!told(None).contains("stamps"));
+        assert!(
+            told(Some(StampTrouble::Still))
+                .ends_with("The adapter's time stamps stand still: times that they gave are not judged.")
+        );
+    }
 
     #[test]
     fn bounds_stay_bounds() {

@@ -51,6 +51,7 @@ pub fn play(reporter: &mut dyn Reporter) {
             notes,
             measurements: vec![Measurement { name: HOSTILE.to_owned(), value: 7, unit: Unit::Count }],
             uses: vec![Use { multiplexer: Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), purpose: "written" }],
+            foreign: Vec::new(),
             outcomes: vec![kind, Kind::Pass],
             quarantine: (kind == Kind::Error).then(quarantine),
             duration: Duration::from_millis(100),

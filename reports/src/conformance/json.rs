@@ -4,14 +4,16 @@ use super::Run;
 use super::told::{Named, Told};
 use crate::provenance;
 use crate::results::test::{
-    Breach, Case, Compared, Frame, HostTiming, Measurement, MovedZeroPoint, ObjectChange, ObjectRead, Quarantine,
-    Reason, Use,
+    Breach, Case, Compared, Frame, HostTiming, Measurement, MovedZeroPoint, ObjectChange, ObjectRead, OtherClient,
+    Quarantine, Reason, Use,
 };
 use crate::results::{self, Contract, TestResult, Verdict};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
+use canvass_bus::StampTrouble;
 use canvass_suite::bench::{self, Exhibit};
 use canvass_suite::comparison::{Change, Comparison};
+use canvass_suite::foreign::ForeignMessages;
 use canvass_suite::runner::{self, CaseReport};
 use canvass_suite::verdict::{Authority, Kind};
 use canvass_suite::zero_point::Moved;
@@ -46,6 +48,7 @@ pub fn result(run: &Run) -> TestResult {
         comparison: run.comparison.as_ref().map(compared),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name().into(), run.summary.count(kind))).collect(),
         host: run.summary.host.as_ref().map(host),
+        other_clients: run.other_clients.iter().map(other_client).collect(),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
     }
 }
@@ -59,6 +62,7 @@ fn host(host: &runner::HostTiming) -> HostTiming {
         lost: host.lost,
         interruptions: host.interruptions,
         interrupted_ns: host.interrupted_for.nanos(),
+        time_stamps: host.stamps.map(|trouble| StampTrouble::name(trouble).into()),
     }
 }
 
@@ -101,6 +105,10 @@ fn used(bench::Use { multiplexer, purpose }: &bench::Use) -> Use {
     Use { index: multiplexer.index.0, sub: multiplexer.sub.0, purpose: (*purpose).into() }
 }
 
+fn other_client(&ForeignMessages { kind, can_id, count }: &ForeignMessages) -> OtherClient {
+    OtherClient { kind: kind.name().into(), id: can_id, count }
+}
+
 fn measured(measurement: &bench::Measurement) -> Measurement {
     Measurement { name: measurement.name.clone(), unit: measurement.unit.name().into(), value: measurement.value }
 }
@@ -131,6 +139,7 @@ fn case(report: &CaseReport, channel: &str) -> Case {
         measurements: report.measurements.iter().map(measured).collect(),
         uses: report.uses.iter().map(used).collect(),
         notes: report.notes.clone(),
+        other_clients: report.foreign.iter().map(other_client).collect(),
         recorded: super::recorded(report),
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),

@@ -8,6 +8,7 @@ use super::told::Told;
 use super::{Run, cct_forecast, name_in_family, quarantined, repetitions};
 use crate::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
+use canvass_suite::foreign;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_traces::Timestamp;
@@ -35,6 +36,9 @@ fn suite(run: &Run, family: &str, cases: &[&CaseReport]) -> Suite {
         ("seed", run.info.seed.to_string()),
         ("host", run.summary.host.as_ref().map(super::host::sentence).unwrap_or_default()),
     ]);
+    if !run.other_clients.is_empty() {
+        suite.add_properties([("other_clients", foreign::told(&run.other_clients))]);
+    }
     suite.add_properties(provenance::junit_properties(&run.provenance));
     suite.add_cases(cases.iter().map(|report| case(report)));
     suite

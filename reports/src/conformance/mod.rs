@@ -20,6 +20,7 @@ mod hostile;
 use crate::provenance::Provenance;
 use canvass_suite::bench::Exhibit;
 use canvass_suite::comparison::Comparison;
+use canvass_suite::foreign::ForeignMessages;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
 use canvass_traces::{Record, Timestamp, hex};
@@ -49,6 +50,8 @@ pub struct Run {
     pub cases: Vec<CaseReport>,
     /// The object dictionary before and after; none where no case has run.
     pub comparison: Option<Comparison>,
+    /// What others sent to the device or for it.
+    pub other_clients: Vec<ForeignMessages>,
     /// What was noticed about the run as a whole.
     pub notices: Vec<String>,
     /// The outcome.
@@ -78,6 +81,7 @@ pub struct Document<W> {
     provenance: Provenance,
     cases: Vec<CaseReport>,
     comparison: Option<Comparison>,
+    other_clients: Vec<ForeignMessages>,
     notices: Vec<String>,
 }
 
@@ -85,7 +89,8 @@ impl<W: Write> Document<W> {
     /// A document that `render` writes to `out`.
     pub fn new(out: W, render: Render) -> Self {
         let provenance = Provenance::default();
-        Self { out, render, info: None, provenance, cases: Vec::new(), comparison: None, notices: Vec::new() }
+        let (cases, notices, other_clients) = (Vec::new(), Vec::new(), Vec::new());
+        Self { out, render, info: None, provenance, cases, comparison: None, other_clients, notices }
     }
 }
 
@@ -96,6 +101,7 @@ impl<W: Write> Reporter for Document<W> {
             RunEvent::CaseStarted { .. } => {}
             RunEvent::CaseFinished(report) => self.cases.push((*report).clone()),
             RunEvent::DictionaryCompared(comparison) => self.comparison = Some((*comparison).clone()),
+            RunEvent::OtherClients(messages) => self.other_clients = messages.to_vec(),
             RunEvent::Noticed(text) => self.notices.push((*text).to_owned()),
             RunEvent::RunFinished(summary) => {
                 if let Some(info) = self.info.take() {
@@ -104,6 +110,7 @@ impl<W: Write> Reporter for Document<W> {
                         provenance: std::mem::take(&mut self.provenance),
                         cases: std::mem::take(&mut self.cases),
                         comparison: self.comparison.take(),
+                        other_clients: std::mem::take(&mut self.other_clients),
                         notices: std::mem::take(&mut self.notices),
                         summary: **summary,
                     };

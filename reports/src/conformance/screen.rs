@@ -128,6 +128,7 @@ mod tests {
             notes: vec!["a note".to_owned(); notes],
             measurements: Vec::new(),
             uses: Vec::new(),
+            foreign: Vec::new(),
             outcomes: vec![Kind::Fail],
             quarantine: None,
             duration: Duration::ZERO,

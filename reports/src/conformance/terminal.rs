@@ -158,6 +158,8 @@ impl<O: Write> Reporter for Terminal<O> {
                 self.notices.push((*text).to_owned());
                 Ok(())
             }
+            // A notice tells of them.
+            RunEvent::OtherClients(_) => Ok(()),
             RunEvent::RunFinished(summary) => self.finish(summary),
         }
     }

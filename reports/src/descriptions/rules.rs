@@ -18,12 +18,11 @@ pub fn explain(rule: &Rule) -> String {
     text
 }
 
-/// All rules, as `docs/eds-rules.md`.
+/// All rules as a page of Markdown: a reference page of the book.
 pub fn handbook() -> String {
     let mut text = String::from(
         "# Rules of device descriptions\n\n\
-         What `canvass eds check` looks for. This page is made from the code by `cargo xtask docs`; \
-         `canvass explain ID` prints one of them.\n\n\
+         What `canvass eds check` looks for. `canvass explain ID` prints one of them.\n\n\
          An *error* makes a configuration tool or the device fail, a *warning* is against the letter of the standard, \
          a *hint* is a habit or worth knowing. In the examples a line `...` stands for the other fields of \
          the section.\n\n\

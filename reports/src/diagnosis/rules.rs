@@ -22,11 +22,11 @@ pub fn explain(rule: &Metadata) -> String {
     text
 }
 
-/// All rules, as `docs/rules.md`.
+/// All rules as a page of Markdown: a reference page of the book.
 pub fn handbook() -> String {
     let mut text = String::from(
         "# Rules\n\n\
-         What `canvass diagnose` looks for. This page is made from the code by `cargo xtask docs`; `canvass explain ID` prints one of them.\n\n\
+         What `canvass diagnose` looks for. `canvass explain ID` prints one of them.\n\n\
          A threshold is set with `--threshold RULE.NAME=VALUE`, such as `--threshold bus/load.percent=70`.\n\n\
          | rule | severity | finds that |\n|---|---|---|\n",
     );

@@ -1,4 +1,4 @@
-//! Which faults the fuzzer finds, as a page of Markdown: what `docs/fuzz-faults.md` is.
+//! Which faults the fuzzer finds, as a page of Markdown: a reference page of the book.
 
 use crate::escape::markdown;
 use canvass_device::Fault;
@@ -9,7 +9,7 @@ pub fn page() -> String {
     let (found, others): (Vec<Fault>, Vec<Fault>) = Fault::ALL.iter().partition(|fault| fault.unfuzzed().is_none());
     let (more, found): (Vec<Fault>, Vec<Fault>) = found.into_iter().partition(|fault| fault.fuzz_needs().is_some());
     let mut page = String::from(
-        "# Faults and the fuzzer\n\nThis page is made from the code by `cargo xtask docs`. `canvass selftest --fuzz` proves the \
+        "# Faults and the fuzzer\n\n`canvass selftest --fuzz` proves the \
          first two parts.\n",
     );
     // Writing to a string can't fail.

@@ -2,7 +2,9 @@
 
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::provenance;
-use crate::results::fuzz::{Coverage, Interruptions, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation};
+use crate::results::fuzz::{
+    Coverage, Interruptions, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation,
+};
 use crate::results::{self, Contract, FuzzResult};
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::{FinalState, Start, Stimulus, Then, reproducer};

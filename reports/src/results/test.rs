@@ -48,6 +48,9 @@ pub struct TestResult {
     /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub host: Option<HostTiming>,
+    /// Only where others used the device.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_clients: Vec<OtherClient>,
     /// In the order in which they ran.
     pub cases: Vec<Case>,
 }
@@ -68,6 +71,17 @@ pub struct HostTiming {
     /// All interruptions together.
     #[serde(default)]
     pub interrupted_ns: u64,
+    /// What is wrong with the time stamps of the adapter; only where they can't be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_stamps: Option<Word>,
+}
+
+/// What others sent to the device or for it.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct OtherClient {
+    pub kind: Word,
+    pub id: u16,
+    pub count: u64,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
@@ -161,6 +175,9 @@ pub struct Case {
     pub uses: Vec<Use>,
     #[serde(default)]
     pub notes: Vec<String>,
+    /// Only where others used the device meanwhile.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_clients: Vec<OtherClient>,
     /// Only where the run was recorded: the first and the last frame of the case in the recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<[u64; 2]>,

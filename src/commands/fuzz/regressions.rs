@@ -68,14 +68,18 @@ impl Regressions {
         if new.is_empty() {
             return Ok(());
         }
-        let mut file = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)
-            .with_context(|| format!("can't write {}", path.display()))?;
-        file.write_all(new.as_bytes()).with_context(|| format!("can't write {}", path.display()))?;
-        Ok(())
+        Ok(append(path, new.as_bytes()).with_context(|| format!("can't write {}", path.display()))?)
     }
+}
+
+/// Appends all of it or, if there is no room for that, nothing: half of a frame would make the file unreadable.
+fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+    let before = file.metadata()?.len();
+    file.write_all(bytes).and_then(|()| file.flush()).inspect_err(|_| {
+        // A pipe or a device can't be shortened.
+        let _ = file.set_len(before);
+    })
 }
 
 /// The first frame that is not allowed, with the reason and how it is allowed.

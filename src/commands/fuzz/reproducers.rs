@@ -8,16 +8,24 @@ use canvass_fuzzer::reproducer;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes them. The same violation of the same seed has the same name in every run.
+/// Writes them. The same violation of the same seed has the same name in every run. One that can't be written keeps no other
+/// from being.
 pub fn write(folder: &Path, found: &[Found], seed: u64) -> Result<(), Failure> {
-    let failed = || format!("can't write to {}", folder.display());
-    std::fs::create_dir_all(folder).with_context(failed)?;
-    for found in found.iter().filter(|found| !found.sequence.stimuli.is_empty()) {
-        let file = WholeFile::create(&folder.join(name(found, seed)))?;
-        file.writer()?.write_all(reproducer::regression(found, seed).as_bytes()).with_context(failed)?;
-        file.complete()?;
-    }
-    Ok(())
+    std::fs::create_dir_all(folder).with_context(|| failed(folder))?;
+    let found = found.iter().filter(|found| !found.sequence.stimuli.is_empty());
+    let written: Vec<Result<(), Failure>> = found.map(|found| write_one(folder, found, seed)).collect();
+    written.into_iter().collect()
+}
+
+fn write_one(folder: &Path, found: &Found, seed: u64) -> Result<(), Failure> {
+    let file = WholeFile::create(&folder.join(name(found, seed)))?;
+    let text = reproducer::regression(found, seed);
+    file.writer()?.write_all(text.as_bytes()).with_context(|| failed(folder))?;
+    Ok(file.complete()?)
+}
+
+fn failed(folder: &Path) -> String {
+    format!("can't write to {}", folder.display())
 }
 
 fn name(found: &Found, seed: u64) -> String {

@@ -69,6 +69,10 @@ COMMANDED = {
 }
 
 
+FOLLOWS_POSITION = {0x6300, 0x6400}
+"""States that a device derives from its position: cams, work areas."""
+
+
 def of_the_bus(model):
     return {index for prefix, indices in OF_THE_BUS.items() if model.startswith(prefix) for index in indices}
 

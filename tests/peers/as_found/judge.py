@@ -2,7 +2,7 @@
 
 import re
 
-from acting import COMMANDED, OWN, POSITION, offence
+from acting import COMMANDED, FOLLOWS_POSITION, OWN, POSITION, offence
 from trial import Difference, Outcome
 
 NOW, POWER_ON = "now", "power-on"
@@ -29,7 +29,7 @@ class Judge:
             differences = [Difference(NOW, "the device does not answer", None, "answers", seen)]
         else:
             differences = [difference for pair in zip((NOW, POWER_ON), seen) for difference in self._compare(*pair)]
-        named = [difference for difference in differences if is_named(difference, text, trial)]
+        named = named_of(differences, text, trial)
         left = [difference for difference in differences if difference not in named]
         return Outcome(trial, claims, text, left, named, self._offences(trial, text, sent), **more)
 
@@ -62,6 +62,14 @@ def is_same_offset(at, before, after):
     number = lambda index: _number(before.values.get((index, 0), b""), signed=False)
     ranges = (number(0x6002) or WHOLE_32_BITS, number(0x6501) * number(0x6502))
     return any(moved % whole == 0 for whole in ranges if whole)
+
+
+def named_of(differences, text, trial):
+    """Those that can't be put back and that the user was told of, with what follows from them."""
+    named = [difference for difference in differences if is_named(difference, text, trial)]
+    moved = {difference.when for difference in named if difference.at[0] in POSITION}
+    follows = lambda difference: difference.at and difference.at[0] in FOLLOWS_POSITION and difference.when in moved
+    return named + [difference for difference in differences if follows(difference)]
 
 
 def is_named(difference, text, trial):

@@ -15,7 +15,7 @@ import can
 import canopen
 
 from judge import Judge
-from situation import course, prepare, turned
+from situation import SITUATIONS, course, prepare, turned
 from subject import Silent, Subject
 from trial import Trial
 
@@ -130,12 +130,13 @@ def kill(canvass, descriptions, trial):
             judge = Judge(trial.model, device.node_id, subject.description, look(), look())
             journal = folder / "journal"
             _test_and_kill(canvass, trial, device, journal)
-            claims, text = _restore(canvass, device, journal, folder)
+            began = journal.exists()
+            claims, text = _restore(canvass, device, journal, folder) if began else (None, [])
             try:
                 seen = look()
             except Silent as silent:
                 seen = str(silent)
-            return judge.outcome(trial, claims, text, seen, [])
+            return judge.outcome(trial, claims, text, seen, [], began=began)
 
 
 def _look(canvass, descriptions, model, folder, device):
@@ -158,6 +159,7 @@ def _turned(folder):
 def _test_and_kill(canvass, trial, device, journal):
     command = [canvass, "test", device.bus, "--node", str(device.node_id), "--device", trial.model]
     command += ["--allow", "all", "--select", ",".join(trial.select), "--journal", journal]
+    command += ["--zero-point-stored"] if SITUATIONS[trial.situation].zero_point_is_stored else []
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
         # Counted from the first case: a busy machine needs seconds for what comes before it.
         while not journal.exists() and run.poll() is None:
@@ -167,9 +169,7 @@ def _test_and_kill(canvass, trial, device, journal):
 
 
 def _restore(canvass, device, journal, folder):
-    """What `canvass restore` claims and tells; nothing where the run had not begun or had come to its end."""
-    if not journal.exists():
-        return None, []
+    """What `canvass restore` claims and tells."""
     command = [canvass, "restore", device.bus, "--journal", journal]
     restored = subprocess.run(command, capture_output=True, text=True, check=False)
     if restored.returncode == UNREACHABLE:

@@ -26,7 +26,7 @@ class Extent:
 
 WHOLE = Extent(alone=None, interrupts=3, kills=13, others=True)
 """Of each of the four situations of a model."""
-SAMPLE = Extent(alone=4, interrupts=1, kills=5, others=False)
+SAMPLE = Extent(alone=6, interrupts=1, kills=6, others=False)
 
 
 def allowances(words):
@@ -58,10 +58,8 @@ class Matrix:
             acting = self._dice.sample(acting, min(self._extent.alone, len(acting)))
         for case in acting:
             yield from self._alone(case)
-        if self._extent.others:
-            others = [case for case in ran if not self._touches[case]]
-            for case in others[list(SITUATIONS).index(self._stand.situation) :: len(SITUATIONS)]:
-                yield from self._with_interrupts((), case)
+        for case in self._others(ran) if self._extent.others else ():
+            yield from self._with_interrupts((), case)
         moments = self._moments(whole.frames, [ran[case] for case in acting])
         yield from self._stand.kill(self._trial(self._words), moments)
 
@@ -70,6 +68,15 @@ class Matrix:
 
     def _run(self, allow, *select):
         return self._stand.run(self._trial(allow, *select))
+
+    def _others(self, ran):
+        """This situation's share of the cases that touch nothing. Where the shaft turns there is none: to wait until it is at
+        rest takes time."""
+        at_rest = [name for name, situation in SITUATIONS.items() if not situation.turns]
+        if self._stand.situation not in at_rest:
+            return []
+        others = [case for case in ran if not self._touches[case]]
+        return others[at_rest.index(self._stand.situation) :: len(at_rest)]
 
     def _alone(self, case):
         for allow in allowances(self._words):

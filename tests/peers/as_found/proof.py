@@ -4,7 +4,7 @@ from judge import NOW, POWER_ON
 from stand import Stand
 from trial import Trial
 
-MODEL, SITUATION = "reference-406", "both"
+MODEL, SITUATION = "reference-406", "preset"
 """It has all that can be disturbed."""
 
 

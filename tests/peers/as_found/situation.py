@@ -13,15 +13,20 @@ class Situation:
     """What the user did before."""
 
     is_stored: bool
-    """Values were given to all settings, and stored."""
+    """Values were given to all settings and a preset, and stored."""
     is_working: bool
     """Other values were given to them later, and not stored."""
     state: str | None
     """The NMT state that was commanded."""
+    has_zero_point: bool = False
+    """A preset was given after that: the first reset would lose the zero point."""
     turns: bool = False
     """The shaft turns slowly while canvass is there."""
-    is_preset: bool = False
-    """A zero point is set that is not stored: a reset would lose it, and canvass must not begin."""
+
+    @property
+    def zero_point_is_stored(self):
+        """What the user says to canvass."""
+        return self.is_stored and not self.has_zero_point
 
     @property
     def rests_at(self):
@@ -33,8 +38,8 @@ SITUATIONS = {
     "working": Situation(is_stored=False, is_working=True, state=None),
     "stored": Situation(is_stored=True, is_working=False, state="OPERATIONAL"),
     "both": Situation(is_stored=True, is_working=True, state="OPERATIONAL"),
+    "preset": Situation(is_stored=True, is_working=True, state="OPERATIONAL", has_zero_point=True),
     "turning": Situation(is_stored=True, is_working=True, state=None, turns=True),
-    "preset": Situation(is_stored=False, is_working=True, state=None, is_preset=True),
 }
 
 MOVES, MOVED = 25, 27
@@ -42,7 +47,6 @@ MOVES, MOVED = 25, 27
 
 TURNED = 1_500
 """When a shaft that turns during the run is at rest: no run takes longer."""
-
 
 BEGIN, END = 0.6, 0.97
 """Where the shaft is before and after, in revolutions or millimetres: a preset that is written again is then another one."""
@@ -85,9 +89,11 @@ CHOSEN = {
     (0x1029, 1): Pair(1, 2),
     (0x1029, 2): Pair(0, 2),
     (0x100C, 0): Pair(600, 500),
+    (0x1800, 3): Pair(40, 30),
     (0x1800, 5): Pair(700, 500),
     (0x1801, 2): Pair(3, 5),
     (0x1802, 2): Pair(4, 6),
+    (0x1802, 3): Pair(20, 10),
     (0x6200, 0): Pair(400, 300),
     (0x1020, 1): Pair(0x3000, 0x2FFF),
     (0x1020, 2): Pair(0x5000, 0x4FFF),
@@ -97,6 +103,10 @@ MAPPING = 2
 """The TPDO whose mapping is changed, by its number from 1."""
 
 PRESETS = {0x6003: Pair(1_500, 700), 0x3010: Pair(1, 1)}
+
+
+LEAST = 3
+"""With fewer settings nothing would show."""
 
 
 class Unfit(Exception):
@@ -110,15 +120,12 @@ def prepare(subject, model, name):
     subject.network.hear(3)
     taken = 0
     if situation.is_stored:
-        taken += _write_all(subject, model, lambda pair: pair.stored)
-        taken += _preset(subject, model, lambda pair: pair.stored)
+        taken += _write_all(subject, model, lambda pair: pair.stored, has_zero_point=True)
         subject.node.store()
         subject.network.hear(4)
     if situation.is_working:
-        taken += _write_all(subject, model, lambda pair: pair.working)
-    if situation.is_preset:
-        taken += _preset(subject, model, lambda pair: pair.working)
-    if taken < 4:
+        taken += _write_all(subject, model, lambda pair: pair.working, situation.has_zero_point)
+    if taken < LEAST:
         raise Unfit(f"{model} took only {taken} settings")
     if subject.network.now() - began >= MOVES:
         raise Unfit(f"{model} was not set up before its shaft began to turn")
@@ -127,17 +134,15 @@ def prepare(subject, model, name):
     subject.network.hear(MOVED + 1 - (subject.network.now() - began))
 
 
-def _write_all(subject, model, of):
+def _write_all(subject, model, of, has_zero_point):
+    """Gives each setting the one or the other value; how many the device took."""
     taken = sum(subject.write(*at, subject.encode(at, of(pair))) for at, pair in _settings(subject, model))
-    return taken + _map(subject, of(Pair(-1, -2)))
-
-
-def _preset(subject, model, of):
-    return sum(
-        subject.write(index, 0, subject.encode((index, 0), of(pair)))
-        for index, pair in PRESETS.items()
-        if index in subject.description and why_acting(model, index)
-    )
+    taken += _map(subject, of(Pair(-1, -2)))
+    presets = [(index, of(pair)) for index, pair in PRESETS.items() if why_acting(model, index)]
+    for index, value in presets if has_zero_point else []:
+        if index in subject.description:
+            taken += subject.write(index, 0, subject.encode((index, 0), value))
+    return taken
 
 
 def _settings(subject, model):

@@ -40,7 +40,8 @@ class Stand:
         self.go_back()
         told = self._test(trial, [])
         claims = told.get("summary", {}).get("is_as_found", told.get("is_as_found"))
-        return self.judge(trial, claims, told, told["closing"], frames=told["frames"], cases=told["cases"])
+        counts = {"began": told["begun"] > 0, "frames": told["frames"], "cases": told["cases"]}
+        return self.judge(trial, claims, told, told["closing"], **counts)
 
     def kill(self, trial, frames):
         """The run is killed at each of these frames, and the device is restored each time."""
@@ -54,14 +55,15 @@ class Stand:
                 # What the user does with a device that does not answer.
                 self._power_cycle()
                 told = self._lockstep.ask("restore")
-            yield self.judge(dataclasses.replace(trial, kill=frame), told.get("is_as_found"), told, told["sent"])
+            killed = dataclasses.replace(trial, kill=frame)
+            yield self.judge(killed, told.get("is_as_found"), told, told["sent"], began=told["had_journal"])
 
     def _test(self, trial, kill):
         return self._lockstep.ask(
             "run",
             allow=trial.allow,
             select=trial.select,
-            zero_point_stored=SITUATIONS[self.situation].is_stored,
+            zero_point_stored=SITUATIONS[self.situation].zero_point_is_stored,
             interrupt=trial.interrupt,
             kill=kill,
         )
@@ -71,7 +73,7 @@ class Stand:
             seen = self.look()
         except Silent as silent:
             seen = str(silent)
-        text = told.get("lines", []) + told.get("notices", [])
+        text = told.get("lines", []) + told.get("notices", []) + [told[key] for key in ["failed"] if key in told]
         return self._judge.outcome(trial, claims, text, seen, sent, **more)
 
     def look(self):

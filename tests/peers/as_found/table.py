@@ -2,7 +2,7 @@
 
 import collections
 
-HEADING = ("model", "allowed", "runs", "as found", "different", "claimed as found", "what differed first")
+HEADING = ("model", "allowed", "runs", "not begun", "as found", "different", "claimed as found", "what differed first")
 WIDTH = 64
 
 
@@ -23,8 +23,9 @@ def _row(model, allowed, end, tried):
     bad = [outcome for outcome in tried if not outcome.is_good]
     kind = allowed if end == "complete" else f"{allowed}, {end}"
     claimed = sum(outcome.claims is True for outcome in bad)
+    idle = sum(not outcome.began for outcome in tried)
     first = bad[0].complaints[0][:WIDTH] if bad else ""
-    return [model, kind, *(str(count) for count in (len(tried), len(tried) - len(bad), len(bad), claimed)), first]
+    return [model, kind, *(str(count) for count in (len(tried), idle, len(tried) - len(bad), len(bad), claimed)), first]
 
 
 def shortest(outcomes):

@@ -74,6 +74,8 @@ class Outcome:
     """Differences that can't be put back, and that the user was told of."""
     offences: list
     """Writes of objects that act: sent to put the device back, or printed for the user to do so."""
+    began: bool = True
+    """Whether a case began: a device that could not be put back is not tested."""
     frames: int = 0
     """How many the run took."""
     cases: list = dataclasses.field(default_factory=list)

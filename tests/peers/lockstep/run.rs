@@ -25,6 +25,8 @@ struct Told {
     /// Each case that has ended: its id, the frames before its begin and at its end, its verdict.
     cases: Vec<(&'static str, u64, u64, &'static str)>,
     begun_at: u64,
+    /// How many cases have begun.
+    begun: usize,
     /// How many frames the tester had sent when the last case ended.
     closing: usize,
     comparison: Option<Comparison>,
@@ -37,7 +39,7 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     let cases = chosen(&wanted.select)?;
     let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
     let zero_point_is_stored = wanted.zero_point_stored;
-    let options = Options { allow, zero_point_is_stored, journal: Some(journal.clone()), ..Options::default() };
+    let options = Options { allow, journal: Some(journal.clone()), zero_point_is_stored, ..Options::default() };
     let moments = Moments {
         interrupt: wanted.interrupt,
         kill: wanted.kill.clone(),
@@ -105,7 +107,11 @@ fn chosen(ids: &[String]) -> Result<Vec<&'static Case>> {
 impl Told {
     fn hear(&mut self, event: &RunEvent<'_>, seen: &Seen) {
         match event {
-            RunEvent::CaseStarted { .. } => self.begun_at = seen.frames.get(),
+            RunEvent::OtherClients(_) => {}
+            RunEvent::CaseStarted { .. } => {
+                self.begun_at = seen.frames.get();
+                self.begun += 1;
+            }
             RunEvent::CaseFinished(report) => {
                 let verdict = report.verdict.kind().name();
                 self.cases.push((report.case.id, self.begun_at, seen.frames.get(), verdict));
@@ -122,6 +128,7 @@ impl Told {
         let closing = sent.get(self.closing..).unwrap_or_default();
         let mut answer = json!({
             "frames": seen.frames.get(),
+            "begun": self.begun,
             "cases": self.cases,
             "notices": self.notices,
             "closing": shown(closing),

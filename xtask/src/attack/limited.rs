@@ -1,5 +1,6 @@
 //! Runs of the program with limits of memory and time.
 
+use crate::run::target_folder;
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -24,8 +25,7 @@ pub struct Limited {
 
 impl Program {
     pub fn built() -> Result<Self> {
-        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-        let program = target.join("debug/canvass");
+        let program = target_folder().join("debug/canvass");
         ensure!(program.exists(), "{} is not there", program.display());
         Ok(Self(program))
     }

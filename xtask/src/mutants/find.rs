@@ -1,6 +1,6 @@
 //! Finds the points of a source file: operators, conditions, constants, statements, match arms and results.
 
-use super::honest::Hooks;
+use super::honest;
 use super::point::{Form, Point, Variant};
 use super::variants;
 use std::collections::BTreeSet;
@@ -15,11 +15,11 @@ pub struct Findings {
     pub removed: Vec<Range<usize>>,
 }
 
-/// The points of a file. `constants` are the names of functions that must stay `const`; what `hooks` switch off is left out.
-pub fn find(source: &str, constants: &BTreeSet<String>, hooks: &Hooks) -> syn::Result<Findings> {
+/// The points of a file. `constants` are the names of functions that must stay `const`; what only a fault or a liberty switches on is left out.
+pub fn find(source: &str, constants: &BTreeSet<String>) -> syn::Result<Findings> {
     let file = syn::parse_file(source)?;
     let found = Findings { points: Vec::new(), removed: Vec::new() };
-    let mut finder = Finder { source, constants, hooks, function: String::new(), found };
+    let mut finder = Finder { source, constants, function: String::new(), found };
     finder.visit_file(&file);
     Ok(finder.found)
 }
@@ -27,7 +27,6 @@ pub fn find(source: &str, constants: &BTreeSet<String>, hooks: &Hooks) -> syn::R
 struct Finder<'a> {
     source: &'a str,
     constants: &'a BTreeSet<String>,
-    hooks: &'a Hooks,
     function: String,
     found: Findings,
 }
@@ -78,7 +77,7 @@ impl Finder<'_> {
         for pair in arms.windows(2) {
             let [one, other] = pair else { continue };
             let is_dead =
-                |arm: &syn::Arm| arm.guard.as_ref().is_some_and(|(_, guard)| self.hooks.value(guard) == Some(false));
+                |arm: &syn::Arm| arm.guard.as_ref().is_some_and(|(_, guard)| honest::value(guard) == Some(false));
             let is_block = |arm: &syn::Arm| matches!(*arm.body, syn::Expr::Block(_));
             let plain = |arm: &syn::Arm| !binds(&arm.pat) && !is_block(arm) && !is_dead(arm);
             let (own, next) = (self.text(&one.body), self.text(&other.body));
@@ -129,7 +128,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     fn visit_stmt(&mut self, statement: &'ast syn::Stmt) {
         if let syn::Stmt::Expr(expression, Some(_)) = statement
             && variants::is_deletable(expression)
-            && !self.hooks.is_idle(expression)
+            && !honest::is_idle(expression)
         {
             let what = "left out";
             self.add(statement.span().byte_range(), Form::Statement, vec![Variant::new(what, "")]);
@@ -138,13 +137,13 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     }
 
     fn visit_expr(&mut self, expression: &'ast syn::Expr) {
-        if self.hooks.value(expression).is_none() {
+        if honest::value(expression).is_none() {
             visit::visit_expr(self, expression);
         }
     }
 
     fn visit_expr_if(&mut self, expression: &'ast syn::ExprIf) {
-        let known = self.hooks.value(&expression.cond);
+        let known = honest::value(&expression.cond);
         if known.is_none() {
             self.condition(&expression.cond);
             self.visit_expr(&expression.cond);
@@ -158,9 +157,8 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     }
 
     fn visit_expr_binary(&mut self, binary: &'ast syn::ExprBinary) {
-        // `hook && this` is `this`, or it would not have been looked at.
-        let is_plain =
-            [&binary.left, &binary.right].iter().all(|side| self.hooks.value(side).is_none() && !has_let(side));
+        // `firmware.has(…) && this` is `this`, or it would not have been looked at.
+        let is_plain = [&binary.left, &binary.right].iter().all(|side| honest::value(side).is_none() && !has_let(side));
         if is_plain {
             let (left, right) = (self.text(&binary.left).to_owned(), self.text(&binary.right).to_owned());
             self.expression(binary, variants::of_operator(&binary.op, &left, &right));
@@ -204,7 +202,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         let has_wildcard = expression.arms.last().is_some_and(is_last);
         self.visit_expr(&expression.expr);
         for arm in &expression.arms {
-            let known = arm.guard.as_ref().and_then(|(_, guard)| self.hooks.value(guard));
+            let known = arm.guard.as_ref().and_then(|(_, guard)| honest::value(guard));
             if known == Some(false) {
                 continue;
             }

@@ -1,74 +1,66 @@
 //! What a firmware without fault and liberty answers where it is asked for them: the code for faulty firmware is no matter of
 //! mutants, and a mutant that only switches a fault of the list on, or a liberty, is no news.
 
-use std::collections::BTreeMap;
-use syn::{BinOp, Expr, UnOp};
+use syn::{BinOp, Expr, ExprMethodCall, UnOp};
 
-/// The hooks of the firmware, each with what it is without any fault or liberty.
-#[derive(Default)]
-pub struct Hooks(BTreeMap<String, bool>);
-
-impl Hooks {
-    /// Adds the rows of `hooks!` in a file: `NAME with FAULT`, `NAME unless FAULT`, `NAME by LIBERTY`, `NAME but LIBERTY`.
-    pub fn add(&mut self, source: &str) {
-        let Some((_, rows)) = source.split_once("hooks! {\n") else { return };
-        for row in rows.lines().take_while(|row| *row != "}") {
-            let mut words = row.split_whitespace();
-            if let (Some(name), Some(how)) = (words.next(), words.next()) {
-                self.0.insert(name.to_owned(), matches!(how, "unless" | "but"));
+/// What a condition is without any fault or liberty, where these alone decide it.
+pub fn value(condition: &Expr) -> Option<bool> {
+    match condition {
+        Expr::MethodCall(call) => asks_firmware(call).then_some(false),
+        Expr::Paren(inner) => value(&inner.expr),
+        Expr::Unary(unary) if matches!(unary.op, UnOp::Not(_)) => value(&unary.expr).map(|value| !value),
+        Expr::Binary(binary) => {
+            let sides = (value(&binary.left), value(&binary.right));
+            match (binary.op, sides) {
+                (BinOp::And(_), (Some(false), _) | (_, Some(false))) => Some(false),
+                (BinOp::Or(_), (Some(true), _) | (_, Some(true))) => Some(true),
+                (BinOp::And(_) | BinOp::Or(_), (Some(one), Some(_))) => Some(one),
+                _ => None,
             }
         }
+        _ => None,
     }
+}
 
-    /// What a condition is without any fault or liberty, where hooks alone decide it.
-    pub fn value(&self, condition: &Expr) -> Option<bool> {
-        match condition {
-            Expr::MethodCall(call) if call.args.is_empty() => self.0.get(&call.method.to_string()).copied(),
-            Expr::Paren(inner) => self.value(&inner.expr),
-            Expr::Unary(unary) if matches!(unary.op, UnOp::Not(_)) => self.value(&unary.expr).map(|value| !value),
-            Expr::Binary(binary) => {
-                let sides = (self.value(&binary.left), self.value(&binary.right));
-                match (binary.op, sides) {
-                    (BinOp::And(_), (Some(false), _) | (_, Some(false))) => Some(false),
-                    (BinOp::Or(_), (Some(true), _) | (_, Some(true))) => Some(true),
-                    (BinOp::And(_) | BinOp::Or(_), (Some(one), Some(_))) => Some(one),
-                    _ => None,
-                }
-            }
-            _ => None,
-        }
-    }
+/// `….has(Fault::…)` or `….takes(Liberty::…)`.
+fn asks_firmware(call: &ExprMethodCall) -> bool {
+    let of = match call.method.to_string().as_str() {
+        "has" => "Fault",
+        "takes" => "Liberty",
+        _ => return false,
+    };
+    let first = |argument: &Expr| matches!(argument, Expr::Path(path) if path.path.segments.first().is_some_and(|first| first.ident == of));
+    call.args.first().is_some_and(first)
+}
 
-    /// Whether a statement does nothing without any fault or liberty: `this |= hook`.
-    pub fn is_idle(&self, statement: &Expr) -> bool {
-        let Expr::Binary(binary) = statement else { return false };
-        let neutral = match binary.op {
-            BinOp::BitOrAssign(_) => false,
-            BinOp::BitAndAssign(_) => true,
-            _ => return false,
-        };
-        self.value(&binary.right) == Some(neutral)
-    }
+/// Whether a statement does nothing without any fault or liberty: `this |= firmware.has(Fault::…)`.
+pub fn is_idle(statement: &Expr) -> bool {
+    let Expr::Binary(binary) = statement else { return false };
+    let neutral = match binary.op {
+        BinOp::BitOrAssign(_) => false,
+        BinOp::BitAndAssign(_) => true,
+        _ => return false,
+    };
+    value(&binary.right) == Some(neutral)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn value(condition: &str) -> Option<bool> {
-        let mut hooks = Hooks::default();
-        hooks.add("hooks! {\n    checks unless Fault,\n    dies with Fault or Liberty,\n    waits by Liberty,\n}\n");
-        hooks.value(&syn::parse_str(condition).unwrap())
+    fn known(condition: &str) -> Option<bool> {
+        value(&syn::parse_str(condition).unwrap())
     }
 
     #[test]
-    fn hooks_are_what_they_are_without_fault() {
-        assert_eq!(value("firmware.checks()"), Some(true));
-        assert_eq!(value("self.firmware.dies()"), Some(false));
-        assert_eq!(value("!firmware.waits()"), Some(true));
-        assert_eq!(value("firmware.dies() && open"), Some(false));
-        assert_eq!(value("open || !firmware.dies()"), Some(true));
-        assert_eq!(value("firmware.checks() && open"), None);
-        assert_eq!(value("firmware.checks() && !(firmware.dies())"), Some(true));
+    fn a_firmware_without_fault_has_none() {
+        assert_eq!(known("!firmware.has(Fault::Unchecked)"), Some(true));
+        assert_eq!(known("self.firmware.has(Fault::Dies)"), Some(false));
+        assert_eq!(known("!context.takes(Liberty::Waits)"), Some(true));
+        assert_eq!(known("context.has(Fault::Dies) && open"), Some(false));
+        assert_eq!(known("open || !objects.has(Fault::Dies)"), Some(true));
+        assert_eq!(known("!firmware.has(Fault::Unchecked) && open"), None);
+        assert_eq!(known("!firmware.has(Fault::Unchecked) && !(firmware.has(Fault::Dies))"), Some(true));
+        assert_eq!(known("group.has(node)"), None);
     }
 }

@@ -102,12 +102,11 @@ impl Writer<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::find::find;
-    use super::super::honest::Hooks;
     use super::*;
     use std::collections::BTreeSet;
 
     fn rewritten(source: &str) -> String {
-        let found = find(source, &BTreeSet::new(), &Hooks::default()).unwrap();
+        let found = find(source, &BTreeSet::new()).unwrap();
         let text = rewrite(source, &found, 1).text;
         syn::parse_file(&text).unwrap();
         text

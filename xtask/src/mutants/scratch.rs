@@ -3,7 +3,6 @@
 use super::area::{self, Area};
 use super::constants::called_in_constants;
 use super::find::{Findings, find};
-use super::honest::Hooks;
 use super::rewrite::{Rewritten, rewrite};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -32,14 +31,12 @@ pub struct Source {
 pub fn read(area: &Area) -> Result<Vec<Source>> {
     let mut texts = Vec::new();
     let mut constants = BTreeSet::new();
-    let mut hooks = Hooks::default();
     for path in files(Path::new(area.folder))? {
         if path.extension().is_none_or(|extension| extension != "rs") {
             continue;
         }
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
         constants.extend(called_in_constants(&text).with_context(|| path.display().to_string())?);
-        hooks.add(&text);
         if let Ok(below) = path.strip_prefix(area.sources) {
             texts.push((below.to_string_lossy().into_owned(), text));
         }
@@ -48,7 +45,7 @@ pub fn read(area: &Area) -> Result<Vec<Source>> {
     let mut sources = Vec::new();
     for (path, text) in texts {
         let Some(service) = area.service(&path) else { continue };
-        let found = find(&text, &constants, &hooks).with_context(|| path.clone())?;
+        let found = find(&text, &constants).with_context(|| path.clone())?;
         sources.push(Source { path, service, text, found, first: 0 });
     }
     Ok(sources)

@@ -57,10 +57,18 @@ const QEMU_ARGS: [&str; 21] = [
 ];
 const SECOND_CONTROLLER: [&str; 2] = ["-device", "kvaser_pci,canbus=wires"];
 
+/// Installs QEMU.
+///
+/// # Errors
+/// If it can't be had.
+pub fn install_all() -> Result<()> {
+    install(&QEMU).context("QEMU and what starts a kernel in it could not be installed")
+}
+
 /// Runs the tests of those names, dealt out to as many machines as there are processors.
 /// `settings`: variables of their environment.
 pub fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
-    install(&QEMU).context("QEMU and what starts a kernel in it could not be installed")?;
+    install_all()?;
     fs::create_dir_all(FOLDER)?;
     let kernel = Kernel::fetch()?;
     let machines = std::thread::available_parallelism().map_or(1, usize::from).min(names.len());

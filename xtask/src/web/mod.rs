@@ -90,17 +90,22 @@ pub fn file() -> Result<std::path::PathBuf> {
 /// If it can't be made, or a test fails.
 pub fn test() -> Result<()> {
     chromium::install_all()?;
-    build()?;
     run("cargo", &["build", "--locked", "--bin", "canvass"])?;
-    run("node", &["--test", "web/page/tests/equal.test.mjs"])?;
-    run("cargo", &["test", "--locked", "--features", "page", "--test", "page"])
+    tried(|| run("cargo", &["test", "--locked", "--features", "page", "--test", "page"]))
 }
 
-/// The step of CI: where something is missing that can't be had, it is left out, and said so.
+/// Makes the page and tries it beside the program that lies there.
+fn tried(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
+    build()?;
+    run("node", &["--test", "web/page/tests/equal.test.mjs"])?;
+    in_browser()
+}
+
+/// The step of CI, with its tests in Chromium: where something is missing that can't be had, it is left out, and said so.
 ///
 /// # Errors
 /// As [`test()`].
-pub fn step() -> Result<()> {
+pub fn step(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     let mut missing = missing();
     if let Err(error) = chromium::install_all() {
         missing.push(format!("{error:#}"));
@@ -112,7 +117,7 @@ pub fn step() -> Result<()> {
         missing.push(format!("{error:#}"));
     }
     if missing.is_empty() {
-        return test();
+        return tried(in_browser);
     }
     eprintln!("LEFT OUT: the page was neither made nor tested, because {}", missing.join("; "));
     Ok(())

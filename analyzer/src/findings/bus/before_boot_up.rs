@@ -18,7 +18,7 @@ use canvass_traces::{Duration, Timestamp};
 ///
 /// # What to do
 /// A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).
-#[rule(id = "bus/before-boot-up", severity = Warning, also = Resetting)]
+#[rule(id = "bus/before-boot-up", severity = Warning, rank = Detail, also = Resetting)]
 struct BeforeBootUp {
     /// what may still be queued
     #[threshold(ms = 100)]

@@ -1,4 +1,5 @@
 use super::interleaving::Interleaving;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
@@ -10,6 +11,9 @@ use crate::wire::sdo::{Request, Response};
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What two nodes cause that answer to one node-ID.
+const EFFECTS: &[Effect] = &[Effect::never_on(&["lss/"]), Effect::on_the_rest().of_same_node().if_less_grave()];
 
 /// two devices have the same node-ID
 ///
@@ -26,7 +30,13 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of the same
 /// type that were all delivered with the default node-ID are the usual cause.
-#[rule(id = "bus/duplicate-node-id", severity = Error, services = [Heartbeat, BootUp, Nmt, Sdo])]
+#[rule(
+    id = "bus/duplicate-node-id",
+    severity = Error,
+    rank = Loss,
+    services = [Heartbeat, BootUp, Nmt, Sdo],
+    leads_to = EFFECTS
+)]
 struct DuplicateNodeId {
     nodes: PerNode<Voice>,
 }

@@ -1,9 +1,24 @@
+use crate::findings::effect::{Effect, MONITORING, SETTLE};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen, Thresholds};
 use crate::statistics::RATES;
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// The codes of EMCY that the bus brings about: overrun, error passive, recovered from bus off, communication.
+const OF_BUS: &[u64] = &[0x8110, 0x8120, 0x8140, 0x8100];
+
+/// What comes late on a full bus.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["nodes/heartbeat-late", "nodes/heartbeat-jitter", "nodes/heartbeat-missing"]).spanning(SETTLE),
+    Effect::on(&["nodes/consumer-time", "nodes/life-guarding", "nodes/guarding-unanswered"]).spanning(SETTLE),
+    Effect::on(&["sdo/late", "sdo/retries", "sdo/unanswered", "sdo/impatient-client"]).spanning(SETTLE),
+    Effect::on(&["pdo/period", "pdo/jitter", "pdo/sync-missing", "pdo/sync-jitter"]).spanning(SETTLE),
+    Effect::on(&["pdo/sync-window", "pdo/sync-pdo-missing"]).spanning(SETTLE),
+    Effect::on(&["emcy/raised"]).with_codes(OF_BUS).spanning(SETTLE),
+    Effect::on(&["emcy/raised"]).with_codes(MONITORING).spanning(SETTLE),
+];
 
 /// the bus is nearly full
 ///
@@ -19,7 +34,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// See in the statistics which node and service takes most. Lengthen event timers, set inhibit times, send cyclic data
 /// synchronously, or raise the bit rate.
-#[rule(id = "bus/load", severity = Warning, services = all)]
+#[rule(id = "bus/load", severity = Warning, rank = Participants, services = all, leads_to = EFFECTS)]
 struct Load {
     /// a load above this is reported
     #[threshold(percent = 85)]

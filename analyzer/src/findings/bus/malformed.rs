@@ -21,6 +21,7 @@ use canvass_macros::rule;
 #[rule(
     id = "bus/malformed",
     severity = Warning,
+    rank = Detail,
     services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, FlyingMaster]
 )]
 struct Malformed;

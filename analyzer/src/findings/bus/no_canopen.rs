@@ -15,7 +15,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Error frames alone come from a wrong bit rate, or of a recorder that nobody else is connected to. If there are other
 /// frames, check that this is the right bus, and the right channel of the recorder.
-#[rule(id = "bus/no-canopen", severity = Warning, services = [Unknown, ErrorFrame])]
+#[rule(id = "bus/no-canopen", severity = Warning, rank = Detail, services = [Unknown, ErrorFrame])]
 struct NoCanopen {
     error_frames: u64,
     /// CAN FD, CAN XL and 29-bit identifiers.

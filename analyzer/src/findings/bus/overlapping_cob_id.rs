@@ -18,7 +18,13 @@ use std::collections::{BTreeMap, BTreeSet};
 ///
 /// # What to do
 /// Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).
-#[rule(id = "bus/overlapping-cob-id", severity = Error, services = [BootUp], also = EndedTransfers)]
+#[rule(
+    id = "bus/overlapping-cob-id",
+    severity = Error,
+    rank = Participants,
+    services = [BootUp],
+    also = EndedTransfers
+)]
 struct OverlappingCobId {
     /// The producers by CAN-ID; an entry for each object that the trace has shown.
     producers: BTreeMap<(NodeId, Multiplexer), u32>,

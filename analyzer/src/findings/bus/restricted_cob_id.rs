@@ -23,7 +23,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h. What a device
 /// says wrongly of itself is a fault of its firmware: tools that believe it lose it.
-#[rule(id = "bus/restricted-cob-id", severity = Error, also = EndedTransfers)]
+#[rule(id = "bus/restricted-cob-id", severity = Error, rank = State, also = EndedTransfers)]
 struct RestrictedCobId;
 
 /// What is wrong with a COB-ID.

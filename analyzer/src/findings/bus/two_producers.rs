@@ -1,4 +1,5 @@
 use super::interleaving::Interleaving;
+use crate::findings::effect::Effect;
 use crate::findings::facts::TPDOS;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -11,6 +12,12 @@ use canvass_traces::Duration;
 
 /// What a period is compared with: one twentieth of it.
 const NEAR: u64 = 20;
+
+/// What goes wrong where two nodes produce SYNC or TIME.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["pdo/sync-counter", "pdo/sync-jitter", "pdo/sync-missing"]),
+    Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/time-jump"]),
+];
 
 /// two nodes produce on one CAN-ID
 ///
@@ -26,7 +33,14 @@ const NEAR: u64 = 20;
 /// # What to do
 /// Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. A
 /// configuration tool that was left connected is a frequent second producer of SYNC.
-#[rule(id = "bus/two-producers", severity = Error, services = [Sync, Time, Nmt], also = KnownTpdos)]
+#[rule(
+    id = "bus/two-producers",
+    severity = Error,
+    rank = Participants,
+    services = [Sync, Time, Nmt],
+    also = KnownTpdos,
+    leads_to = EFFECTS
+)]
 struct TwoProducers {
     sync: Interleaving,
     time: Interleaving,

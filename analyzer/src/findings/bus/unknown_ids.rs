@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Say which devices the nodes are, by models or descriptions, so that their COB-IDs are known, or record from the start of the machine.
-#[rule(id = "bus/unknown-ids", severity = Info, services = [Unknown])]
+#[rule(id = "bus/unknown-ids", severity = Info, rank = Detail, services = [Unknown])]
 struct UnknownIds {
     /// fewer frames are not reported
     #[threshold(count = 1)]

@@ -1,10 +1,14 @@
 use crate::findings::Context;
+use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
 use canvass_macros::rule;
 
 const BUS_OFF: u32 = 0x040;
+
+/// The errors that lead to it, or come of it.
+const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE)];
 
 /// the recorder's controller went bus-off
 ///
@@ -17,7 +21,7 @@ const BUS_OFF: u32 = 0x040;
 /// # What to do
 /// Check bit rate, wiring, and whether two senders use one CAN-ID. In a capture of a master, look at which frame it was
 /// sending.
-#[rule(id = "capture/bus-off", severity = Error, services = [ErrorFrame])]
+#[rule(id = "capture/bus-off", severity = Error, rank = Loss, services = [ErrorFrame], leads_to = EFFECTS)]
 struct BusOff;
 
 impl Rule for BusOff {

@@ -16,7 +16,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Record with a monotonic clock or with the time stamps of the interface; keep time synchronisation off while
 /// recording.
-#[rule(id = "capture/clock-steps", severity = Warning, of = capture)]
+#[rule(id = "capture/clock-steps", severity = Warning, rank = Detail, of = capture)]
 struct ClockSteps {
     /// the largest step must be as long
     #[threshold(ms = 20)]

@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// If timing matters, record in a format and with an interface that keep microseconds.
-#[rule(id = "capture/coarse-timestamps", severity = Info, of = capture)]
+#[rule(id = "capture/coarse-timestamps", severity = Info, rank = Detail, of = capture)]
 struct CoarseTimestamps {
     /// as coarse as this, or coarser
     #[threshold(ms = 1)]

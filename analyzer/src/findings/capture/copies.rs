@@ -14,7 +14,7 @@ use canvass_traces::{Place, Timestamp};
 /// # What to do
 /// Nothing is wrong with the bus. Switch off the loop-back of the recording interface, or record with one that does not
 /// send.
-#[rule(id = "capture/copies", severity = Info, of = nothing)]
+#[rule(id = "capture/copies", severity = Info, rank = Detail, of = nothing)]
 pub struct Copies;
 
 /// Says how many copies there were on a bus, and where the first one stands.

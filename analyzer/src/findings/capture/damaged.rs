@@ -16,7 +16,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Look at the places that are named on standard error. A cut file comes from a recorder that was switched off;
 /// malformed lines from editing or from a tool that writes another dialect.
-#[rule(id = "capture/damaged", severity = Warning, of = capture)]
+#[rule(id = "capture/damaged", severity = Warning, rank = Detail, of = capture)]
 struct Damaged;
 
 impl CaptureRule for Damaged {

@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Record again with a larger receive buffer, on a faster machine, or with a filter in the interface.
-#[rule(id = "capture/dropped", severity = Warning, of = capture)]
+#[rule(id = "capture/dropped", severity = Warning, rank = Detail, of = capture)]
 struct Dropped;
 
 impl CaptureRule for Dropped {

@@ -1,4 +1,5 @@
 use crate::findings::Context;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
@@ -10,6 +11,9 @@ const ERRORS: u32 = 0x001 | 0x008 | 0x010 | 0x020 | 0x080;
 const CONTROLLER: u32 = 0x004;
 /// Receive and transmit warning level in byte 1.
 const WARNING: u8 = 0x04 | 0x08;
+
+/// Errors make a node error passive.
+const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-passive"])];
 
 /// the recorder's controller reports errors on the bus
 ///
@@ -24,7 +28,7 @@ const WARNING: u8 = 0x04 | 0x08;
 /// Measure 60 ohms between the wires with the supply off. See at which frame the errors come: always in the data of one
 /// CAN-ID points to two senders of it, at random to the wiring, a missing acknowledgement to a recorder that was alone
 /// on the bus or at another bit rate.
-#[rule(id = "capture/error-frames", severity = Warning, services = [ErrorFrame])]
+#[rule(id = "capture/error-frames", severity = Warning, rank = State, services = [ErrorFrame], leads_to = EFFECTS)]
 struct ErrorFrames;
 
 impl Rule for ErrorFrames {

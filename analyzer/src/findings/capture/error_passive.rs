@@ -18,7 +18,7 @@ const PASSIVE: u8 = 0x10 | 0x20;
 ///
 /// # What to do
 /// Check bit rate, wiring and termination. If only transmission fails, the recorder was alone on the bus.
-#[rule(id = "capture/error-passive", severity = Error, services = [ErrorFrame])]
+#[rule(id = "capture/error-passive", severity = Error, rank = State, services = [ErrorFrame])]
 struct ErrorPassive;
 
 impl Rule for ErrorPassive {

@@ -16,7 +16,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Find out whether the machine was switched off at that time. If it was not, look at the frames before the gap: the
 /// last thing that happened is the best clue.
-#[rule(id = "capture/gaps", severity = Info, of = capture)]
+#[rule(id = "capture/gaps", severity = Info, rank = Detail, of = capture)]
 struct Gaps {
     /// a gap is at least as long
     #[threshold(ms = 3000)]

@@ -14,7 +14,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Nothing for this diagnosis. Sort the capture by its times before it is read by eye, or let one processor handle the
 /// interrupts of the interface.
-#[rule(id = "capture/out-of-order", severity = Info, of = nothing)]
+#[rule(id = "capture/out-of-order", severity = Info, rank = Detail, of = nothing)]
 pub struct OutOfOrder;
 
 /// Says how many frames were out of order.

@@ -17,7 +17,7 @@ const OVERFLOW: u8 = 0x01 | 0x02;
 ///
 /// # What to do
 /// Record again with an interface that has larger buffers, or with less load on the recording machine.
-#[rule(id = "capture/overrun", severity = Warning, services = [ErrorFrame])]
+#[rule(id = "capture/overrun", severity = Warning, rank = Detail, services = [ErrorFrame])]
 struct Overrun;
 
 impl Rule for Overrun {

@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// A fault of the device's firmware (CiA 301, 1001h and emergency error codes).
-#[rule(id = "emcy/contradiction", severity = Warning, services = [Emcy])]
+#[rule(id = "emcy/contradiction", severity = Warning, rank = Detail, services = [Emcy])]
 struct Contradiction;
 
 impl Rule for Contradiction {

@@ -14,7 +14,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Read 1001h and 1003h of the node: if 1001h is 0, the error is gone and its end was not reported.
-#[rule(id = "emcy/never-cleared", severity = Warning, services = [Emcy])]
+#[rule(id = "emcy/never-cleared", severity = Warning, rank = Detail, services = [Emcy])]
 struct NeverCleared;
 
 impl Rule for NeverCleared {

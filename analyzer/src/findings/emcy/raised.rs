@@ -1,4 +1,5 @@
 use crate::findings::Context;
+use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::{Message, Service};
@@ -8,6 +9,13 @@ use crate::wire::emcy::Emcy;
 use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What an error does to its device.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SOON),
+    Effect::on(&["emcy/never-cleared"]).of_same_node().of_same_kind(),
+    Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE),
+];
 
 /// a node reports an error
 ///
@@ -21,7 +29,14 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the bus just
 /// before.
-#[rule(id = "emcy/raised", severity = Error, services = [Emcy], also = EndedTransfers)]
+#[rule(
+    id = "emcy/raised",
+    severity = Error,
+    rank = DeviceError,
+    services = [Emcy],
+    also = EndedTransfers,
+    leads_to = EFFECTS
+)]
 struct Raised {
     /// When the error register was last read from a node.
     register_read: PerNode<Option<Timestamp>>,

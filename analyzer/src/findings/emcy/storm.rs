@@ -1,9 +1,16 @@
 use crate::PerNode;
 use crate::findings::Context;
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What a storm consists of, and what it does to the bus.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["emcy/raised", "emcy/contradiction", "emcy/never-cleared"]).of_same_node(),
+    Effect::on(&["bus/load"]).spanning(SOON),
+];
 
 /// a node sends EMCY again and again
 ///
@@ -15,7 +22,7 @@ use canvass_traces::{Duration, Timestamp};
 ///
 /// # What to do
 /// Set the EMCY inhibit time (1015h) of the node, and look at the first EMCY: the others follow from it.
-#[rule(id = "emcy/storm", severity = Error, services = [Emcy])]
+#[rule(id = "emcy/storm", severity = Error, rank = DeviceError, services = [Emcy], leads_to = EFFECTS)]
 struct Storm {
     /// so many messages
     #[threshold(count = 10, min = 1)]

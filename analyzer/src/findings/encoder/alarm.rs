@@ -15,7 +15,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The EMCY of
 /// the same moment says more.
-#[rule(id = "encoder/alarm", severity = Error, also = EncoderValues)]
+#[rule(id = "encoder/alarm", severity = Error, rank = DeviceError, also = EncoderValues)]
 struct Alarm;
 
 /// Reports each bit that is set.

@@ -15,7 +15,7 @@ use canvass_macros::rule;
 /// # What to do
 /// If it is meant (homing), see that the machine stands still and that the consumer knows. Else find out which tool or
 /// which part of the program writes it.
-#[rule(id = "encoder/parameter-changed", severity = Warning, also = EncoderValues)]
+#[rule(id = "encoder/parameter-changed", severity = Warning, rank = Detail, also = EncoderValues)]
 struct ParameterChanged;
 
 impl Rule for ParameterChanged {

@@ -17,7 +17,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// A frozen position with a live speed is a fault of the device: restart it, and compare 6004h and the raw position if
 /// it has one.
-#[rule(id = "encoder/position-frozen", severity = Error, services = [BootUp, Nmt], also = EncoderValues)]
+#[rule(id = "encoder/position-frozen", severity = Error, rank = Detail, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionFrozen {
     /// as shown in 6030h; a lower value counts as standing still
     #[threshold(count = 10)]

@@ -24,7 +24,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// If the next position is the old one again, look for electrical disturbance and for a second sender. If it stays, the
 /// multi-turn part may be at fault.
-#[rule(id = "encoder/position-jump", severity = Error, services = [BootUp, Nmt], also = EncoderValues)]
+#[rule(id = "encoder/position-jump", severity = Error, rank = Detail, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionJump {
     /// the highest speed of the shaft
     #[threshold(count = 12_000, unit = "rpm")]

@@ -25,7 +25,13 @@ struct Scaling {
 /// # What to do
 /// Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the device's
 /// firmware.
-#[rule(id = "encoder/position-outside-range", severity = Error, services = [BootUp], also = EncoderValues)]
+#[rule(
+    id = "encoder/position-outside-range",
+    severity = Error,
+    rank = Detail,
+    services = [BootUp],
+    also = EncoderValues
+)]
 struct PositionOutsideRange {
     nodes: PerNode<Scaling>,
 }

@@ -31,7 +31,7 @@ struct Channels {
 ///
 /// # What to do
 /// Stop relying on this device. See which of the two channels jumped or froze.
-#[rule(id = "encoder/redundant-channels", severity = Error, services = [Pdo, BootUp])]
+#[rule(id = "encoder/redundant-channels", severity = Error, rank = Detail, services = [Pdo, BootUp])]
 struct RedundantChannels {
     /// the sum may be off, as both are taken one after the other
     #[threshold(count = 20, unit = "units")]

@@ -15,7 +15,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Plan to replace the battery or the device; a speed beyond the limit is the machine's. Bit 2 is a watchdog reset:
 /// look for boot-ups without a command.
-#[rule(id = "encoder/warning", severity = Warning, also = EncoderValues)]
+#[rule(id = "encoder/warning", severity = Warning, rank = Detail, also = EncoderValues)]
 struct Warning;
 
 impl Rule for Warning {

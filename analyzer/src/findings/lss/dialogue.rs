@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. Switching all
 /// to configuration (04h 01h) is only for a bus with one slave.
-#[rule(id = "lss/dialogue", severity = Error, services = [Lss, Lmt])]
+#[rule(id = "lss/dialogue", severity = Error, rank = Detail, services = [Lss, Lmt])]
 struct Dialogue {
     request: Option<Seen>,
     answer: Option<Seen>,

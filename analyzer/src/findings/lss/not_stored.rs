@@ -19,7 +19,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID anew at every
 /// start.
-#[rule(id = "lss/not-stored", severity = Warning, services = [Lss, Lmt])]
+#[rule(id = "lss/not-stored", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct NotStored {
     /// The slave's answers to the configurations that are not stored: node-ID and bit rate.
     changed: [Option<Seen>; 2],

@@ -14,7 +14,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Code 1 is a node-ID or bit rate that the device does not have, or that it can't store; 2 of a store is a fault of
 /// its memory.
-#[rule(id = "lss/refused", severity = Error, services = [Lss, Lmt])]
+#[rule(id = "lss/refused", severity = Error, rank = Detail, services = [Lss, Lmt])]
 struct Refused {
     request: Option<Seen>,
 }

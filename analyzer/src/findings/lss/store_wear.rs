@@ -16,7 +16,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Store once, at commissioning; or assign node-IDs at every start and don't store them.
-#[rule(id = "lss/store-wear", severity = Warning, services = [Lss, Lmt])]
+#[rule(id = "lss/store-wear", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct StoreWear {
     /// fewer stores in a capture are not judged
     #[threshold(count = 10, min = 1)]

@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Check the four numbers of the address against the label. LSS works in stopped and pre-operational only with many
 /// devices.
-#[rule(id = "lss/unanswered", severity = Warning, services = [Lss, Lmt])]
+#[rule(id = "lss/unanswered", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct Unanswered {
     /// time to answer
     #[threshold(ms = 1000)]

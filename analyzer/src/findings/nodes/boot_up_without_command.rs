@@ -1,9 +1,13 @@
 use crate::NodeId;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What a restart causes.
+const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/boot-up-without-command"]));
 
 /// a node restarts by itself
 ///
@@ -19,7 +23,13 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether it happens
 /// again.
-#[rule(id = "nodes/boot-up-without-command", severity = Warning, services = [BootUp])]
+#[rule(
+    id = "nodes/boot-up-without-command",
+    severity = Warning,
+    rank = Restart,
+    services = [BootUp],
+    leads_to = EFFECTS
+)]
 struct BootUpWithoutCommand;
 
 /// Whether something that was said to the node explains its boot-up.

@@ -1,3 +1,4 @@
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
@@ -8,6 +9,10 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 use std::rc::Rc;
+
+/// What shows the state in which the node has stayed.
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["nodes/pdo-outside-operational", "nodes/sdo-in-stopped", "nodes/no-boot-up"]).of_same_node()];
 
 /// a node does not reach the commanded NMT state
 ///
@@ -24,7 +29,13 @@ use std::rc::Rc;
 /// # What to do
 /// See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
 /// really names this node.
-#[rule(id = "nodes/command-not-obeyed", severity = Error, services = [Nmt, Heartbeat, Guarding, BootUp])]
+#[rule(
+    id = "nodes/command-not-obeyed",
+    severity = Error,
+    rank = State,
+    services = [Nmt, Heartbeat, Guarding, BootUp],
+    leads_to = EFFECTS
+)]
 struct CommandNotObeyed {
     /// time to reach a state
     #[threshold(ms = 100)]

@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
@@ -6,6 +7,12 @@ use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
+
+/// What a consumer does about it.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["emcy/raised"]).of_same_node().with_codes(MONITORING).during(SOON, SETTLE),
+    Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
+];
 
 /// a heartbeat consumer time is missed
 ///
@@ -19,7 +26,14 @@ use canvass_traces::Duration;
 /// # What to do
 /// The consumer time should be at least one and a half times the producer time. If it is, find out why the producer was
 /// silent.
-#[rule(id = "nodes/consumer-time", severity = Error, services = [Heartbeat, BootUp, Nmt], also = EndedTransfers)]
+#[rule(
+    id = "nodes/consumer-time",
+    severity = Error,
+    rank = Participants,
+    services = [Heartbeat, BootUp, Nmt],
+    also = EndedTransfers,
+    leads_to = EFFECTS
+)]
 struct ConsumerTime {
     /// Who consumes the heartbeat of each node, and how long it waits.
     consumers: PerNode<Consumers>,

@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// A node that sends other messages may not support guarding (100Ch, 100Dh): use heartbeat.
 /// Some CAN controllers answer remote frames by themselves, with an old state.
-#[rule(id = "nodes/guarding-unanswered", severity = Error, services = [Guarding, BootUp, Heartbeat])]
+#[rule(id = "nodes/guarding-unanswered", severity = Error, rank = State, services = [Guarding, BootUp, Heartbeat])]
 struct GuardingUnanswered {
     /// time to answer
     #[threshold(ms = 100)]

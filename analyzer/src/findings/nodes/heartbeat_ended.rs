@@ -1,9 +1,13 @@
 use crate::PerNode;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use canvass_macros::rule;
 use canvass_traces::Duration;
+
+/// Who misses the heartbeat.
+const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// a node's heartbeat ends and does not come back
 ///
@@ -15,7 +19,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Look at the last frames of the node, at error frames around that time, and at its supply.
-#[rule(id = "nodes/heartbeat-ended", severity = Error, services = [Heartbeat])]
+#[rule(id = "nodes/heartbeat-ended", severity = Error, rank = Loss, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatEnded {
     /// so many must be missing at the end
     #[threshold(count = 3, min = 1)]

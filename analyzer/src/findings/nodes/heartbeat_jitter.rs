@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Compare with other nodes: if all are irregular, the recorder or the bus load is the reason. If a single one is, its
 /// firmware is.
-#[rule(id = "nodes/heartbeat-jitter", severity = Warning, services = [Heartbeat])]
+#[rule(id = "nodes/heartbeat-jitter", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatJitter {
     /// of the period that an interval may be off
     #[threshold(percent = 20)]

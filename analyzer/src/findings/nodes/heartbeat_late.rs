@@ -16,7 +16,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Look at the bus load at that time, and at what the node was doing. If a heartbeat time is below 20 ms, lengthen it.
-#[rule(id = "nodes/heartbeat-late", severity = Warning, services = [Heartbeat])]
+#[rule(id = "nodes/heartbeat-late", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatLate {
     /// of the period; later is late
     #[threshold(percent = 150)]

@@ -1,7 +1,14 @@
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Seen, Thresholds};
 use canvass_macros::rule;
+
+/// Who misses the heartbeat.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
+    Effect::on(&["nodes/consumer-time"]).of_origin().spanning(SOON),
+];
 
 /// heartbeats are missing
 ///
@@ -15,7 +22,7 @@ use canvass_macros::rule;
 /// # What to do
 /// See what else the node sent in the meantime: if nothing, it was cut off or hung; if everything else came, its
 /// heartbeat task is starved. Look for a boot-up shortly after.
-#[rule(id = "nodes/heartbeat-missing", severity = Error, services = [Heartbeat])]
+#[rule(id = "nodes/heartbeat-missing", severity = Error, rank = State, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatMissing {
     /// of the period; later is missing
     #[threshold(percent = 180)]

@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen};
@@ -6,6 +7,12 @@ use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
+
+/// What the node does about it.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["emcy/raised"]).of_same_node().with_codes(MONITORING).during(SOON, SETTLE),
+    Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
+];
 
 /// a guarded node is not asked for its state in time
 ///
@@ -19,7 +26,13 @@ use canvass_traces::Duration;
 /// # What to do
 /// See whether the master was stopped or guards at a time that is longer than the node's life time; 100Ch and 100Dh
 /// must fit the master's guarding. A master that uses heartbeat instead should set 100Ch to 0.
-#[rule(id = "nodes/life-guarding", severity = Error, services = [Guarding, BootUp, Heartbeat, Nmt])]
+#[rule(
+    id = "nodes/life-guarding",
+    severity = Error,
+    rank = Participants,
+    services = [Guarding, BootUp, Heartbeat, Nmt],
+    leads_to = EFFECTS
+)]
 struct LifeGuarding {
     /// of the life time; later is lost
     #[threshold(percent = 110, min = 1)]

@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 use crate::findings::facts::{Orders, Outage, Sign};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -7,6 +8,20 @@ use crate::wire::nmt::Command;
 use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What misses a node that is lost, and what the node itself shows before and after.
+const EFFECTS: &[Effect] = &[
+    Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id"]),
+    Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
+    Effect::on(&["pdo/sync-missing"]).during(SOON, Duration::ZERO),
+    Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE),
+    // What the node said just before may tell why.
+    Effect::on(&["emcy/raised"]).of_same_node().during(SETTLE, SETTLE),
+    Effect::on(&["emcy/raised"]).of_others().with_codes(MONITORING).during(Duration::ZERO, SOON),
+    Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
+    Effect::on(&["nodes/state-lost"]).of_others().during(Duration::ZERO, SOON),
+    Effect::on_the_rest().of_same_node().during(SOON, SETTLE),
+];
 
 /// a node drops out
 ///
@@ -24,7 +39,7 @@ use canvass_traces::{Duration, Timestamp};
 /// A node that comes back with a boot-up had no supply or was reset by its watchdog: measure its supply. One that comes
 /// back without was cut off: look at its connector, and at error frames around that time. If several drop out together,
 /// look at what they share.
-#[rule(id = "nodes/lost", severity = Error, also = Returning)]
+#[rule(id = "nodes/lost", severity = Error, rank = Loss, also = Returning, leads_to = EFFECTS)]
 struct Lost {
     nodes: PerNode<Losses>,
 }

@@ -14,5 +14,6 @@ mod lost;
 mod no_boot_up;
 mod pdo_outside_operational;
 mod repeated_resets;
+mod restart;
 mod sdo_in_stopped;
 mod state_lost;

@@ -1,3 +1,4 @@
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::seen::Evidence;
 use crate::findings::sink::{Report, Sink};
@@ -9,6 +10,9 @@ use canvass_macros::rule;
 use canvass_traces::Duration;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
+
+/// Who misses the node.
+const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// a node does not come back after a reset
 ///
@@ -23,7 +27,7 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 ///
 /// # What to do
 /// Look for a new node-ID on the bus. If there is none, look at the device itself.
-#[rule(id = "nodes/no-boot-up", severity = Error, services = [Nmt])]
+#[rule(id = "nodes/no-boot-up", severity = Error, rank = Loss, services = [Nmt], leads_to = EFFECTS)]
 struct NoBootUp {
     /// so long a reset may take
     #[threshold(ms = 5000)]

@@ -21,7 +21,12 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// If the node was stopped by an NMT command, it did not obey: see its heartbeats. Else it is a fault of its firmware,
 /// or another node sends with the same CAN-ID.
-#[rule(id = "nodes/pdo-outside-operational", severity = Error, services = [Pdo, Nmt, Heartbeat, Guarding, BootUp])]
+#[rule(
+    id = "nodes/pdo-outside-operational",
+    severity = Error,
+    rank = ProcessData,
+    services = [Pdo, Nmt, Heartbeat, Guarding, BootUp]
+)]
 struct PdoOutsideOperational {
     /// what may still be queued
     #[threshold(ms = 100)]

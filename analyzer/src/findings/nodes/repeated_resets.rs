@@ -1,6 +1,7 @@
 use super::boot_up_without_command::is_explained;
 use crate::PerNode;
 use crate::findings::Context;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use canvass_macros::rule;
@@ -11,6 +12,9 @@ struct Restarts {
     begin: Option<Timestamp>,
     count: u64,
 }
+
+/// What a node causes that restarts again and again: each restart without a command, and what follows from one.
+const EFFECTS: &[Effect] = &super::restart::effects(Effect::on(&["nodes/boot-up-without-command"]).of_same_node());
 
 /// a node restarts again and again
 ///
@@ -23,7 +27,7 @@ struct Restarts {
 /// # What to do
 /// Measure its supply at the device while it starts. If that is good, compare bit rate and termination, and look for a
 /// second device with the same node-ID.
-#[rule(id = "nodes/repeated-resets", severity = Error, services = [BootUp])]
+#[rule(id = "nodes/repeated-resets", severity = Error, rank = Restart, services = [BootUp], leads_to = EFFECTS)]
 struct RepeatedResets {
     /// so many boot-ups
     #[threshold(count = 3, min = 1)]

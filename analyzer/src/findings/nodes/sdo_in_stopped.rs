@@ -17,7 +17,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.
-#[rule(id = "nodes/sdo-in-stopped", severity = Warning, services = [Sdo])]
+#[rule(id = "nodes/sdo-in-stopped", severity = Warning, rank = Detail, services = [Sdo])]
 struct SdoInStopped {
     /// what may still be under way
     #[threshold(ms = 50)]

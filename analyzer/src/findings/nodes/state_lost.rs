@@ -1,10 +1,14 @@
 use crate::PerNode;
+use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use canvass_macros::rule;
+
+/// What shows the state that the node has entered.
+const EFFECTS: &[Effect] = &[Effect::on(&["nodes/pdo-outside-operational", "pdo/sync-pdo-missing"]).of_same_node()];
 
 /// a node leaves operational by itself
 ///
@@ -17,7 +21,13 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Look for an EMCY of the node just before, and at whose heartbeat it consumes (1016h).
-#[rule(id = "nodes/state-lost", severity = Error, services = [Nmt, Heartbeat, Guarding, BootUp])]
+#[rule(
+    id = "nodes/state-lost",
+    severity = Error,
+    rank = State,
+    services = [Nmt, Heartbeat, Guarding, BootUp],
+    leads_to = EFFECTS
+)]
 struct StateLost {
     nodes: PerNode<Option<State>>,
 }

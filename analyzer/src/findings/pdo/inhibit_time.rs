@@ -17,7 +17,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Check that the inhibit time was written while the PDO was switched off, as some devices take it only then. If it
 /// was, it is a fault of the device's firmware.
-#[rule(id = "pdo/inhibit-time", severity = Error, services = [Nmt], also = KnownTpdos)]
+#[rule(id = "pdo/inhibit-time", severity = Error, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct InhibitTime {
     /// of the inhibit time; sooner is too soon
     #[threshold(percent = 90, max = 100)]

@@ -21,7 +21,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Compare with other nodes: if all their PDOs are irregular, bus load or the recorder is the reason. If one node's
 /// are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.
-#[rule(id = "pdo/jitter", severity = Warning, services = [Nmt], also = KnownTpdos)]
+#[rule(id = "pdo/jitter", severity = Warning, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct Jitter {
     /// of the event timer that an interval may be longer
     #[threshold(percent = 20)]

@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
@@ -5,6 +6,12 @@ use crate::message::{Message, PdoNumber};
 use crate::network::Node;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
+
+/// The codes of EMCY about a PDO or SYNC with the wrong length.
+const OF_LENGTH: &[u64] = &[0x8210, 0x8220, 0x8240, 0x8250];
+
+/// What the receiver says about it.
+const EFFECTS: &[Effect] = &[Effect::on(&["emcy/raised"]).with_codes(OF_LENGTH).spanning(SOON)];
 
 /// a PDO is not as long as its mapping says
 ///
@@ -20,7 +27,7 @@ use canvass_macros::rule;
 /// # What to do
 /// Read 1A00h (or 1600h) of the node and compare it with what the other side expects. If the mapping was changed before
 /// the capture began, the description's default is not in force.
-#[rule(id = "pdo/length", severity = Error, services = [Pdo])]
+#[rule(id = "pdo/length", severity = Error, rank = DeviceError, services = [Pdo], leads_to = EFFECTS)]
 struct Length {
     /// By node, a bit for each PDO that has once been as long as its mapping.
     fitted: PerNode<u64>,

@@ -20,7 +20,13 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Look at the bus load and at how high the PDO's CAN-ID is. If the bus is not full, the device does not keep its own
 /// cycle.
-#[rule(id = "pdo/period", severity = Warning, services = [Nmt], also = [KnownTpdos, EndedTransfers])]
+#[rule(
+    id = "pdo/period",
+    severity = Warning,
+    rank = ProcessData,
+    services = [Nmt],
+    also = [KnownTpdos, EndedTransfers]
+)]
 struct Period {
     /// of the event timer; later is late
     #[threshold(percent = 150)]

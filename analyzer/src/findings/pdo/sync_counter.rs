@@ -17,7 +17,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// See whether intervals around the jump are regular: if so, the producer miscounts; if one is double, a SYNC was lost;
 /// if they are short, there are two producers.
-#[rule(id = "pdo/sync-counter", severity = Error, services = [Sync, Nmt])]
+#[rule(id = "pdo/sync-counter", severity = Error, rank = Detail, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,
     /// The value after which 1 has followed.

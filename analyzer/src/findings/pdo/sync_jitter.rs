@@ -15,7 +15,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Let the SYNC producer send from a timer of its controller, and not from a task of an operating system.
-#[rule(id = "pdo/sync-jitter", severity = Warning, services = [Sync, Nmt], also = EndedTransfers)]
+#[rule(id = "pdo/sync-jitter", severity = Warning, rank = Detail, services = [Sync, Nmt], also = EndedTransfers)]
 struct SyncJitter {
     /// of the period that an interval may be off
     #[threshold(percent = 20)]

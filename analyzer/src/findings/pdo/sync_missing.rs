@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::rhythm::Rhythm;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -5,6 +6,13 @@ use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Message;
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+
+/// What depends on SYNC.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/sync-counter", "pdo/sync-jitter"])
+        .during(SOON, SETTLE),
+    Effect::on(&["emcy/raised", "nodes/state-lost"]).during(SOON, SETTLE),
+];
 
 /// a SYNC message is missing
 ///
@@ -17,7 +25,14 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
 /// does not delay it.
-#[rule(id = "pdo/sync-missing", severity = Error, services = [Sync, Nmt], also = EndedTransfers)]
+#[rule(
+    id = "pdo/sync-missing",
+    severity = Error,
+    rank = Loss,
+    services = [Sync, Nmt],
+    also = EndedTransfers,
+    leads_to = EFFECTS
+)]
 struct SyncMissing {
     /// of the period; later is missing
     #[threshold(percent = 180)]

@@ -19,7 +19,7 @@ use canvass_macros::rule;
 /// # What to do
 /// If it comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If it does
 /// not come at all, look at the node's state.
-#[rule(id = "pdo/sync-pdo-missing", severity = Error, services = [Sync, Nmt], also = KnownTpdos)]
+#[rule(id = "pdo/sync-pdo-missing", severity = Error, rank = ProcessData, services = [Sync, Nmt], also = KnownTpdos)]
 struct SyncPdoMissing {
     /// By node and number from 0.
     pdos: PerNode<[Pdo; TPDOS]>,

@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// See what was on the bus between SYNC and the PDO: PDOs with lower CAN-IDs that fill the window, or nothing, so that
 /// the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.
-#[rule(id = "pdo/sync-window", severity = Error, services = [Sync], also = KnownTpdos)]
+#[rule(id = "pdo/sync-window", severity = Error, rank = Detail, services = [Sync], also = KnownTpdos)]
 struct SyncWindow {
     /// for the recorder's clock
     #[threshold(us = 200)]

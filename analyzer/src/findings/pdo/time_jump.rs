@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Timestamp};
 ///
 /// # What to do
 /// The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local time.
-#[rule(id = "pdo/time-jump", severity = Warning, services = [Time])]
+#[rule(id = "pdo/time-jump", severity = Warning, rank = Detail, services = [Time])]
 struct TimeJump {
     /// a smaller difference is drift
     #[threshold(ms = 1000)]

@@ -19,7 +19,7 @@ use canvass_macros::rule;
 /// # What to do
 /// The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the moment,
 /// 0503 0000h and 0504 xxxxh of the protocol.
-#[rule(id = "sdo/aborted", severity = Warning, services = [Sdo])]
+#[rule(id = "sdo/aborted", severity = Warning, rank = Transfer, services = [Sdo])]
 struct Aborted;
 
 impl Rule for Aborted {

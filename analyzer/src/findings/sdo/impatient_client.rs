@@ -1,5 +1,6 @@
 use super::late::{self, Limits};
 use crate::findings::Context;
+use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -7,6 +8,10 @@ use crate::message::Message;
 use crate::wire::sdo::Request;
 use canvass_macros::rule;
 use canvass_traces::Duration;
+
+/// What the client and the server make of it.
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE)];
 
 /// an SDO client gives up too soon
 ///
@@ -19,7 +24,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Lengthen the time-out of the client: 500 ms are usual, several seconds for stores.
-#[rule(id = "sdo/impatient-client", severity = Warning, also = UnusualRequests)]
+#[rule(id = "sdo/impatient-client", severity = Warning, rank = ProcessData, also = UnusualRequests, leads_to = EFFECTS)]
 struct ImpatientClient {
     /// who aborts sooner is impatient, whether an answer comes or not
     #[threshold(ms = 20)]

@@ -1,9 +1,16 @@
+use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Thresholds};
 use canvass_macros::rule;
 use canvass_traces::Duration;
+
+/// What the client makes of it.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE),
+    Effect::on(&["sdo/aborted"]).of_same_node().spanning(SOON),
+];
 
 /// an SDO server answers late
 ///
@@ -16,7 +23,7 @@ use canvass_traces::Duration;
 /// # What to do
 /// Compare with the other response times of the node in the statistics. If only some objects are late, they touch slow
 /// memory: lengthen the client's time-out for them.
-#[rule(id = "sdo/late", severity = Warning, services = [Sdo])]
+#[rule(id = "sdo/late", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct Late {
     /// later is late
     #[threshold(ms = 500)]

@@ -19,7 +19,7 @@ use canvass_macros::rule;
 /// # What to do
 /// The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody asked
 /// for come from a second device with the same node-ID, or from a client that gave up too early.
-#[rule(id = "sdo/protocol-violation", severity = Error, services = [Sdo])]
+#[rule(id = "sdo/protocol-violation", severity = Error, rank = Detail, services = [Sdo])]
 struct ProtocolViolation {
     /// The channels on which the begin of a transfer was seen.
     begun: Vec<bool>,

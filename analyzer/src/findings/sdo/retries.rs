@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Lengthen the time-out of the client, and see how long the server takes for other objects.
-#[rule(id = "sdo/retries", severity = Warning, also = UnusualRequests)]
+#[rule(id = "sdo/retries", severity = Warning, rank = Detail, also = UnusualRequests)]
 struct Retries {
     /// The first repeated request to each node, and how many there were.
     first: PerNode<Option<Box<(Seen, u64)>>>,

@@ -20,7 +20,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// Store once, at commissioning. Configure the rest at every start without storing.
-#[rule(id = "sdo/store-wear", severity = Warning, also = EndedTransfers)]
+#[rule(id = "sdo/store-wear", severity = Warning, rank = Detail, also = EndedTransfers)]
 struct StoreWear {
     /// fewer stores in a capture are not judged
     #[threshold(count = 10, min = 1)]

@@ -1,4 +1,5 @@
 use crate::PerNode;
+use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -14,6 +15,10 @@ use canvass_traces::Duration;
 /// No client gives up so soon.
 const TWO_CLIENTS: Duration = Duration::from_millis(5);
 
+/// What the client makes of it.
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE)];
+
 /// an SDO request gets no answer
 ///
 /// An SDO request is followed by no answer of the server until the time is over, or until the client gives up and sends
@@ -27,7 +32,7 @@ const TWO_CLIENTS: Duration = Duration::from_millis(5);
 /// Where the node still sends other messages, its SDO server is busy or hung;
 /// silence to a node that is off or has another node-ID. Two clients on one channel take each other's answers: give the
 /// second one a channel of its own (1201h).
-#[rule(id = "sdo/unanswered", severity = Error, services = [Sdo])]
+#[rule(id = "sdo/unanswered", severity = Error, rank = ProcessData, services = [Sdo], leads_to = EFFECTS)]
 struct Unanswered {
     /// time to answer
     #[threshold(ms = 2000)]

@@ -1,20 +1,7 @@
 //! What follows from what.
 
 use super::groups::Group;
-use super::order::rank;
-use canvass_traces::Duration;
-
-/// What follows comes within this time after the end of its cause.
-const SETTLE: Duration = Duration::from_secs(5);
-/// What others do about it comes within this time.
-const SOON: Duration = Duration::from_secs(2);
-const NONE: Duration = Duration::ZERO;
-
-/// The codes of EMCY that another node or the bus brings about: communication, life guarding or heartbeat, recovered
-/// from bus off, and those of a PDO or SYNC with the wrong length.
-const MONITORING: [u64; 2] = [0x8130, 0x8100];
-const OF_LENGTH: [u64; 4] = [0x8210, 0x8220, 0x8240, 0x8250];
-const OF_BUS: [u64; 4] = [0x8110, 0x8120, 0x8140, 0x8100];
+use crate::findings::effect::{Effect, Kinds, Nodes, Time};
 
 /// For each group the one from which it follows.
 pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
@@ -25,7 +12,7 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
             .enumerate()
             .filter(|(other, cause)| *other != at && cause.channel == effect.channel && follows(effect, cause));
         // The worst of several; of these the one that began last before it.
-        let best = possible.min_by_key(|(_, cause)| (rank(cause.rule), effect.first().since(cause.first())));
+        let best = possible.min_by_key(|(_, cause)| (cause.rule.rank, effect.first().since(cause.first())));
         causes[at] = best.map(|(cause, _)| cause);
     }
     for at in 0..groups.len() {
@@ -40,7 +27,7 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
 /// Between a cause and what follows from it there may be something that follows from the one and brings about the other:
 /// a node is lost, its consumer notices, sends an EMCY, and leaves operational. All of it stays in the same story.
 fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
-    let orders: Vec<_> = groups.iter().map(|group| (group.first(), rank(group.rule))).collect();
+    let orders: Vec<_> = groups.iter().map(|group| (group.first(), group.rule.rank)).collect();
     for (at, effect) in groups.iter().enumerate() {
         let Some(cause) = causes[at] else { continue };
         let story = root(causes, cause);
@@ -83,103 +70,30 @@ fn is_circle(causes: &[Option<usize>], at: usize) -> bool {
 
 /// Whether what the one group says follows from what the other says.
 fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
-    let time = effect.first();
-    // Asked for where it matters only: there may be thousands of groups.
+    let effects = cause.rule.leads_to;
+    let named = effects.iter().any(|stated| stated.names(effect.rule.id));
+    let applies = |stated: &&Effect| if named { stated.names(effect.rule.id) } else { stated.rules.is_empty() };
+    effects.iter().filter(applies).any(|stated| is_as_stated(stated, effect, cause))
+}
+
+fn is_as_stated(stated: &Effect, effect: &Group<'_>, cause: &Group<'_>) -> bool {
     let same = || effect.nodes.iter().any(|node| cause.has(Some(*node)));
-    let origin = || effect.findings.iter().any(|finding| cause.has(finding.origin));
-    match (cause.rule, effect.rule) {
-        ("nodes/lost", effect_rule) => by_loss(effect, effect_rule, cause, same(), origin()),
-        ("nodes/heartbeat-ended" | "nodes/no-boot-up", "nodes/consumer-time") => origin(),
-        ("nodes/heartbeat-missing", "nodes/consumer-time") => {
-            origin() && (cause.covers(time, SOON, SOON) || cause.spans(time, SOON))
-        }
-        ("nodes/boot-up-without-command" | "nodes/repeated-resets", rule) => {
-            by_restart(effect, rule, cause, same(), origin())
-        }
-        ("nodes/consumer-time" | "nodes/life-guarding", "emcy/raised") => {
-            same() && MONITORING.contains(&effect.kind) && cause.covers(time, SOON, SETTLE)
-        }
-        ("nodes/consumer-time" | "nodes/life-guarding", "nodes/state-lost") => {
-            same() && cause.covers(time, SOON, SETTLE)
-        }
-        ("emcy/raised", "nodes/state-lost") => same() && cause.covers(time, SOON, SOON),
-        ("emcy/raised", "emcy/never-cleared") => same() && cause.kind == effect.kind,
-        ("emcy/raised", "encoder/alarm" | "encoder/warning") => same() && cause.covers(time, SOON, SETTLE),
-        ("emcy/storm", "emcy/raised" | "emcy/contradiction" | "emcy/never-cleared") => same(),
-        ("emcy/storm", "bus/load") => cause.spans(time, SOON),
-        ("bus/duplicate-node-id", rule) => same() && !rule.starts_with("lss/") && rank(rule) > 0,
-        ("bus/two-producers", "pdo/sync-counter" | "pdo/sync-jitter" | "pdo/sync-missing") => true,
-        ("bus/two-producers", "pdo/sync-pdo-missing" | "pdo/sync-window" | "pdo/time-jump") => true,
-        ("bus/load", rule) => by_load(effect, rule, cause),
-        ("pdo/sync-missing", "pdo/sync-pdo-missing" | "pdo/sync-window" | "pdo/sync-counter" | "pdo/sync-jitter") => {
-            cause.covers(time, SOON, SETTLE)
-        }
-        ("pdo/sync-missing", "emcy/raised" | "nodes/state-lost") => cause.covers(time, SOON, SETTLE),
-        ("pdo/length", "emcy/raised") => OF_LENGTH.contains(&effect.kind) && cause.spans(time, SOON),
-        ("nodes/command-not-obeyed", "nodes/pdo-outside-operational" | "nodes/sdo-in-stopped") => same(),
-        ("nodes/command-not-obeyed", "nodes/no-boot-up") => same(),
-        ("nodes/state-lost", "nodes/pdo-outside-operational" | "pdo/sync-pdo-missing") => same(),
-        ("sdo/impatient-client" | "sdo/unanswered", "sdo/aborted" | "sdo/retries" | "sdo/protocol-violation") => {
-            same() && cause.spans(time, SETTLE)
-        }
-        ("sdo/late", "sdo/retries" | "sdo/protocol-violation") => same() && cause.spans(time, SETTLE),
-        ("sdo/late", "sdo/aborted") => same() && cause.spans(time, SOON),
-        ("capture/bus-off", "capture/error-frames" | "capture/error-passive") => cause.covers(time, SETTLE, SETTLE),
-        ("capture/error-frames", "capture/error-passive") => true,
-        _ => false,
-    }
-}
-
-/// What follows from the loss of a node: of itself nearly everything, of others that they miss it.
-fn by_loss(effect: &Group<'_>, rule: &str, cause: &Group<'_>, same: bool, origin: bool) -> bool {
-    let time = effect.first();
-    match rule {
-        "nodes/lost" | "bus/load" | "bus/duplicate-node-id" => false,
-        "nodes/consumer-time" => origin && cause.covers(time, SOON, SOON),
-        "pdo/sync-missing" => cause.covers(time, SOON, NONE),
-        "capture/error-frames" | "capture/error-passive" => cause.covers(time, SETTLE, SETTLE),
-        // What it said just before may tell why.
-        "emcy/raised" if same => cause.covers(time, SETTLE, SETTLE),
-        "emcy/raised" => MONITORING.contains(&effect.kind) && cause.covers(time, NONE, SOON),
-        "nodes/state-lost" if !same => cause.covers(time, NONE, SOON),
-        _ => same && cause.covers(time, SOON, SETTLE),
-    }
-}
-
-/// What follows from a restart of a node.
-fn by_restart(effect: &Group<'_>, rule: &str, cause: &Group<'_>, same: bool, origin: bool) -> bool {
-    let time = effect.first();
-    match rule {
-        "nodes/lost" | "bus/load" | "bus/duplicate-node-id" => false,
-        "nodes/boot-up-without-command" => same && cause.rule == "nodes/repeated-resets",
-        "nodes/consumer-time" => origin && cause.spans(time, SETTLE),
-        "pdo/sync-missing" => cause.covers(time, SOON, SOON),
-        "emcy/raised" if !same => MONITORING.contains(&effect.kind) && cause.covers(time, SOON, SOON),
-        _ => same && cause.spans(time, SOON),
-    }
-}
-
-/// What follows from a bus that is full: everything that comes late.
-fn by_load(effect: &Group<'_>, rule: &str, cause: &Group<'_>) -> bool {
-    let late = matches!(
-        rule,
-        "nodes/heartbeat-late"
-            | "nodes/heartbeat-jitter"
-            | "nodes/heartbeat-missing"
-            | "nodes/consumer-time"
-            | "nodes/life-guarding"
-            | "nodes/guarding-unanswered"
-            | "sdo/late"
-            | "sdo/retries"
-            | "sdo/unanswered"
-            | "sdo/impatient-client"
-            | "pdo/period"
-            | "pdo/jitter"
-            | "pdo/sync-missing"
-            | "pdo/sync-jitter"
-            | "pdo/sync-window"
-            | "pdo/sync-pdo-missing"
-    );
-    let of_bus = rule == "emcy/raised" && (OF_BUS.contains(&effect.kind) || MONITORING.contains(&effect.kind));
-    (late || of_bus) && cause.spans(effect.first(), SETTLE)
+    let of_nodes = match stated.nodes {
+        Nodes::Any => true,
+        Nodes::Same => same(),
+        Nodes::Other => !same(),
+        Nodes::Origin => effect.findings.iter().any(|finding| cause.has(finding.origin)),
+    };
+    let of_kind = match stated.kinds {
+        Kinds::Any => true,
+        Kinds::Same => effect.kind == cause.kind,
+        Kinds::These(kinds) => kinds.contains(&effect.kind),
+    };
+    let in_time = || match stated.time {
+        Time::Any => true,
+        Time::Never => false,
+        Time::During(early, settle) => cause.covers(effect.first(), early, settle),
+        Time::Spanning(settle) => cause.spans(effect.first(), settle),
+    };
+    of_nodes && of_kind && (!stated.less_grave || effect.rule.rank > cause.rule.rank) && in_time()
 }

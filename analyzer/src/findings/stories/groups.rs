@@ -2,12 +2,13 @@
 
 use crate::NodeId;
 use crate::findings::finding::{Finding, Severity};
+use crate::findings::rule::Metadata;
 use canvass_traces::{ChannelId, Duration, Timestamp};
 
 /// Findings of one kind.
 pub struct Group<'a> {
     /// The rule.
-    pub rule: &'static str,
+    pub rule: &'static Metadata,
     /// What tells kinds of the same rule apart, such as an abort code.
     pub kind: u64,
     pub channel: Option<ChannelId>,
@@ -46,7 +47,7 @@ impl Group<'_> {
     }
 
     fn takes(&self, finding: &Finding) -> bool {
-        let same = (self.rule, self.kind, self.channel, self.severity)
+        let same = (self.rule.id, self.kind, self.channel, self.severity)
             == (finding.rule.id, finding.kind, finding.channel, finding.severity);
         let own = match finding.node {
             None => self.nodes.is_empty(),
@@ -58,7 +59,7 @@ impl Group<'_> {
     /// Whether what befell another node is the same event; where times tell nothing, the same fault.
     fn is_together(&self, finding: &Finding) -> bool {
         let apart = self.first().since(finding.first).max(finding.first.since(self.first()));
-        match self.rule.split('/').next() {
+        match self.rule.id.split('/').next() {
             Some("emcy" | "encoder") => false,
             Some("nodes") => apart <= TOGETHER,
             _ => true,
@@ -74,7 +75,7 @@ pub fn of(findings: &[Finding]) -> Vec<Group<'_>> {
             Some(at) => &mut groups[at],
             None => {
                 groups.push(Group {
-                    rule: finding.rule.id,
+                    rule: finding.rule,
                     kind: finding.kind,
                     channel: finding.channel,
                     severity: finding.severity,

@@ -12,7 +12,7 @@ use canvass_traces::{Duration, Frame, Timestamp, hex};
 use std::fmt;
 
 /// One transfer, from the client's side.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
@@ -20,7 +20,7 @@ pub struct Transfer {
     limit: UploadLimit,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum ClientState {
     AwaitUpload,
     UploadSegments { data: Vec<u8>, announced: Option<u32>, toggle: bool },

@@ -140,7 +140,7 @@ fn what_no_recording_holds_is_told() {
 fn trouble_with_time_stamps_is_kept() {
     let read = |line: &str| format!("canvass-transcript 1\n{line}\n").parse::<Transcript>();
     for trouble in [StampTrouble::Still, StampTrouble::Jump, StampTrouble::Range] {
-        let line = format!("health 4 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; {} / x", trouble.name());
+        let line = format!("health 4 0 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; {} / x", trouble.name());
         let transcript = read(&line).unwrap();
         assert_eq!(transcript.health[0].1.stamps, Some(trouble));
         assert!(transcript.to_string().contains(&line), "{transcript}");

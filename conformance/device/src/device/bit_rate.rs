@@ -3,6 +3,7 @@
 use super::Device;
 use super::context::Context;
 use super::lss_slave::bit_rate;
+use crate::Fault;
 use canvass_traces::{Duration, Timestamp};
 
 /// A change under way: silence, the change, silence again.
@@ -34,7 +35,7 @@ impl Device {
 
     /// The LSS master orders the change: no frame for `delay`, the new bit rate, and no frame for `delay` again.
     pub(super) fn activate_bit_rate(&mut self, now: Timestamp, delay: Duration) {
-        let delay = if self.context.firmware().activates_bit_rate_at_once() { Duration::ZERO } else { delay };
+        let delay = if self.context.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
         self.activation = Some(Activation { change: now + delay, end: now + delay.times(2) });
         self.context.outbox.clear();
         self.go_on_with_activation(now);

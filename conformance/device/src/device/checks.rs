@@ -5,6 +5,7 @@ use super::lss_slave::UNCONFIGURED;
 use super::objects::Objects;
 use super::store::StoreCommand;
 use super::{heartbeat_consumer, pdo, sync, time};
+use crate::Fault;
 use crate::models::Rule;
 use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
@@ -32,8 +33,8 @@ impl Objects {
             return Ok(());
         }
         self.check_bus_object(at, value)?;
-        let reserved = at.index.0 == object::ERROR_BEHAVIOR && !self.firmware.checks_error_behaviour();
-        if self.firmware.checks_range() && !reserved && !self.is_checked_later(at) {
+        let reserved = at.index.0 == object::ERROR_BEHAVIOR && self.firmware.has(Fault::ErrorBehaviourUnchecked);
+        if !self.firmware.has(Fault::SdoRangeUnchecked) && !reserved && !self.is_checked_later(at) {
             self.parameters.entry(at)?.check_range(value)?;
         }
         self.check_communication(at, value)?;
@@ -41,12 +42,14 @@ impl Objects {
     }
 
     fn check_signature(&self, at: Multiplexer, command: StoreCommand, value: u64) -> Result<(), AbortCode> {
-        if at.sub.0 > 1 && self.firmware.checks_first_signature_only() {
+        if at.sub.0 > 1 && self.firmware.has(Fault::StoreSignatureFirstOnly) {
             return Ok(());
         }
         let checked = match command {
-            StoreCommand::Save(_) => self.firmware.checks_save_signature(),
-            StoreCommand::Restore(_) => self.firmware.checks_load_signature(),
+            // One function checks both signatures.
+            _ if self.firmware.has(Fault::StoreSignatureUnchecked) => false,
+            StoreCommand::Save(_) => true,
+            StoreCommand::Restore(_) => !self.firmware.has(Fault::RestoreSignatureUnchecked),
         };
         if checked { command.check(value, &self.model.sheet().storage) } else { Ok(()) }
     }
@@ -62,7 +65,11 @@ impl Objects {
             }
             _ => true,
         };
-        if exists || of_device || !self.firmware.checks_range() { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+        if exists || of_device || self.firmware.has(Fault::SdoRangeUnchecked) {
+            Ok(())
+        } else {
+            Err(AbortCode::INVALID_VALUE)
+        }
     }
 
     /// 1000h to 1FFFh.
@@ -70,7 +77,7 @@ impl Objects {
         let (parameters, firmware, network) = (&self.parameters, &self.firmware, &self.model.sheet().network);
         let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
         match (at.index.0, at.sub.0) {
-            (object::PREDEFINED_ERROR_FIELD, _) if value != 0 && firmware.checks_history_count() => {
+            (object::PREDEFINED_ERROR_FIELD, _) if value != 0 && !firmware.has(Fault::ErrorHistoryNonZeroAccepted) => {
                 Err(AbortCode::INVALID_VALUE)
             }
             (object::COB_ID_SYNC, _) => sync::check_cob_id(value, parameters, network, firmware),
@@ -83,13 +90,13 @@ impl Objects {
             }
             (object::SYNCHRONOUS_COUNTER_OVERFLOW, _) => sync::check_overflow(value, parameters, firmware),
             (object::EMERGENCY_CONSUMER, 1..) => {
-                check_peer_cob_id(value, old(), firmware, firmware.checks_emcy_ids_while_valid())
+                check_peer_cob_id(value, old(), firmware, !firmware.has(Fault::EmcyIdChangeWhileValid))
             }
-            (object::ERROR_BEHAVIOR, 1..) if value > 2 && firmware.checks_error_behaviour() => {
+            (object::ERROR_BEHAVIOR, 1..) if value > 2 && !firmware.has(Fault::ErrorBehaviourUnchecked) => {
                 Err(firmware.limit_code())
             }
             (object::SDO_SERVER_PARAMETER..object::SDO_CLIENT_PARAMETER, 1 | 2) => {
-                check_peer_cob_id(value, old(), firmware, firmware.checks_sdo_ids_while_valid())
+                check_peer_cob_id(value, old(), firmware, !firmware.has(Fault::SdoChannelIdChangeWhileValid))
             }
             (
                 object::RPDO_COMMUNICATION_PARAMETER..object::RPDO_MAPPING_PARAMETER
@@ -139,7 +146,7 @@ impl Objects {
     /// A faulty firmware takes a work area whose low limit is above its high limit.
     fn is_swap_accepted(&self, at: Multiplexer) -> bool {
         matches!(at.index.0, encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
-            && !self.firmware.checks_work_area_order()
+            && self.firmware.has(Fault::WorkAreaLimitsSwappedAccepted)
     }
 
     /// Objects that are limits of each other.

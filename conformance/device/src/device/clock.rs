@@ -1,8 +1,8 @@
 //! The clock of a device, which TIME sets and tells, and the high resolution time stamp (1013h).
 
 use super::parameters::Parameters;
-use crate::Firmware;
 use crate::models::Network;
+use crate::{Fault, Firmware};
 use canvass_analyzer::CobId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::time::TimeOfDay;
@@ -55,7 +55,7 @@ impl Clock {
 
     /// Begins to send anew, or stops.
     pub fn restart(&mut self, now: Timestamp, may_send: bool) {
-        let sends = may_send && self.period > Duration::ZERO && self.firmware.produces_time();
+        let sends = may_send && self.period > Duration::ZERO && !self.firmware.has(Fault::TimeNotProduced);
         self.due = if sends { now + self.period } else { Timestamp::MAX };
     }
 
@@ -71,7 +71,7 @@ impl Clock {
 
     /// TIME came.
     pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
-        if self.firmware.follows_time() {
+        if !self.firmware.has(Fault::TimeIgnored) {
             self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
             self.set = now;
         }
@@ -85,13 +85,13 @@ impl Clock {
     /// 1013h: microseconds, from 0 again after 2^32.
     pub const fn micros(&self, now: Timestamp) -> u32 {
         let (written, at) = self.stamp;
-        let now = if self.firmware.keeps_time() { now } else { at };
+        let now = if self.firmware.has(Fault::ClockStands) { at } else { now };
         written.wrapping_add((now.since(at).nanos() / 1_000) as u32)
     }
 
     /// The time of day.
     pub fn time(&self, now: Timestamp) -> TimeOfDay {
-        let shown = if self.firmware.keeps_time() { now } else { self.set };
+        let shown = if self.firmware.has(Fault::ClockStands) { self.set } else { now };
         let millis = self.base + shown.since(self.set).nanos() / 1_000_000;
         let day = u64::from(TimeOfDay::DAY);
         TimeOfDay { raw_milliseconds: (millis % day) as u32, days: (millis / day) as u16 }
@@ -109,7 +109,7 @@ impl Clock {
         }
         self.due += self.period;
         let mut time = self.time(now);
-        if self.firmware.sets_reserved_time_bits() {
+        if self.firmware.has(Fault::TimeReservedBitsSet) {
             time.raw_milliseconds |= 0xF000_0000;
         }
         Some(time)

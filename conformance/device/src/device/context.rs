@@ -6,7 +6,7 @@ use super::nmt::{Order, Phase, Service};
 use super::objects::Objects;
 use super::service::Event;
 use super::store::Store;
-use crate::Firmware;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -69,6 +69,16 @@ impl Context {
         &self.objects.firmware
     }
 
+    /// Whether the firmware has that fault.
+    pub const fn has(&self, fault: Fault) -> bool {
+        self.objects.has(fault)
+    }
+
+    /// Whether the firmware takes that liberty.
+    pub const fn takes(&self, liberty: Liberty) -> bool {
+        self.objects.takes(liberty)
+    }
+
     /// The node-ID that defaults follow.
     pub fn node_or_placeholder(&self) -> NodeId {
         self.node.unwrap_or(PLACEHOLDER)
@@ -100,7 +110,7 @@ impl Context {
 
     /// A condition is there or gone.
     pub fn report(&mut self, condition: Condition, present: bool) {
-        let reacts_to_return = self.firmware().reacts_to_return();
+        let reacts_to_return = self.firmware().has(Fault::ConsumerReturnLeaves);
         let next = if self.objects.errors.set(condition, present) && (present || reacts_to_return) {
             self.reaction(condition)
         } else {
@@ -121,13 +131,13 @@ impl Context {
     /// watched node is missing.
     fn reaction(&self, condition: Condition) -> Option<Phase> {
         let firmware = self.firmware();
-        let sub = condition.behaviour().filter(|_| firmware.heeds_error_behaviour())?;
-        if sub == 2 && firmware.ignores_profile_errors() {
+        let sub = condition.behaviour().filter(|_| !firmware.has(Fault::ErrorBehaviourIgnored))?;
+        if sub == 2 && firmware.has(Fault::ProfileErrorIgnored) {
             return None;
         }
-        let leaves_stopped = self.phase == Phase::Stopped && firmware.leaves_stopped_on_error();
+        let leaves_stopped = self.phase == Phase::Stopped && firmware.has(Fault::ErrorBehaviourLeavesStopped);
         let behaviour = match self.objects.parameters.number(object::ERROR_BEHAVIOR, sub) {
-            Some(1) if sub == 2 && firmware.leaves_on_any_profile_error() => Some(0),
+            Some(1) if sub == 2 && firmware.has(Fault::ProfileErrorAlwaysLeaves) => Some(0),
             behaviour => behaviour.or((sub == 1).then_some(0)),
         };
         match behaviour {

@@ -7,6 +7,7 @@ use super::nmt::{Phase, Service};
 use super::routes::{Route, Routes};
 use super::sdo_channels::is_plain_upload;
 use super::service::{Event, Service as _};
+use crate::Fault;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::{error_control, lss};
 use canvass_bus::Machine;
@@ -35,7 +36,7 @@ impl Device {
         if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
             services.guarding.on_request(now, context);
         } else if !services.tpdos.on_remote(now, can_id, context)
-            && context.firmware().takes_remote_frame_for_rpdo()
+            && context.has(Fault::RemoteFrameTakenAsRpdo)
             && let Route::Rpdo(position) = self.routes.of(can_id)
         {
             services.rpdos.receive(now, position, &[0; 8], context);
@@ -127,7 +128,7 @@ impl Device {
 
     /// A frame as the services get it.
     fn receive(&mut self, now: Timestamp, frame: &Frame) {
-        let confuses = self.context.firmware().takes_extended_for_base_format();
+        let confuses = self.context.has(Fault::ExtendedFrameObeyed);
         let standard = frame.id().as_standard();
         let Some(can_id) = standard.or_else(|| confuses.then(|| frame.id().raw() as u16 & 0x7FF)) else { return };
         if self.hangs || now < self.context.silent_until {

@@ -5,7 +5,7 @@ use super::nmt;
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
-use crate::Firmware;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::CobId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -25,7 +25,7 @@ impl EmcyService {
         }
         let inhibit =
             Duration::from_micros(100 * context.objects.parameters.number_or_zero(object::INHIBIT_TIME_EMCY, 0));
-        if inhibit > Duration::ZERO && context.firmware().mutes_inhibited_emcy() {
+        if inhibit > Duration::ZERO && context.has(Fault::EmcyMutedByInhibitTime) {
             // What is in the queue is lost.
             while context.objects.errors.poll(now, Duration::ZERO).is_some() {}
             return None;
@@ -34,9 +34,9 @@ impl EmcyService {
         loop {
             let emcy = context.objects.errors.poll(now, inhibit)?;
             let cob_id = Self::cob_id(context)?;
-            if cob_id.is_valid() || context.firmware().sends_emcy_when_invalid() {
+            if cob_id.is_valid() || context.has(Fault::EmcySentWhenInvalid) {
                 let frame = emcy.to_frame(cob_id.can_id() as u16);
-                let remote = context.firmware().sends_moved_emcy_remotely() && Some(cob_id) != Self::usual(context);
+                let remote = context.has(Fault::EmcyMovedIsRemote) && Some(cob_id) != Self::usual(context);
                 return if remote { Frame::remote(frame.id(), frame.len() as u8) } else { Some(frame) };
             }
         }
@@ -54,7 +54,7 @@ impl EmcyService {
     fn cob_id(context: &Context) -> Option<CobId> {
         let usual = Self::usual(context)?;
         let own = context.objects.parameters.number(object::COB_ID_EMCY, 0).map_or(usual, |raw| CobId(raw as u32));
-        Some(if context.firmware().keeps_emcy_can_id() { CobId(own.0 & !0x7FF | usual.0) } else { own })
+        Some(if context.has(Fault::EmcyKeepsCanId) { CobId(own.0 & !0x7FF | usual.0) } else { own })
     }
 }
 
@@ -71,7 +71,7 @@ impl Service for EmcyService {
             Event::Initialise => context.objects.errors.reset(),
             Event::Entered { before: nmt::Phase::Stopped } => context.objects.errors.after_stopped(),
             Event::Written(at, value)
-                if at.index.0 == object::INHIBIT_TIME_EMCY && context.firmware().inhibits_from_write() =>
+                if at.index.0 == object::INHIBIT_TIME_EMCY && context.takes(Liberty::InhibitFromWrite) =>
             {
                 context.objects.errors.inhibit_until(now + Duration::from_micros(100 * value));
             }
@@ -113,10 +113,10 @@ impl Service for EmcyService {
 /// "Invalid value" otherwise.
 pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_EMCY, 0) as u32), CobId(value as u32));
-    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+    if firmware.takes(Liberty::CobIdRewriteRefused) && old.is_valid() && new.is_valid() {
         return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
     }
-    check_peer_cob_id(value, old, firmware, firmware.checks_emcy_ids_while_valid())
+    check_peer_cob_id(value, old, firmware, !firmware.has(Fault::EmcyIdChangeWhileValid))
 }
 
 /// The same for the COB-IDs of 1028h and of the further SDO channels.
@@ -130,10 +130,11 @@ pub(super) fn check_peer_cob_id(
     stays_while_valid: bool,
 ) -> Result<(), AbortCode> {
     let new = CobId(value as u32);
-    let extended = new.is_extended() && !firmware.takes_frame_bit();
+    let extended = new.is_extended() && !firmware.has(Fault::CobIdFrameBitTaken);
     let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || extended;
-    let reserved = reserved && (firmware.checks_cob_id_bits() || new.0 & CobId::NO_RTR != 0 || new.is_extended());
-    let restricted = new.is_valid() && new.is_restricted() && firmware.checks_restricted_can_ids();
+    let reserved =
+        reserved && (!firmware.has(Fault::CobIdBitsUnchecked) || new.0 & CobId::NO_RTR != 0 || new.is_extended());
+    let restricted = new.is_valid() && new.is_restricted() && !firmware.has(Fault::RestrictedCanIdAccepted);
     if reserved || restricted {
         return Err(AbortCode::INVALID_VALUE);
     }

@@ -1,8 +1,8 @@
 //! What is wrong with a device, as the error register (1001h), the history (1003h) and the EMCY messages tell it.
 
 use super::condition::Condition;
-use crate::Firmware;
 use crate::models::Quirks;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
@@ -53,8 +53,8 @@ impl Errors {
     pub fn register(&self) -> u8 {
         let register =
             self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
-        let register = register | u8::from(self.firmware.never_clears_generic_bit());
-        match !self.firmware.sets_generic_bit() {
+        let register = register | u8::from(self.firmware.has(Fault::ErrorRegisterNeverClear));
+        match self.firmware.has(Fault::ErrorRegisterGenericMissing) {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
         }
@@ -66,27 +66,28 @@ impl Errors {
     /// "No data" for an entry that is still empty.
     pub fn history(&self, sub: u8) -> Result<u64, AbortCode> {
         let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
-        let position = match self.firmware.reverses_history() {
+        let position = match self.firmware.has(Fault::ErrorHistoryReversed) {
             true => self.history.len().checked_sub(n + 1),
-            false if self.firmware.moves_two_history_entries() => Some(n.min(1)),
+            false if self.firmware.has(Fault::ErrorHistoryMovesTwo) => Some(n.min(1)),
             false => Some(n),
         };
         match position.and_then(|position| self.history.get(position)) {
             Some(&entry) => Ok(u64::from(entry)),
             None if self.quirks.empty_error_history_reads_zero => Ok(0),
-            None if self.firmware.reads_empty_history_as_zero() => Ok(0),
-            None => Err(self.firmware.empty_history_code()),
+            None if self.firmware.has(Fault::ErrorHistoryEmptyReadsZero) => Ok(0),
+            None if self.firmware.takes(Liberty::HistoryCodeGeneral) => Err(AbortCode::GENERAL),
+            None => Err(AbortCode::NO_DATA),
         }
     }
 
     /// 0 was written to 1003h:00.
     pub fn clear_history(&mut self) {
-        if !self.firmware.clears_history() {
+        if self.firmware.has(Fault::ErrorHistoryNotCleared) {
             return;
         }
         let was_empty = self.history.is_empty();
         self.history.clear();
-        let acknowledges = self.quirks.error_register_read_clears || self.firmware.ends_errors_with_history();
+        let acknowledges = self.quirks.error_register_read_clears || self.firmware.has(Fault::HistoryClearsRegister);
         if acknowledges && !was_empty {
             self.acknowledge();
         }
@@ -94,10 +95,10 @@ impl Errors {
 
     /// 1001h was read by SDO.
     pub fn register_was_read(&mut self) {
-        if self.firmware.clears_register_when_read() {
+        if self.firmware.has(Fault::ErrorRegisterReadClears) {
             self.present.clear();
         }
-        if self.firmware.sends_reset_when_read() {
+        if self.firmware.has(Fault::EmcyResetUnasked) {
             self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(self.register()), [0; 5]));
         }
         if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
@@ -123,27 +124,27 @@ impl Errors {
             (None, true) => self.present.push(condition),
             (Some(position), false) => {
                 self.present.remove(position);
-                if self.firmware.clears_errors_together() {
+                if self.firmware.has(Fault::ErrorsClearedTogether) {
                     self.present.clear();
                 }
             }
             _ => return false,
         }
-        if !present && self.firmware.keeps_register_bits() {
+        if !present && self.firmware.has(Fault::ErrorRegisterStuck) {
             self.stuck |= condition.register(&self.quirks);
         }
-        let register = ErrorRegister(if !self.firmware.shows_register_in_emcy() { 0 } else { self.register() });
+        let register = ErrorRegister(if self.firmware.has(Fault::EmcyRegisterZero) { 0 } else { self.register() });
         if present {
             self.remember(condition);
             let emcy = Emcy::new(self.code(condition), register, condition.manufacturer());
             self.push(emcy);
-            if self.firmware.repeats_emcy() {
+            if self.firmware.has(Fault::EmcyRepeated) {
                 self.push(emcy);
             }
-        } else if self.firmware.resets_with_old_register() {
+        } else if self.firmware.has(Fault::EmcyResetRegisterWrong) {
             let old = ErrorRegister(register.0 | condition.register(&self.quirks));
             self.push(Emcy::new(EmcyCode::NO_ERROR, old, [0; 5]));
-        } else if self.firmware.sends_error_reset() {
+        } else if !self.firmware.has(Fault::EmcyResetMissing) {
             self.push(Emcy::new(EmcyCode::NO_ERROR, register, [0; 5]));
         }
         true
@@ -152,14 +153,14 @@ impl Errors {
     /// The code that is signalled.
     fn code(&self, condition: Condition) -> EmcyCode {
         match condition {
-            _ if self.firmware.has_generic_codes_only() => EmcyCode::GENERIC,
-            Condition::RpdoTooLong { .. } if self.firmware.calls_long_rpdo_late() => EmcyCode::RPDO_TIMEOUT,
+            _ if self.firmware.takes(Liberty::GenericErrorCodes) => EmcyCode::GENERIC,
+            Condition::RpdoTooLong { .. } if self.firmware.has(Fault::LongRpdoCalledLate) => EmcyCode::RPDO_TIMEOUT,
             _ => condition.code(&self.quirks),
         }
     }
 
     fn remember(&mut self, condition: Condition) {
-        let kept = if self.firmware.overflows_history() { 254 } else { self.capacity };
+        let kept = if self.firmware.has(Fault::ErrorHistoryOverflows) { 254 } else { self.capacity };
         self.history.truncate(kept.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
@@ -167,7 +168,7 @@ impl Errors {
     }
 
     fn push(&mut self, emcy: Emcy) {
-        if self.queue.len() < LONGEST_QUEUE && self.firmware.signals_errors() {
+        if self.queue.len() < LONGEST_QUEUE && !self.firmware.takes(Liberty::NoEmcy) {
             self.queue.push_back(emcy);
         }
     }
@@ -175,13 +176,13 @@ impl Errors {
     /// The next message to send, unless the inhibit time runs.
     pub fn poll(&mut self, now: Timestamp, inhibit: Duration) -> Option<Emcy> {
         if now < self.inhibited_until {
-            if !self.firmware.keeps_emcy_when_inhibited() {
+            if self.firmware.has(Fault::EmcyLostWhenInhibited) {
                 self.queue.clear();
             }
             return None;
         }
         let emcy = self.queue.pop_front()?;
-        if self.firmware.heeds_emcy_inhibit_time() {
+        if !self.firmware.has(Fault::EmcyInhibitTimeIgnored) {
             self.inhibited_until = now + inhibit;
         }
         Some(emcy)
@@ -192,7 +193,7 @@ impl Errors {
         match self.queue.is_empty() {
             true => Timestamp::MAX,
             // What is lost is lost at once.
-            false if !self.firmware.keeps_emcy_when_inhibited() => Timestamp::ZERO,
+            false if self.firmware.has(Fault::EmcyLostWhenInhibited) => Timestamp::ZERO,
             false => self.inhibited_until,
         }
     }
@@ -204,7 +205,7 @@ impl Errors {
 
     /// The device is in stopped.
     pub fn on_stopped(&mut self) {
-        if !self.firmware.keeps_emcy_when_stopped() {
+        if self.firmware.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
             self.clear_history();
         }
@@ -212,10 +213,10 @@ impl Errors {
 
     /// The device has left stopped: what came meanwhile may be signalled now.
     pub fn after_stopped(&mut self) {
-        if self.firmware.drops_emcy_of_stopped() {
+        if self.firmware.takes(Liberty::StoppedEmcyDropped) {
             self.queue.clear();
         }
-        if self.firmware.signals_newest_after_stopped() {
+        if self.firmware.takes(Liberty::StoppedEmcyNewest) {
             self.queue.drain(..self.queue.len().saturating_sub(1));
         }
     }
@@ -224,7 +225,7 @@ impl Errors {
     /// clears it too.
     pub fn reset(&mut self) {
         self.present.clear();
-        if !self.firmware.keeps_emcy_over_reset() {
+        if !self.firmware.has(Fault::EmcySurvivesReset) {
             self.queue.clear();
         }
         self.inhibited_until = Timestamp::ZERO;

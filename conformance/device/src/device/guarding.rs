@@ -4,9 +4,9 @@ use super::condition::Condition;
 use super::context::Context;
 use super::nmt::Phase;
 use super::service::{Event, Service};
-use crate::Firmware;
+use crate::{Fault, Firmware};
 use canvass_analyzer::object;
-use canvass_analyzer::wire::error_control::ErrorControl;
+use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
 /// Answers the master's remote frames, and misses them.
@@ -27,35 +27,36 @@ impl NodeGuarding {
 
     /// A reset: as new.
     const fn reset(&mut self, firmware: &Firmware) {
-        let toggle = self.toggle && firmware.keeps_guarding_toggle_over_reset();
+        let toggle = self.toggle && firmware.has(Fault::GuardingToggleNotReset);
         *self = Self { toggle, ..Self::new() };
     }
 
     /// 100Ch in milliseconds and 100Dh were set.
     fn set(&mut self, now: Timestamp, guard_millis: u64, factor: u64, firmware: &Firmware) {
-        let life_time = Duration::from_millis(guard_millis).times(firmware.life_time_factor(factor));
-        if life_time == Duration::ZERO && !firmware.stops_life_guarding_at_zero() {
+        let life_time = Duration::from_millis(guard_millis).times(life_time_factor(factor, firmware));
+        if life_time == Duration::ZERO && firmware.has(Fault::LifeGuardingNotStopped) {
             return;
         }
         self.life_time = life_time;
-        let watched = self.due < Timestamp::MAX || firmware.guards_before_first_request();
+        let watched = self.due < Timestamp::MAX || firmware.has(Fault::LifeGuardingStartsAtOnce);
         let watched = watched && life_time > Duration::ZERO;
         self.due = if watched { now + life_time } else { Timestamp::MAX };
     }
 
     /// A remote frame came.
     fn answer(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
-        if self.life_time == Duration::ZERO && !firmware.answers_guarding_when_off() {
+        if self.life_time == Duration::ZERO && firmware.has(Fault::GuardingSilentWhenOff) {
             return None;
         }
         let toggle = self.toggle;
-        if firmware.toggles_guarding() {
+        if !firmware.has(Fault::GuardingToggleStuck) {
             self.toggle = !toggle;
         }
         if self.life_time > Duration::ZERO {
             self.due = now + self.life_time;
         }
-        let state = firmware.guarded_state(phase.state());
+        let wrong = firmware.has(Fault::GuardingWrongState);
+        let state = if wrong { State::PRE_OPERATIONAL } else { phase.state() };
         Some(ErrorControl { toggle, state })
     }
 
@@ -69,7 +70,7 @@ impl NodeGuarding {
     /// 7.2.8.2.2).
     pub fn on_request(&mut self, now: Timestamp, context: &mut Context) {
         let sheet = context.objects.model.sheet();
-        let beside = !context.is_heartbeat_active || context.firmware().guards_beside_heartbeat();
+        let beside = !context.is_heartbeat_active || context.has(Fault::GuardingBesideHeartbeat);
         let until_reset = sheet.quirks.life_guarding_until_reset;
         if !sheet.network.node_guarding || !beside || !context.phase.is_running() {
             return;
@@ -81,6 +82,12 @@ impl NodeGuarding {
             context.report(Condition::Guarding, false);
         }
     }
+}
+
+/// The factor of the life time, by 100Dh.
+fn life_time_factor(factor: u64, firmware: &Firmware) -> u64 {
+    let factor = if firmware.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
+    factor + u64::from(firmware.has(Fault::LifeTimeFactorOffByOne) && factor > 0)
 }
 
 impl Service for NodeGuarding {
@@ -101,7 +108,7 @@ impl Service for NodeGuarding {
         }
         // Said once, until the master's next remote frame.
         self.due = Timestamp::MAX;
-        if context.firmware().reports_lost_master() {
+        if !context.has(Fault::LifeGuardingUnreported) {
             context.report(Condition::Guarding, true);
         } else {
             context.react(Condition::Guarding);

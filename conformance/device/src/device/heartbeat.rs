@@ -3,10 +3,13 @@
 use super::context::Context;
 use super::nmt::Phase;
 use super::service::{Event, Service};
-use crate::Firmware;
+use crate::{Fault, Firmware};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
+
+/// The resolution of a coarse timer, in milliseconds.
+const COARSE: u64 = 64;
 
 /// Sends the state at fixed times.
 #[derive(Clone, Debug)]
@@ -27,13 +30,13 @@ impl HeartbeatProducer {
 
     /// Begins anew with the time of 1017h in milliseconds; 0 is never.
     fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
-        if millis == 0 && !firmware.stops_heartbeat_at_zero() {
+        if millis == 0 && firmware.has(Fault::HeartbeatNotStopped) {
             return;
         }
-        if self.is_active() && firmware.makes_up_for_heartbeats() {
+        if self.is_active() && firmware.has(Fault::HeartbeatBurst) {
             self.burst = 4;
         }
-        self.period = firmware.heartbeat_period(millis);
+        self.period = period(millis, firmware);
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
@@ -42,7 +45,7 @@ impl HeartbeatProducer {
         self.start(now, millis, firmware);
         self.burst = 0;
         self.last = State::PRE_OPERATIONAL;
-        if self.is_active() && firmware.delays_first_heartbeat() {
+        if self.is_active() && firmware.has(Fault::HeartbeatLateAfterBootUp) {
             self.due += self.period.times(2);
         }
     }
@@ -66,11 +69,19 @@ impl HeartbeatProducer {
             // From the time planned, not from now: periods don't add up delays.
             self.due += self.period;
         }
-        let state = firmware.heartbeat_state(phase.state());
+        let wrong = firmware.has(Fault::HeartbeatWrongState);
+        let state = if wrong { State::PRE_OPERATIONAL } else { phase.state() };
         let before = std::mem::replace(&mut self.last, state);
-        let state = if firmware.shows_stale_state() { before } else { state };
-        ErrorControl { toggle: firmware.sets_toggle_in_heartbeat(), state }
+        let state = if firmware.has(Fault::HeartbeatStateLate) { before } else { state };
+        ErrorControl { toggle: firmware.has(Fault::HeartbeatToggles), state }
     }
+}
+
+/// The time between heartbeats, by 1017h.
+fn period(millis: u64, firmware: &Firmware) -> Duration {
+    let rounded = firmware.has(Fault::HeartbeatTimerRounded);
+    let millis = if rounded { millis.next_multiple_of(COARSE) } else { millis };
+    Duration::from_millis(millis).times(if firmware.has(Fault::HeartbeatPeriodDoubled) { 2 } else { 1 })
 }
 
 impl Service for HeartbeatProducer {
@@ -80,9 +91,9 @@ impl Service for HeartbeatProducer {
             Event::Initialise => self.stop(),
             Event::Started | Event::Resumed => {
                 let stored = context.objects.parameters.number_or_zero(object::PRODUCER_HEARTBEAT_TIME, 0);
-                self.boot(now, if firmware.heeds_stored_times() { stored } else { 0 }, firmware);
+                self.boot(now, if firmware.has(Fault::StoredConfigurationIdle) { 0 } else { stored }, firmware);
             }
-            Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
+            Event::Entered { .. } if firmware.has(Fault::HeartbeatLostOnStateChange) => self.stop(),
             Event::Written(at, millis) if at.index.0 == object::PRODUCER_HEARTBEAT_TIME => {
                 self.start(now, millis, firmware);
             }

@@ -6,7 +6,7 @@ use super::nmt::{Order, Phase};
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
-use crate::Firmware;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control;
@@ -38,13 +38,13 @@ impl HeartbeatConsumer {
     /// Begins anew with the entries of 1016h.
     fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
-        let most = if firmware.consumes_from_first_only() { 1 } else { 127 };
+        let most = if firmware.has(Fault::HeartbeatConsumerFirstOnly) { 1 } else { 127 };
         let entries = (1..=most).map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub));
-        let at_once = firmware.consumes_before_first_heartbeat();
+        let at_once = firmware.has(Fault::HeartbeatConsumerStartsAtOnce);
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
-            let lowest = if firmware.is_deaf_to_node_one() { 2 } else { 1 };
-            let in_use = (lowest..=127).contains(&node) || firmware.consumes_from_everyone();
+            let lowest = if firmware.has(Fault::HeartbeatConsumerDeafToNodeOne) { 2 } else { 1 };
+            let in_use = (lowest..=127).contains(&node) || firmware.has(Fault::HeartbeatConsumerWatchesEveryone);
             let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
             let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
             Watched { node, time, due, lost: false }
@@ -54,11 +54,11 @@ impl HeartbeatConsumer {
     /// An error control message of that node came; whether the node was missing.
     fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
         let mut back = false;
-        let everyone = firmware.consumes_from_everyone();
+        let everyone = firmware.has(Fault::HeartbeatConsumerWatchesEveryone);
         let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
         for watched in self.watched.iter_mut().filter(concerns) {
-            let in_use = watched.time > Duration::ZERO || firmware.consumes_with_time_zero();
-            if in_use && (!watched.lost || firmware.rearms_consumer()) {
+            let in_use = watched.time > Duration::ZERO || firmware.has(Fault::HeartbeatConsumerTimeZero);
+            if in_use && (!watched.lost || !firmware.has(Fault::HeartbeatConsumerNotRearmed)) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);
             }
@@ -86,7 +86,7 @@ impl Service for HeartbeatConsumer {
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let node = (frame.id().raw() & 0x7F) as u8;
         let hears = context.phase.is_running()
-            && (context.phase != Phase::Stopped || context.firmware().consumes_when_stopped());
+            && (context.phase != Phase::Stopped || !context.has(Fault::HeartbeatConsumerDeafWhenStopped));
         if hears && self.on_heartbeat(now, node, context.firmware()) {
             context.report(Condition::Heartbeat { node }, false);
         }
@@ -94,18 +94,18 @@ impl Service for HeartbeatConsumer {
 
     fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
-            Event::Started if context.firmware().forgets_stored_consumer() => self.watched.clear(),
-            Event::Started if context.firmware().watches_over_reset() => {}
+            Event::Started if context.has(Fault::HeartbeatConsumerForgetsStored) => self.watched.clear(),
+            Event::Started if context.has(Fault::HeartbeatConsumerOutlivesReset) => {}
             Event::Written(at, _)
-                if context.firmware().restarts_consumer_by_writes()
+                if context.has(Fault::HeartbeatConsumerRestartedByWrites)
                     && at.index.0 != object::CONSUMER_HEARTBEAT_TIME =>
             {
                 self.configure(now, &context.objects.parameters, context.firmware());
             }
-            Event::Started if !context.firmware().heeds_stored_times() => {}
+            Event::Started if context.has(Fault::StoredConfigurationIdle) => {}
             Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
             Event::Written(at, value) if at.index.0 == object::CONSUMER_HEARTBEAT_TIME && acts(at, context) => {
-                if split(value).0 > 127 && context.firmware().hangs_of_consumer_entry() {
+                if split(value).0 > 127 && context.has(Fault::HeartbeatConsumerHangs) {
                     context.order(Order::Hang);
                 }
                 self.configure(now, &context.objects.parameters, context.firmware());
@@ -116,7 +116,7 @@ impl Service for HeartbeatConsumer {
 
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         while let Some(node) = self.next_lost(now) {
-            if context.firmware().reports_lost_heartbeat() {
+            if !context.takes(Liberty::LostHeartbeatUnreported) {
                 context.report(Condition::Heartbeat { node }, true);
             } else {
                 context.react(Condition::Heartbeat { node });
@@ -158,7 +158,7 @@ pub(super) fn check(
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (node, time) = split(value);
-    if !firmware.takes_consumer_times() {
+    if firmware.has(Fault::ConsumerTimeRefused) {
         return Err(AbortCode::INVALID_VALUE);
     }
     if node == 0 || time == 0 {
@@ -168,12 +168,12 @@ pub(super) fn check(
         .filter(|&sub| sub != at.sub.0)
         .map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub));
     let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
-    if firmware.excludes_consumer_entries() && watches_another(at, node, parameters) {
+    if firmware.has(Fault::ConsumerEntriesExclude) && watches_another(at, node, parameters) {
         return Err(AbortCode::PARAMETER_INCOMPATIBLE);
     }
     let (old, old_time) = split(parameters.number_or_zero(object::CONSUMER_HEARTBEAT_TIME, at.sub.0));
     let replaces = old_time > 0 && old != 0 && old != node;
-    if (is_double || replaces) && firmware.checks_consumer_entries() {
+    if (is_double || replaces) && !firmware.has(Fault::HeartbeatConsumerDoubleAccepted) {
         return Err(AbortCode::PARAMETER_INCOMPATIBLE);
     }
     Ok(())

@@ -12,10 +12,12 @@ use super::service::Event;
 use super::store::Groups;
 use super::{Device, PLACEHOLDER};
 use crate::models::Trigger;
+use crate::{Fault, Liberty};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Frame, Timestamp};
 
 impl Device {
@@ -41,7 +43,7 @@ impl Device {
     /// What a service wants of the device.
     pub(super) fn obey(&mut self, now: Timestamp, order: Order) {
         let resets = matches!(order, Order::ResetCommunication | Order::ResetNode);
-        let hangs = self.context.phase == Phase::Stopped && self.context.firmware().hangs_at_reset_when_stopped();
+        let hangs = self.context.phase == Phase::Stopped && self.context.has(Fault::ResetWhenStoppedHangs);
         match if resets && hangs { Order::Hang } else { order } {
             Order::Enter(phase) => self.enter(now, phase),
             Order::ResetCommunication => self.reset_communication(now),
@@ -66,7 +68,7 @@ impl Device {
 
     /// Begins to initialise, with the stored values of those groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
-        if self.context.node.is_none() && self.context.firmware().boots_without_node_id() {
+        if self.context.node.is_none() && self.context.has(Fault::UnconfiguredNodeBoots) {
             self.context.node = Some(PLACEHOLDER);
         }
         self.activation = None;
@@ -80,7 +82,7 @@ impl Device {
         self.deliver(now, Event::Loaded);
         self.find_routes();
         if let Some(node) = self.context.node
-            && self.context.firmware().sends_emcy_before_boot_up()
+            && self.context.has(Fault::EmcyBeforeBootUp)
         {
             let none = Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]);
             self.context.send(none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
@@ -91,33 +93,43 @@ impl Device {
     fn load(&mut self, groups: Groups) {
         let node = self.context.node_or_placeholder();
         let super::Context { objects, store, .. } = &mut self.context;
-        if objects.firmware.tears_store_at_reset() {
+        if objects.has(Fault::StoreTornByReset) {
             store.tear(&objects.parameters, node);
         }
         store.load(groups, &mut objects.parameters, objects.encoder.as_mut(), node);
-        if objects.firmware.loses_configuration_date() {
+        if objects.has(Fault::ConfigurationDateLost) {
             objects.parameters.set_number(object::VERIFY_CONFIGURATION, 1, 0);
             objects.parameters.set_number(object::VERIFY_CONFIGURATION, 2, 0);
         }
-        if objects.firmware.drifts_at_reset() {
+        if objects.has(Fault::ParameterDriftsAtReset) {
             objects.parameters.set_number(object::INHIBIT_TIME_EMCY, 0, u64::from(self.resets));
         }
         objects.settle_links(groups);
         self.show_node_id();
     }
 
+    fn send_boot_up(&mut self) {
+        let firmware = *self.context.firmware();
+        let wrong = firmware.has(Fault::BootUpWrongData);
+        let message = if wrong { ErrorControl::heartbeat(State::PRE_OPERATIONAL) } else { ErrorControl::BOOT_UP };
+        if !firmware.has(Fault::BootUpMissing) {
+            let count = if firmware.has(Fault::BootUpTwice) { 2 } else { 1 };
+            (0..count).for_each(|_| self.context.send_error_control(message));
+        }
+    }
+
     /// The end of initialisation.
     pub(super) fn boot_up(&mut self, now: Timestamp) {
         self.context.phase = Phase::PreOperational;
         self.resets += 1;
-        let missing = self.resets.is_multiple_of(8) && self.context.firmware().skips_some_boot_ups();
+        let missing = self.resets.is_multiple_of(8) && self.context.has(Fault::BootUpSometimesMissing);
         if self.context.objects.model.sheet().network.boot_up_message && !missing {
-            self.context.firmware().boot_up_messages().for_each(|message| self.context.send_error_control(message));
+            self.send_boot_up();
         }
         self.deliver(now, Event::Started);
         self.find_routes();
         self.deliver(now, Event::Changed);
-        if self.context.firmware().has_broken_hardware() {
+        if self.context.has(Fault::NmtStartRefusedInError) {
             let code = EmcyCode(0x5000);
             self.context.report(Condition::Hardware { code, register: ErrorRegister::GENERIC.0, bytes: [0; 5] }, true);
             return;
@@ -130,13 +142,13 @@ impl Device {
 
     /// 1F80h, or local control: whether the device goes to operational without its master.
     fn starts_by_itself(&self) -> bool {
-        if self.context.firmware().starts_by_itself() {
+        if self.context.takes(Liberty::SelfStart) {
             return true;
         }
         let start_up = self.context.objects.model.sheet().network.start_up;
         let set = self.context.objects.parameters.number(object::NMT_STARTUP, 0);
         set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
-            && self.context.firmware().heeds_start_up_object()
+            && !self.context.has(Fault::StartUpIgnored)
     }
 
     /// Another NMT state: services that don't work in it end.
@@ -156,21 +168,21 @@ impl Device {
         self.take_pending_node_id();
         let firmware = self.context.firmware();
         let groups = match () {
-            () if firmware.reset_communication_keeps_all() => Groups::NONE,
+            () if firmware.has(Fault::NmtResetCommunicationKeepsParameters) => Groups::NONE,
             () if self.context.objects.model.sheet().quirks.reset_communication_loads_all => {
                 Groups::ALL.without(Groups::BUS)
             }
-            () if firmware.reset_communication_loads_all() => Groups::ALL,
+            () if firmware.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
             () => Groups::COMMUNICATION,
         };
         self.initialise(now, groups);
     }
 
     pub(super) fn reset_node(&mut self, now: Timestamp) {
-        if self.context.firmware().reset_node_keeps_all() {
+        if self.context.has(Fault::NmtResetNodeKeepsParameters) {
             return self.initialise(now, Groups::NONE);
         }
-        if self.context.firmware().takes_lss_node_id_at_reset_node() {
+        if self.context.has(Fault::LssNodeIdStoredAtOnce) {
             self.take_pending_node_id();
             return self.initialise(now, Groups::ALL);
         }
@@ -185,7 +197,7 @@ impl Device {
             self.take_stored_node_id();
             self.take_stored_bit_rate();
         }
-        let kept = match self.context.firmware().keeps_manufacturer_variables() {
+        let kept = match self.context.takes(Liberty::VariablesKept) {
             true => Groups::MANUFACTURER,
             false => Groups::NONE,
         };

@@ -2,7 +2,7 @@
 //! 6500h show them.
 
 use super::parameters::Parameters;
-use crate::Firmware;
+use crate::{Fault, Firmware};
 use canvass_analyzer::object::encoder;
 
 /// "Limit switch min": the position is below 2104h.
@@ -14,11 +14,11 @@ const MAXIMUM: u64 = 1 << 13;
 pub(super) fn operating_status(position: u64, parameters: &Parameters, firmware: &Firmware) -> u64 {
     let operating = parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0);
     let (low, high) = (parameters.number_or_zero(0x2104, 0), parameters.number_or_zero(0x2105, 0));
-    let (below, above) = match firmware.includes_limits_in_switches() {
+    let (below, above) = match firmware.has(Fault::LimitSwitchInclusive) {
         true => (position <= low, position >= high),
         false => (position < low, position > high),
     };
-    let (minimum, maximum) = match firmware.swaps_limit_switches() {
+    let (minimum, maximum) = match firmware.has(Fault::LimitSwitchesSwapped) {
         true => (MAXIMUM, MINIMUM),
         false => (MINIMUM, MAXIMUM),
     };

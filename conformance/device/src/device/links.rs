@@ -2,6 +2,7 @@
 
 use super::objects::Objects;
 use super::store::Groups;
+use crate::Fault;
 use crate::models::LinkKind;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
@@ -11,9 +12,9 @@ impl Objects {
     /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
     pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
         let unlinked = match at.index.0 {
-            encoder::CYCLIC_TIMER if value == 0 && !self.firmware.links_cyclic_timer_at_zero() => true,
-            encoder::CYCLIC_TIMER => !self.firmware.links_cyclic_timer(),
-            object::TPDO_COMMUNICATION_PARAMETER => !self.firmware.links_event_timer(),
+            encoder::CYCLIC_TIMER if value == 0 && self.firmware.has(Fault::CyclicTimerNotStopped) => true,
+            encoder::CYCLIC_TIMER => self.firmware.has(Fault::CyclicTimerNotLinked),
+            object::TPDO_COMMUNICATION_PARAMETER => self.firmware.has(Fault::EventTimerNotInCyclicTimer),
             _ => false,
         };
         if unlinked {
@@ -32,7 +33,8 @@ impl Objects {
     /// than its default decides, else the first one that was loaded.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let sheet = self.model.sheet();
-        let is_torn = |at: &Multiplexer| at.index.0 == encoder::SERIAL_NUMBER && !self.firmware.links_serial_number();
+        let is_torn =
+            |at: &Multiplexer| at.index.0 == encoder::SERIAL_NUMBER && self.firmware.has(Fault::SerialNumberDiffers);
         let links = sheet.links.iter().filter(|link| link.kind == LinkKind::Same && !link.objects.iter().any(is_torn));
         for link in links {
             let loaded = || link.objects.iter().filter(|&&at| groups.has(at, &sheet.storage));
@@ -47,7 +49,7 @@ impl Objects {
 
     /// The object whose value that one shows, if it follows one.
     pub(super) fn followed(&self, at: Multiplexer) -> Option<Multiplexer> {
-        if at.index.0 == encoder::OPERATING_STATUS && !self.firmware.shows_operating_status() {
+        if at.index.0 == encoder::OPERATING_STATUS && self.firmware.has(Fault::OperatingStatusStuck) {
             return None;
         }
         let mut links = self.model.sheet().links.iter().filter(|link| link.kind == LinkKind::Follows);

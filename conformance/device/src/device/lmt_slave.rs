@@ -12,8 +12,8 @@ use super::layer_setting::{LayerSetting, is_within};
 use super::nmt::Order;
 use super::routes::{Route, Routes};
 use super::service::Service;
-use crate::Firmware;
 use crate::models::{BitRate, LmtAddress};
+use crate::{Fault, Firmware};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::layer_setting::Dialect;
@@ -81,10 +81,10 @@ impl LmtSlave {
         rates: &[BitRate],
         firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
-        let configuring = self.at.configuring || firmware.configures_lmt_in_operation();
+        let configuring = self.at.configuring || firmware.has(Fault::LmtAnsweredInOperation);
         match request {
             Request::SwitchGlobal { mode } => {
-                self.at.switch(mode, firmware.obeys_reserved_lmt_mode().then_some(true));
+                self.at.switch(mode, firmware.has(Fault::LmtReservedModeObeyed).then_some(true));
                 (None, None)
             }
             Request::SwitchSelective { part, value } => {
@@ -108,13 +108,13 @@ impl LmtSlave {
             return None;
         }
         let unchecked = match part {
-            Part::SerialNumber => !firmware.compares_lmt_serial(),
-            Part::ManufacturerName | Part::ProductName => !firmware.compares_lmt_names(),
+            Part::SerialNumber => firmware.has(Fault::LmtSerialNotCompared),
+            Part::ManufacturerName | Part::ProductName => firmware.has(Fault::LmtNamesNotCompared),
         };
         let fits = unchecked || own(part, address, firmware) == value;
         self.at.configuring = self.at.selected.takes(part, fits);
         // What LSS answers.
-        (self.at.configuring && firmware.answers_lmt_selective()).then_some(Response::Switched)
+        (self.at.configuring && firmware.has(Fault::LmtSwitchSelectiveAnswered)).then_some(Response::Switched)
     }
 
     /// The names have to be equal, the serial number within the bounds.
@@ -126,10 +126,10 @@ impl LmtSlave {
         firmware: &Firmware,
     ) -> Option<Response> {
         let (part, limit) = Lmt::limits(bound);
-        let any_serial = part == Part::SerialNumber && firmware.ignores_lmt_serial_bounds();
+        let any_serial = part == Part::SerialNumber && firmware.has(Fault::LmtIdentifyRangeIgnored);
         let fits = any_serial || is_within::<Lmt>(limit, value, own(part, address, firmware));
         let identified = self.at.identified.takes(bound, fits);
-        (identified && firmware.answers_lmt_identify()).then_some(Response::Identified)
+        (identified && !firmware.has(Fault::LmtIdentifySilent)).then_some(Response::Identified)
     }
 
     fn on_configuration(
@@ -144,7 +144,7 @@ impl LmtSlave {
             Request::ConfigureBitTiming { table, index } => {
                 let kbit = bit_rate(table, index, firmware);
                 let kbit = kbit.filter(|kbit| rates.iter().any(|rate| rate.kbit == *kbit));
-                let ok = kbit.is_some() || !firmware.checks_lmt_bit_timing();
+                let ok = kbit.is_some() || firmware.has(Fault::LmtBitTimingUnchecked);
                 self.pending.kbit = kbit.or(self.pending.kbit);
                 let error = u8::from(!ok);
                 (Some(Response::Configured { command: ConfigureCommand::BitTiming, error, specific: 0 }), None)
@@ -154,7 +154,7 @@ impl LmtSlave {
             }
             Request::StoreConfiguration => {
                 let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
-                ((firmware.answers_lmt_store()).then_some(done), Some(Effect::Store))
+                ((!firmware.has(Fault::LmtStoreSilent)).then_some(done), Some(Effect::Store))
             }
             Request::Inquire { part } => (Some(Response::Part { part, value: own(part, address, firmware) }), None),
             _ => (None, None),
@@ -164,23 +164,23 @@ impl LmtSlave {
     fn on_node_id(&mut self, node_id: u8, firmware: &Firmware) -> (Option<Response>, Option<Effect>) {
         let new = NodeId::new(node_id);
         self.pending.node_id = new.or(self.pending.node_id);
-        let ok = new.is_some() || !firmware.checks_lmt_node_id();
+        let ok = new.is_some() || firmware.has(Fault::LmtNodeIdUnchecked);
         let (error, specific) = if ok { (0, 0) } else { (SPECIFIC, OUT_OF_RANGE) };
-        let effect = new.filter(|_| firmware.takes_lmt_node_id_at_once()).map(Effect::TakeNodeId);
+        let effect = new.filter(|_| firmware.has(Fault::LmtNodeIdAtOnce)).map(Effect::TakeNodeId);
         (Some(Response::Configured { command: ConfigureCommand::NodeId, error, specific }), effect)
     }
 }
 
 /// A part of the address, as the firmware holds it.
 fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
-    let name = |name: Seven| match !firmware.pads_lmt_names() {
+    let name = |name: Seven| match firmware.has(Fault::LmtNameUnpadded) {
         true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
         false => name,
     };
     match part {
         Part::ManufacturerName => name(address.manufacturer_name),
         Part::ProductName => name(address.product_name),
-        Part::SerialNumber if firmware.has_binary_lmt_serial() => binary(address.serial_number),
+        Part::SerialNumber if firmware.has(Fault::LmtSerialNotBcd) => binary(address.serial_number),
         Part::SerialNumber => address.serial_number,
     }
 }
@@ -189,8 +189,8 @@ fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
 fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
     // The rows of LSS: the fifth is reserved, and what follows is shifted by one.
     let index = match index {
-        5 if firmware.numbers_lmt_rates_as_lss() => return None,
-        6.. if firmware.numbers_lmt_rates_as_lss() => index - 1,
+        5 if firmware.has(Fault::LmtBitTimingUnshifted) => return None,
+        6.. if firmware.has(Fault::LmtBitTimingUnshifted) => index - 1,
         index => index,
     };
     Lmt::bit_rate(index).filter(|_| table == 0).map(|rate| rate / 1000)
@@ -216,7 +216,7 @@ impl LmtSlave {
     /// Silent for one delay before the change and one after it.
     fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
         self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
-        if context.firmware().is_silent_at_lmt_activation() && delay > Duration::ZERO {
+        if !context.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {
             context.silent_until = now + delay.times(2);
         }
     }

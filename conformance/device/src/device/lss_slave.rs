@@ -8,8 +8,8 @@ use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
 use super::store::StoredNetwork;
-use crate::Firmware;
 use crate::models::{BitRate, Model};
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -80,15 +80,15 @@ impl LssSlave {
             Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address, firmware),
             Request::IdentifyRemote { bound, value } => self.on_identify(bound, value, address, firmware),
             Request::IdentifyNonConfigured => {
-                let answers = node == UNCONFIGURED || firmware.answers_non_configured_always();
+                let answers = node == UNCONFIGURED || firmware.has(Fault::LssNonConfiguredAnswered);
                 answers.then_some(Response::NonConfigured)
             }
-            Request::Fastscan { .. } if !firmware.knows_fastscan() => None,
-            Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && firmware.hangs_of_fastscan() => {
+            Request::Fastscan { .. } if firmware.takes(Liberty::NoFastscan) => None,
+            Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && firmware.has(Fault::FastscanHangs) => {
                 return (None, Some(Effect::Hang));
             }
             Request::Fastscan { id, bit_check, sub, next } => {
-                let has_part = node == UNCONFIGURED || firmware.takes_fastscan_when_configured();
+                let has_part = node == UNCONFIGURED || firmware.has(Fault::FastscanAnsweredWhenConfigured);
                 let takes_part = has_part && !self.at.configuring;
                 if takes_part { self.on_fastscan(id, bit_check, sub, next, address, firmware) } else { None }
             }
@@ -97,11 +97,11 @@ impl LssSlave {
             }
             Request::StoreConfiguration if self.at.configuring => {
                 let error = model.sheet().network.lss_store_error;
-                let specific = u8::from(firmware.tells_more_of_storing());
+                let specific = u8::from(firmware.has(Fault::LssStoreSpecificError));
                 let done = Response::Configured { command: ConfigureCommand::Store, error, specific };
                 return (Some(done), (error == 0).then_some(Effect::Store));
             }
-            request if self.at.configuring || firmware.configures_while_waiting() => {
+            request if self.at.configuring || firmware.has(Fault::LssAnsweredWhileWaiting) => {
                 self.on_configuration(request, address, node, model, firmware)
             }
             _ => None,
@@ -111,8 +111,8 @@ impl LssSlave {
 
     fn on_switch_global(&mut self, mode: u8, firmware: &Firmware) -> Option<Effect> {
         let was_configuring = self.at.configuring;
-        let obeyed = self.at.switch(mode, firmware.waits_at_reserved_mode().then_some(false));
-        let leaves = !self.at.configuring || firmware.leaves_lss_configuration_when_told_again();
+        let obeyed = self.at.switch(mode, firmware.has(Fault::LssReservedModeWaits).then_some(false));
+        let leaves = !self.at.configuring || firmware.has(Fault::LssLeavesWhenToldAgain);
         (obeyed && was_configuring && leaves).then_some(Effect::Leave)
     }
 
@@ -127,9 +127,9 @@ impl LssSlave {
         if self.at.configuring {
             return None;
         }
-        let unchecked = part == Part::SerialNumber && firmware.skips_selective_serial();
+        let unchecked = part == Part::SerialNumber && firmware.has(Fault::LssSelectiveThreeParts);
         let fits = address[part as usize] == value || unchecked;
-        self.at.configuring = match firmware.takes_selective_in_any_order() {
+        self.at.configuring = match firmware.has(Fault::LssSelectiveAnyOrder) {
             true => self.at.selected.counts::<Part>(fits),
             false => self.at.selected.takes(part, fits),
         };
@@ -140,7 +140,7 @@ impl LssSlave {
     fn on_identify(&mut self, bound: Bound, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
         let (part, limit) = Lss::limits(bound);
         let own = address[part as usize];
-        let excluded = firmware.excludes_identify_bounds() && limit == Limit::Highest && value == own;
+        let excluded = firmware.has(Fault::LssIdentifyRangeExclusive) && limit == Limit::Highest && value == own;
         let fits = is_within::<Lss>(limit, value, own) && !excluded;
         self.at.identified.takes(bound, fits).then_some(Response::Identified)
     }
@@ -167,7 +167,7 @@ impl LssSlave {
         }
         if bit_check == 0 {
             // Only the last part ends the scan, and only from there back to the first.
-            self.at.configuring = (sub == 3 || firmware.ends_fastscan_early()) && next < sub;
+            self.at.configuring = (sub == 3 || firmware.has(Fault::FastscanEarlyMatch)) && next < sub;
             self.scanning = next;
         }
         Some(Response::Identified)
@@ -184,9 +184,9 @@ impl LssSlave {
         let configured = |command, ok: bool| Response::Configured { command, error: u8::from(!ok), specific: 0 };
         Some(match request {
             Request::ConfigureNodeId { node_id } => {
-                let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || !firmware.checks_lss_node_id();
+                let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || firmware.has(Fault::LssNodeIdUnchecked);
                 if ok && matches!(node_id, 1..=127 | UNCONFIGURED) {
-                    let mistaken = node_id != UNCONFIGURED && firmware.mistakes_lss_node_id();
+                    let mistaken = node_id != UNCONFIGURED && firmware.has(Fault::LssNodeIdMistaken);
                     self.pending.node_id = Some(if mistaken { node_id % 127 + 1 } else { node_id });
                 }
                 configured(ConfigureCommand::NodeId, ok)
@@ -196,13 +196,13 @@ impl LssSlave {
                 let ok = table == 0 && known;
                 if ok {
                     self.pending.bit_timing = Some(index);
-                } else if firmware.has_own_bit_timing_error() {
+                } else if firmware.has(Fault::LssBitTimingWrongCode) {
                     let command = ConfigureCommand::BitTiming;
                     return Some(Response::Configured { command, error: 255, specific: 1 });
                 }
-                configured(ConfigureCommand::BitTiming, ok || !firmware.checks_lss_bit_timing())
+                configured(ConfigureCommand::BitTiming, ok || firmware.has(Fault::LssBitTimingUnchecked))
             }
-            Request::Inquire { .. } | Request::InquireNodeId if !firmware.knows_lss_inquiry() => return None,
+            Request::Inquire { .. } | Request::InquireNodeId if firmware.takes(Liberty::NoLssInquiry) => return None,
             Request::Inquire { part } => Response::Part { part, value: address[part as usize] },
             Request::InquireNodeId => Response::NodeId(node),
             _ => return None,
@@ -212,7 +212,7 @@ impl LssSlave {
 
 impl LssSlave {
     fn store(&self, context: &mut Context) {
-        if !context.firmware().keeps_lss_configuration() {
+        if context.has(Fault::LssStoreNotPersistent) {
             return;
         }
         let Objects { model, parameters, .. } = &context.objects;
@@ -244,7 +244,7 @@ impl LssSlave {
 
     fn take_node_id_at_once(&self, context: &mut Context) {
         let node_id = self.pending.node_id.and_then(NodeId::new);
-        if context.firmware().takes_lss_node_id_at_once() && context.node.is_some() && node_id.is_some() {
+        if context.has(Fault::LssNodeIdAtOnce) && context.node.is_some() && node_id.is_some() {
             context.node = node_id;
             context.routes_changed = true;
         }
@@ -260,8 +260,8 @@ impl Service for LssSlave {
             || network.lss_states.iter().any(|name| state.name() == Some(name));
         let booting = matches!(context.phase, Phase::Initialising { .. });
         let Ok(request) = lss::Request::read(frame.data()) else { return };
-        let is_there = network.lss || context.firmware().answers_undescribed_lss();
-        let fits = frame.len() == 8 || !context.firmware().checks_lss_length();
+        let is_there = network.lss || context.has(Fault::LssUndescribed);
+        let fits = frame.len() == 8 || context.has(Fault::LssShortRequestAnswered);
         if !is_there || !works || booting || !fits {
             return;
         }
@@ -270,7 +270,7 @@ impl Service for LssSlave {
         let (response, effect) =
             self.on_request(request, address, node, &context.objects.model, &context.objects.firmware);
         if let Some(frame) = response.map(|response| response.to_frame(lss::SLAVE_CAN_ID)) {
-            match effect == Some(Effect::Store) && context.firmware().stores_lss_slowly() {
+            match effect == Some(Effect::Store) && context.takes(Liberty::LssStoreIn2S) {
                 true => self.later = Some((now + SLOW_STORE, frame)),
                 false => context.send(frame),
             }

@@ -1,6 +1,6 @@
 //! Faults that show in single frames: what comes in is misread, what goes out is wrong or is not sent.
 //!
-//! They stand between the bus and the services, which know nothing of them: a firmware has such faults in its drivers,
+//! They stand between the bus and the services: a firmware has such faults in its drivers,
 //! in its tables and in the glue between a stack and an application.
 
 mod layer_setting;
@@ -18,8 +18,6 @@ use canvass_traces::{CanId, Frame};
 #[derive(Clone, Debug)]
 pub(super) struct Mischief {
     faults: Faults,
-    /// Whether the firmware has one of these faults at all.
-    active: bool,
     /// The last SDO request that writes.
     download: Option<(Multiplexer, u32)>,
     /// The SDO server works on a request that writes.
@@ -57,75 +55,6 @@ pub(super) enum Incoming {
     Answered(Frame),
 }
 
-/// The faults that this is about.
-const MINE: &[Fault] = &[
-    Fault::CanIdTooHighAccepted,
-    Fault::DefaultMappingWrong,
-    Fault::DummyRefused,
-    Fault::EmcyIdWrong,
-    Fault::ErrorBehaviourAlwaysLeaves,
-    Fault::ErrorHistoryNotKept,
-    Fault::ExtendedBitAccepted,
-    Fault::FastscanIgnoresBits,
-    Fault::FastscanYieldsToOthers,
-    Fault::GuardingAnsweredUnsupported,
-    Fault::HeartbeatConsumerCrashes,
-    Fault::HeartbeatConsumerLate,
-    Fault::HeartbeatConsumerNotRestarted,
-    Fault::HeartbeatConsumerNotStopped,
-    Fault::HeartbeatConsumerSilent,
-    Fault::LssBitTimingRefused,
-    Fault::LssIdentifyUnanswered,
-    Fault::LssIdentifyUnchecked,
-    Fault::LssInquirySwapped,
-    Fault::LssNodeIdInquiredWrong,
-    Fault::LssNodeIdRefused,
-    Fault::LssNodeIdWithoutEffect,
-    Fault::LssSelectiveInConfiguration,
-    Fault::LssSelectiveMismatchIgnored,
-    Fault::LssSelectiveSerialOnly,
-    Fault::LssSelectiveUnanswered,
-    Fault::LssShortResponse,
-    Fault::LssStoreUnanswered,
-    Fault::LssSwitchGlobalIgnored,
-    Fault::LssUnknownAnswered,
-    Fault::MappingDirectionUnchecked,
-    Fault::MappingFailureWedges,
-    Fault::MappingProcedureRefused,
-    Fault::NmtLongFrameMisread,
-    Fault::PdoIdNotPredefined,
-    Fault::RestoreCapabilityWrong,
-    Fault::RpdoBytesReversed,
-    Fault::RpdoIgnored,
-    Fault::RpdoKeepsCanId,
-    Fault::RtrBitClearable,
-    Fault::SameCobIdRefused,
-    Fault::SdoChannelsShareTransfer,
-    Fault::SdoExtendedAnswered,
-    Fault::SdoOtherNodeAnswered,
-    Fault::SdoRefusalAlternates,
-    Fault::SdoRemoteAnswered,
-    Fault::SdoServerIdWrong,
-    Fault::SecondTpdoMissing,
-    Fault::StoreCapabilityDenied,
-    Fault::StoreCapabilityWrong,
-    Fault::StoreSilentWhenOperational,
-    Fault::StructureEntryWrong,
-    Fault::SyncAlwaysCounts,
-    Fault::SyncIdWrong,
-    Fault::SyncNotStopped,
-    Fault::SyncOverlooked,
-    Fault::SyncProducerBitAccepted,
-    Fault::TimeIdWrong,
-    Fault::TpdoBytesReversed,
-    Fault::TpdoKeepsCanId,
-    Fault::TpdoLostAfterSdo,
-    Fault::TpdoRemoteIgnored,
-    Fault::TpdoTooLong,
-    Fault::UnconfiguredNodeIdWaits,
-    Fault::UndescribedObject,
-];
-
 /// The CAN-ID that a master moves PDOs to: no predefined object has it.
 const FREE: u16 = 0x6A0;
 
@@ -133,7 +62,6 @@ impl Mischief {
     pub fn new(faults: Faults) -> Self {
         Self {
             faults,
-            active: MINE.iter().any(|&fault| faults.has(fault)),
             download: None,
             writing: false,
             cob_id: None,
@@ -149,9 +77,9 @@ impl Mischief {
         }
     }
 
-    /// Whether frames have to go through here at all.
-    pub const fn is_active(&self) -> bool {
-        self.active
+    /// Whether frames have to go through here at all: the firmware has a fault.
+    pub fn is_active(&self) -> bool {
+        !self.faults.is_empty()
     }
 
     const fn has(&self, fault: Fault) -> bool {
@@ -169,6 +97,9 @@ impl Mischief {
         }
         if frame.is_remote() {
             return self.on_remote(frame, id, own);
+        }
+        if frame.is_error() || frame.is_fd() || frame.is_xl() {
+            return pass(*frame);
         }
         match id {
             nmt::CAN_ID => self.on_nmt(frame),

@@ -1,9 +1,11 @@
 //! Simulated devices: the state machines of a CANopen device, without I/O and without a clock.
 //!
 //! One file for each service. `service` says what they have in common, `services` which there are and in which order they
-//! are called, `context` what they share; `dispatch` is the loop over them, `lifecycle` what the device as a whole does. What faulty firmwares do is
-//! in `firmware` (hooks), `mischief` (a filter of frames) and `overlay` (the object dictionary).
+//! are called, `context` what they share; `dispatch` is the loop over them, `lifecycle` what the device as a whole does.
+//! Where firmwares differ, a service asks whether its own has the fault or takes the liberty: `context.has(Fault::…)`,
+//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, those of the object dictionary in `overlay`.
 
+mod abort_codes;
 mod bit_rate;
 mod chance;
 mod checks;
@@ -14,7 +16,6 @@ mod dispatch;
 mod emcy;
 mod encoder;
 mod errors;
-mod firmware;
 mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;

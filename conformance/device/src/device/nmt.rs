@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::routes::{Route, Routes};
 use super::service;
-use crate::Firmware;
+use crate::{Fault, Firmware};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt;
@@ -67,8 +67,8 @@ impl Phase {
     pub const fn receives_pdos(self, firmware: &Firmware) -> bool {
         match self {
             Self::Operational => true,
-            Self::PreOperational => firmware.receives_pdos_in_pre_operational(),
-            Self::Stopped => firmware.receives_pdos_when_stopped(),
+            Self::PreOperational => firmware.has(Fault::RpdoInPreOperational),
+            Self::Stopped => firmware.has(Fault::RpdoWhenStopped),
             _ => false,
         }
     }
@@ -82,17 +82,17 @@ impl Phase {
     pub const fn serves(self, service: Service, firmware: &Firmware) -> bool {
         match (self, service) {
             (_, Service::Lss) => true,
-            (Self::Initialising { .. }, Service::Sdo) => firmware.answers_sdo_before_boot_up(),
-            (Self::Initialising { .. }, Service::Emcy) => firmware.sends_emcy_before_boot_up(),
+            (Self::Initialising { .. }, Service::Sdo) => firmware.has(Fault::SdoAnsweredBeforeBootUp),
+            (Self::Initialising { .. }, Service::Emcy) => firmware.has(Fault::EmcyBeforeBootUp),
             (Self::Unconfigured | Self::Initialising { .. }, _) => false,
-            (Self::Operational, Service::Sdo) => firmware.answers_sdo_when_operational(),
+            (Self::Operational, Service::Sdo) => !firmware.has(Fault::SdoSilentWhenOperational),
             (_, Service::ErrorControl) | (Self::Operational, _) => true,
-            (Self::PreOperational, Service::Pdo) => firmware.sends_pdos_in_pre_operational(),
+            (Self::PreOperational, Service::Pdo) => firmware.has(Fault::TpdoInPreOperational),
             (Self::PreOperational, _) => true,
-            (Self::Stopped, Service::Sdo) => firmware.answers_sdo_when_stopped(),
-            (Self::Stopped, Service::Emcy) => firmware.sends_emcy_when_stopped(),
-            (Self::Stopped, Service::Pdo) => firmware.sends_pdos_when_stopped(),
-            (Self::Stopped, Service::Broadcast) => firmware.sends_sync_when_stopped(),
+            (Self::Stopped, Service::Sdo) => firmware.has(Fault::SdoAnsweredWhenStopped),
+            (Self::Stopped, Service::Emcy) => firmware.has(Fault::EmcyWhenStopped),
+            (Self::Stopped, Service::Pdo) => firmware.has(Fault::TpdoWhenStopped),
+            (Self::Stopped, Service::Broadcast) => firmware.has(Fault::SyncWhenStopped),
         }
     }
 }
@@ -100,36 +100,36 @@ impl Phase {
 /// What an NMT message means to the node; `None` if it is for others or has no meaning.
 fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Option<Order> {
     let addressed = match message.node {
-        0 => firmware.obeys_broadcasts(),
-        id => id == node.raw() || firmware.obeys_commands_to_others(),
+        0 => !firmware.has(Fault::NmtBroadcastIgnored),
+        id => id == node.raw() || firmware.has(Fault::NmtNodeIdIgnored),
     };
     if !addressed || !phase.is_running() {
         return None;
     }
-    let ignores_reset = phase == Phase::Stopped && !firmware.resets_when_stopped();
+    let ignores_reset = phase == Phase::Stopped && firmware.has(Fault::NmtResetWhenStoppedIgnored);
     let target = match message.command {
         Command::START => Some(Phase::Operational),
         Command::STOP => Some(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Some(Phase::PreOperational),
         _ => None,
     };
-    if target == Some(phase) && firmware.resets_on_repeated_command() {
+    if target == Some(phase) && firmware.has(Fault::NmtRepeatedCommandResets) {
         return Some(Order::ResetNode);
     }
     Some(match message.command {
-        Command::ENTER_PRE_OPERATIONAL if !firmware.enters_pre_operational() => return None,
-        Command::STOP if phase == Phase::Operational && !firmware.stops_when_operational() => {
+        Command::ENTER_PRE_OPERATIONAL if firmware.has(Fault::NmtEnterPreOperationalIgnored) => return None,
+        Command::STOP if phase == Phase::Operational && firmware.has(Fault::NmtStopWhenOperationalIgnored) => {
             return None;
         }
-        Command::START if phase == Phase::Stopped && !firmware.starts_when_stopped() => return None,
-        Command::START if firmware.has_broken_hardware() => return None,
+        Command::START if phase == Phase::Stopped && firmware.has(Fault::NmtStartWhenStoppedIgnored) => return None,
+        Command::START if firmware.has(Fault::NmtStartRefusedInError) => return None,
         Command::START => Order::Enter(Phase::Operational),
         Command::STOP => Order::Enter(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Order::Enter(Phase::PreOperational),
         Command::RESET_NODE | Command::RESET_COMMUNICATION if ignores_reset => return None,
         Command::RESET_NODE => Order::ResetNode,
         Command::RESET_COMMUNICATION => Order::ResetCommunication,
-        _ if firmware.stops_on_unknown_command() => Order::Enter(Phase::Stopped),
+        _ if firmware.has(Fault::NmtUnknownCommandStops) => Order::Enter(Phase::Stopped),
         _ => return None,
     })
 }
@@ -156,15 +156,13 @@ impl service::Service for NmtSlave {
         let Some(node) = context.node else { return };
         // An NMT message has two bytes (CiA 301); others are ignored.
         let message = match *frame.data() {
-            [command] if context.firmware().obeys_short_command() => {
-                Nmt { command: Command(command), node: node.raw() }
-            }
+            [command] if context.has(Fault::NmtShortFrameObeyed) => Nmt { command: Command(command), node: node.raw() },
             [command, node] => Nmt { command: Command(command), node },
             _ => return,
         };
         let before = self.last.replace(now);
         let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
-        if too_fast && context.firmware().keeps_one_command_only() {
+        if too_fast && context.has(Fault::NmtCommandLost) {
             return;
         }
         if let Some(order) = order(message, node, context.phase, context.firmware()) {

@@ -11,8 +11,8 @@ use super::motion::Motion;
 use super::overlay;
 use super::parameters::{Content, Parameters, Reading};
 use super::store::StoreCommand;
-use crate::Firmware;
 use crate::models::Model;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -39,6 +39,16 @@ pub(super) struct Objects {
 }
 
 impl Objects {
+    /// Whether the firmware has that fault.
+    pub const fn has(&self, fault: Fault) -> bool {
+        self.firmware.has(fault)
+    }
+
+    /// Whether the firmware takes that liberty.
+    pub const fn takes(&self, liberty: Liberty) -> bool {
+        self.firmware.takes(liberty)
+    }
+
     /// The dictionary of a device as delivered.
     pub fn new(model: &Model, node: Option<NodeId>, motion: Motion, firmware: &Firmware) -> Self {
         let mut parameters = Parameters::new(model, node.unwrap_or(PLACEHOLDER));
@@ -159,7 +169,7 @@ impl Objects {
     pub fn begin_download(&self, at: Multiplexer, len: Option<usize>) -> Result<usize, AbortCode> {
         let entry = self.parameters.entry(at).map_err(|code| self.firmware.missing_code(code))?;
         if !entry.writable {
-            return if self.firmware.confirms_read_only() {
+            return if self.firmware.has(Fault::SdoReadOnlyWritable) {
                 Ok(entry.longest())
             } else {
                 Err(self.own(self.firmware.read_only_code()))
@@ -201,7 +211,7 @@ impl Objects {
 
     /// An RPDO carries a value for an object. What the object does not take is left out; nothing is reported.
     pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
-        if !self.firmware.checks_rpdo_values() || self.check(at, value).is_ok() {
+        if self.firmware.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
             self.put(now, at, value);
         }
     }
@@ -260,8 +270,8 @@ impl Objects {
 
     fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         match self.parameters.entry(at)?.check_length(len) {
-            Err(AbortCode::LENGTH_TOO_HIGH) if !self.firmware.checks_length() => Ok(()),
-            Err(AbortCode::LENGTH_TOO_LOW) if !self.firmware.checks_short_length() => Ok(()),
+            Err(AbortCode::LENGTH_TOO_HIGH) if self.firmware.has(Fault::SdoLengthUnchecked) => Ok(()),
+            Err(AbortCode::LENGTH_TOO_LOW) if self.firmware.has(Fault::SdoShortLengthUnchecked) => Ok(()),
             Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
             Ok(()) => self.check_usual_length(at, len),
         }
@@ -270,7 +280,7 @@ impl Objects {
     /// A firmware that keeps strings in arrays: each has the length of what it holds.
     fn check_usual_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
-        if entry.size().is_some() || !self.firmware.takes_one_length() {
+        if entry.size().is_some() || !self.firmware.takes(Liberty::StringsOfOneLength) {
             return Ok(());
         }
         match entry.reading(None).bytes().len() {
@@ -290,7 +300,7 @@ impl Objects {
     pub fn consumes_sync(&self) -> bool {
         let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
         self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
-            || self.firmware.ignores_sync_consumer_bit()
+            || self.firmware.has(Fault::SyncConsumerBitIgnored)
     }
 
     /// Whether a write to the object does something instead of leaving a value.

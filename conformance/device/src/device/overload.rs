@@ -1,6 +1,6 @@
 //! What a busy firmware does wrong: a watchdog that resets it under load, and memory that is never given back.
 
-use crate::Firmware;
+use crate::{Fault, Firmware};
 use canvass_traces::{Duration, Timestamp};
 
 /// Counts what the device had to do.
@@ -29,7 +29,7 @@ impl Overload {
 
     /// A frame for the device came; whether the watchdog bites.
     pub fn on_frame(&mut self, now: Timestamp, firmware: &Firmware) -> bool {
-        if !firmware.bites_under_load() {
+        if !firmware.has(Fault::WatchdogResetUnderLoad) {
             return false;
         }
         if now > self.since + WINDOW {
@@ -53,6 +53,6 @@ impl Requests {
     /// A request came; whether there is memory left for it.
     pub fn count(&mut self, firmware: &Firmware) -> bool {
         self.0 = self.0.saturating_add(1);
-        !firmware.leaks_memory() || self.0 <= MOST_REQUESTS
+        !firmware.has(Fault::SdoMemoryLeak) || self.0 <= MOST_REQUESTS
     }
 }

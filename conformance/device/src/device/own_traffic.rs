@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::nmt::Phase;
 use super::service::{Event, Service};
+use crate::Liberty;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
@@ -46,8 +47,8 @@ impl Service for OwnTraffic {
             Event::Initialise => *self = Self::new(),
             Event::Started => {
                 let firmware = context.firmware();
-                self.request = if firmware.has_sdo_client() { now + ASKED } else { Timestamp::MAX };
-                self.burst = if firmware.sends_bursts() { now + BURSTS } else { Timestamp::MAX };
+                self.request = if firmware.takes(Liberty::OwnSdoClient) { now + ASKED } else { Timestamp::MAX };
+                self.burst = if firmware.takes(Liberty::OwnTraffic) { now + BURSTS } else { Timestamp::MAX };
             }
             _ => {}
         }

@@ -4,6 +4,7 @@
 use super::objects::Objects;
 use super::parameters::Parameters;
 use crate::models::Rule;
+use crate::{Fault, Liberty};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -80,15 +81,15 @@ pub(super) fn entry_beyond(direction: Direction, parameters: &Parameters, number
 pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
-    if number > 0 && firmware.protects_first_pdo_only() {
+    if number > 0 && firmware.has(Fault::PdoRulesFirstOnly) {
         return Ok(());
     }
     let cob_id = CobId(parameters.number_or_zero(at.index.0, 1) as u32);
     let is_valid_and_changes = cob_id.is_valid() && value != parameters.number_or_zero(at.index.0, at.sub.0);
-    if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
+    if at.sub.0 != 1 && cob_id.is_valid() && firmware.takes(Liberty::PdoParametersLocked) {
         return Err(AbortCode::INVALID_VALUE);
     }
-    if firmware.refuses_pdo_times()
+    if firmware.has(Fault::PdoTimesRefused)
         && matches!(at.sub.0, 3 | 6)
         && value != parameters.number_or_zero(at.index.0, at.sub.0)
     {
@@ -99,9 +100,9 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
         // Where the PDO can't be switched off, its inhibit time changes while it is valid.
         (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
-        (3, Direction::Transmit) => !is_valid_and_changes || !firmware.checks_inhibit_time_while_valid(),
+        (3, Direction::Transmit) => !is_valid_and_changes || firmware.has(Fault::InhibitTimeChangeWhileValid),
         (6, Direction::Transmit) => {
-            value <= 240 && (!is_valid_and_changes || !firmware.checks_start_value_while_valid())
+            value <= 240 && (!is_valid_and_changes || firmware.has(Fault::SyncStartValueChangeWhileValid))
         }
         _ => true,
     };
@@ -121,14 +122,14 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     };
     let known = types.iter().any(|&(low, high)| (low.into()..=high.into()).contains(&value));
     let by_rtr = matches!(value, 252 | 253);
-    if direction == Direction::Receive && value <= 240 && !objects.firmware.takes_synchronous_rpdo() {
+    if direction == Direction::Receive && value <= 240 && objects.has(Fault::SynchronousRpdoRefused) {
         return false;
     }
-    if by_rtr && objects.firmware.takes_rtr_type_without_rtr() {
+    if by_rtr && objects.has(Fault::RtrTypeWithoutRtrAccepted) {
         return true;
     }
     let possible = cob_id.allows_rtr() || !by_rtr;
-    (known && possible) || !objects.firmware.checks_transmission_type()
+    (known && possible) || objects.has(Fault::ReservedTransmissionTypeAccepted)
 }
 
 /// Whether the COB-ID of a PDO can change so: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
@@ -144,25 +145,27 @@ fn check_cob_id(
     let firmware = &objects.firmware;
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id();
-    let is_lax = firmware.keeps_high_bits_only() && new.can_id() >> 7 == old.can_id() >> 7;
-    if moved && !reserved && !is_lax && firmware.checks_pdo_id_while_valid() {
+    let is_lax = firmware.has(Fault::CanIdLowBitsMovable) && new.can_id() >> 7 == old.can_id() >> 7;
+    if moved && !reserved && !is_lax && !firmware.has(Fault::CobIdChangeWhileValid) {
         return Err(firmware.cob_id_code(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at)));
     }
-    if !firmware.switches_pdos_off() && old.is_valid() && !new.is_valid() {
+    if firmware.has(Fault::PdoOffRefused) && old.is_valid() && !new.is_valid() {
         return Err(AbortCode::INVALID_VALUE);
     }
-    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+    if firmware.takes(Liberty::CobIdRewriteRefused) && old.is_valid() && new.is_valid() {
         return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
     }
-    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
+    let restricted = new.is_restricted() && !firmware.has(Fault::RestrictedCanIdAccepted);
     let asks_for_rtr =
         direction == Direction::Transmit && new.allows_rtr() && !objects.model.sheet().network.rtr && new != old;
     // A PDO that is delivered without mapping can be as it was delivered.
     let is_empty = mapping(direction, &objects.parameters, number).next().is_none()
         && !is_delivered_empty(direction, number, objects);
     let impossible = new.is_valid()
-        && (restricted || (asks_for_rtr && firmware.checks_rtr_bit()) || (is_empty && !firmware.validates_empty_pdo()));
-    if firmware.restricts_free_can_ids() && (0x550..0x580).contains(&new.can_id()) {
+        && (restricted
+            || (asks_for_rtr && !firmware.has(Fault::RtrBitClearable))
+            || (is_empty && !firmware.has(Fault::EmptyPdoValidated)));
+    if firmware.has(Fault::CanIdsTakenForRestricted) && (0x550..0x580).contains(&new.can_id()) {
         return Err(AbortCode::INVALID_VALUE);
     }
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
@@ -185,12 +188,12 @@ fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> b
 pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
-    if number > 0 && firmware.protects_first_pdo_only() {
+    if number > 0 && firmware.has(Fault::PdoRulesFirstOnly) {
         return Ok(());
     }
     let valid = CobId(parameters.number_or_zero(direction.communication() + number, 1) as u32).is_valid();
     let in_use = at.sub.0 != 0 && parameters.number_or_zero(at.index.0, 0) != 0;
-    if (valid || in_use) && firmware.checks_mapping_while_valid() {
+    if (valid || in_use) && !firmware.has(Fault::MappingChangeWhileValid) {
         return Err(objects.model.sheet().abort(Rule::MappingWhileDisabled, at));
     }
     if at.sub.0 != 0 {
@@ -203,7 +206,7 @@ pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> R
 
 /// An entry was written: those up to it have to fit into a PDO, for a firmware that looks at once.
 fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
-    if !objects.firmware.checks_mapped_length_at_entry() || !objects.firmware.checks_mapping_sum() {
+    if !objects.takes(Liberty::MappingLengthAtEntry) || objects.has(Fault::MappingTooLongAccepted) {
         return Ok(());
     }
     let before = (1..at.sub.0).map(|sub| objects.parameters.number_or_zero(at.index.0, sub));
@@ -214,7 +217,7 @@ fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result
 /// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.
 fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
-    if !firmware.checks_mapping_count() {
+    if firmware.has(Fault::MappingCountUnchecked) {
         return Ok(());
     }
     let most = u8::try_from(value).map_err(|_| AbortCode::PDO_LENGTH)?;
@@ -222,19 +225,21 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     let mut bits = 0;
     for sub in 1..=most {
         let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
-        if entry.0 == 0 && (firmware.maps_empty_entry() || sub > 1 && firmware.maps_later_empty_entry()) {
+        if entry.0 == 0
+            && (firmware.has(Fault::EmptyEntryMapped) || sub > 1 && firmware.has(Fault::LaterEmptyEntryMapped))
+        {
             continue;
         }
         check_entry(entry, direction, objects)?;
         bits += u32::from(entry.bits());
     }
-    if bits <= 64 || !firmware.checks_mapping_sum() { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
+    if bits <= 64 || firmware.has(Fault::MappingTooLongAccepted) { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
 }
 
 /// Whether an object can be mapped, with that length.
 fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let firmware = &objects.firmware;
-    if firmware.maps_whole_bytes_only() && !entry.bits().is_multiple_of(8) {
+    if firmware.takes(Liberty::MappingInBytes) && !entry.bits().is_multiple_of(8) {
         return Err(AbortCode::NOT_MAPPABLE);
     }
     if entry.is_dummy() {
@@ -242,7 +247,7 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     }
     let object = match objects.parameters.entry(entry.object()) {
         Ok(object) => object,
-        Err(_) if firmware.maps_missing_object() && entry.0 != 0 => return Ok(()),
+        Err(_) if firmware.has(Fault::MissingObjectMapped) && entry.0 != 0 => return Ok(()),
         Err(_) => return Err(AbortCode::NO_OBJECT),
     };
     if is_delivered(entry, direction, objects) {
@@ -253,9 +258,13 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
         Direction::Transmit => object.tpdo_mappable,
     };
     let bits = object.data_type.bits().unwrap_or(0);
-    let unchecked = !firmware.checks_mapped_length() && entry.bits() > 0;
+    let unchecked = firmware.has(Fault::MappingLengthUnchecked) && entry.bits() > 0;
     let fits = (bits == u32::from(entry.bits()) || unchecked) && bits > 0;
-    if fits && (mappable || firmware.maps_unmappable_object()) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+    if fits && (mappable || firmware.has(Fault::UnmappableObjectMapped)) {
+        Ok(())
+    } else {
+        Err(AbortCode::NOT_MAPPABLE)
+    }
 }
 
 /// What is mapped as delivered can be mapped again, a part of an object too.
@@ -271,6 +280,6 @@ fn check_dummy(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     let data_type = canvass_analyzer::dictionary::DataType(entry.object().index.0);
     let allowed = description.dummy_usage.get(&data_type.0).copied().unwrap_or(false);
     let fits = data_type.bits() == Some(u32::from(entry.bits())) && entry.object().sub.0 == 0;
-    let possible = direction == Direction::Receive && allowed || objects.firmware.maps_dummy_into_tpdo();
+    let possible = direction == Direction::Receive && allowed || objects.has(Fault::DummyMappedIntoTpdo);
     if possible && fits { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
 }

@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::pdo::{self, Direction};
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
-use crate::Firmware;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, extract};
 use canvass_analyzer::{CobId, Multiplexer};
@@ -81,16 +81,16 @@ impl Rpdo {
 
     /// Its CAN-ID, if it is received.
     fn can_id(&self, firmware: &Firmware) -> Option<u16> {
-        let received = self.cob_id.is_valid() || firmware.receives_invalid_rpdo();
+        let received = self.cob_id.is_valid() || firmware.has(Fault::RpdoReceivedWhenInvalid);
         (received && !self.mapping.is_empty()).then_some(self.cob_id.can_id() as u16)
     }
 
     /// The device is not operational any more: what was held is forgotten.
     fn stop(&mut self, firmware: &Firmware) {
-        if firmware.forgets_held_rpdo() {
+        if !firmware.has(Fault::RpdoHeldOverStop) {
             self.held = None;
         }
-        if firmware.stops_rpdo_deadline() {
+        if !firmware.has(Fault::RpdoDeadlineOutlivesStop) {
             self.due = Timestamp::MAX;
         }
     }
@@ -102,16 +102,16 @@ impl Rpdo {
 
     /// A PDO came.
     fn on_frame(&mut self, now: Timestamp, data: &[u8], firmware: &Firmware) -> Received {
-        if data.len() < self.len && firmware.checks_rpdo_length() {
+        if data.len() < self.len && !firmware.has(Fault::RpdoLengthUnchecked) {
             return Received::TooShort;
         }
-        let runs = self.due < Timestamp::MAX && !firmware.restarts_rpdo_deadline();
-        if self.deadline > Duration::ZERO && firmware.heeds_rpdo_deadline() && !runs {
+        let runs = self.due < Timestamp::MAX && firmware.has(Fault::RpdoDeadlineNotRestarted);
+        if self.deadline > Duration::ZERO && !firmware.has(Fault::RpdoDeadlineIgnored) && !runs {
             self.due = now + self.deadline;
         }
         let mut payload = [0; 8];
         payload.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
-        if self.is_synchronous() && firmware.holds_synchronous_rpdo() {
+        if self.is_synchronous() && !firmware.has(Fault::SynchronousRpdoActsAtOnce) {
             self.held = Some(payload);
             return Received::Hold;
         }
@@ -149,7 +149,7 @@ impl Rpdo {
 
     /// The values of a payload act.
     fn apply(&self, now: Timestamp, payload: Payload, context: &mut Context) {
-        let most = if context.firmware().serves_first_object_only() { 1 } else { usize::MAX };
+        let most = if context.has(Fault::RpdoFirstObjectOnly) { 1 } else { usize::MAX };
         for (at, value) in self.values(payload).into_iter().take(most) {
             context.objects.receive(now, at, value);
         }
@@ -198,16 +198,16 @@ impl Rpdos {
         }
         let too_long = data.len() > rpdo.len();
         let is_right = data.len() == rpdo.len();
-        if rpdo.is_synchronous() && context.sync_closed || too_long && !context.firmware().takes_long_rpdo() {
+        if rpdo.is_synchronous() && context.sync_closed || too_long && context.has(Fault::LongRpdoIgnored) {
             return;
         }
         let received = rpdo.on_frame(now, data, context.firmware());
         let too_short = received == Received::TooShort;
         let ordinal = rpdo.ordinal();
-        let reported = too_short && context.firmware().reports_short_rpdo();
+        let reported = too_short && !context.has(Fault::ShortRpdoUnreported);
         context.report(Condition::RpdoTooShort { rpdo: ordinal }, reported);
-        let reported =
-            too_long && context.firmware().reports_long_rpdo() || is_right && context.firmware().reports_right_rpdo();
+        let reported = too_long && !context.takes(Liberty::LongRpdoUnreported)
+            || is_right && context.has(Fault::RightRpdoReported);
         context.report(Condition::RpdoTooLong { rpdo: ordinal }, reported);
         if !too_short {
             context.report(Condition::RpdoLate { rpdo: ordinal }, false);

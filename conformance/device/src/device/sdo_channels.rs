@@ -7,6 +7,7 @@ use super::overload::Requests;
 use super::routes::{Route, Routes};
 use super::sdo_server::SdoServer;
 use super::service::{Event, Service};
+use crate::Fault;
 use crate::models::Timing;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -58,7 +59,7 @@ impl SdoChannels {
 
     /// A request of the default channel.
     fn on_request(&mut self, now: Timestamp, frame: &Frame, context: &mut Context) {
-        if context.phase == nmt::Phase::Stopped && context.firmware().keeps_requests_of_stopped() {
+        if context.phase == nmt::Phase::Stopped && context.has(Fault::SdoRequestKeptOverStop) {
             self.kept = Some(*frame);
         }
         if context.objects.wedged || !context.serves(nmt::Service::Sdo) || !self.requests.count(context.firmware()) {
@@ -110,13 +111,13 @@ impl Service for SdoChannels {
             }
             Event::Initialise => {
                 self.kept = None;
-                if context.firmware().ends_transfer_at_reset() {
+                if !context.has(Fault::SdoTransferSurvivesReset) {
                     self.server.boot();
                 }
                 self.further.iter_mut().for_each(|channel| channel.server.reset());
             }
             Event::Entered { .. }
-                if !context.serves(nmt::Service::Sdo) && context.firmware().ends_transfer_when_stopped() =>
+                if !context.serves(nmt::Service::Sdo) && !context.has(Fault::SdoTransferSurvivesStop) =>
             {
                 self.reset();
             }

@@ -5,6 +5,7 @@ use super::context::Context;
 use super::encoder::TEMPERATURE;
 use super::objects::Objects;
 use super::service::{Event, Service};
+use crate::Fault;
 use canvass_traces::{Duration, Timestamp};
 
 /// How often the speed of a shaft that turns is compared with its limit.
@@ -57,7 +58,7 @@ fn find_errors(now: Timestamp, context: &mut Context) {
     let Objects { parameters, encoder, .. } = &context.objects;
     let shaft = encoder.as_ref().map(|it| (it.is_overspeed(now, parameters), it.has_position_error()));
     if let Some((low, high)) = encoder.as_ref().and_then(|it| it.temperature_limits(parameters)) {
-        let outside = !(low..=high).contains(&TEMPERATURE) && context.firmware().reports_temperature();
+        let outside = !(low..=high).contains(&TEMPERATURE) && !context.has(Fault::WarningWithoutEmcy);
         context.report(Condition::Temperature { now: TEMPERATURE, low, high }, outside);
     }
     if let Some((too_fast, wrong_position)) = shaft {

@@ -2,8 +2,8 @@
 
 use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
-use crate::Firmware;
 use crate::models::{Model, Storage};
+use crate::{Fault, Firmware};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -153,12 +153,14 @@ impl Store {
     /// Begins to write; it is done at `done`.
     pub fn begin(&mut self, done: Timestamp, command: StoreCommand, firmware: &Firmware) {
         let command = match command {
-            StoreCommand::Save(_) if !firmware.stores() => return,
-            StoreCommand::Restore(_) if !firmware.restores() => return,
-            StoreCommand::Restore(_) if !firmware.restores_by_group() => StoreCommand::Restore(Groups::PARAMETERS),
+            StoreCommand::Save(_) if firmware.has(Fault::StoreWithoutEffect) => return,
+            StoreCommand::Restore(_) if firmware.has(Fault::RestoreWithoutEffect) => return,
+            StoreCommand::Restore(_) if firmware.has(Fault::RestoreGroupIgnored) => {
+                StoreCommand::Restore(Groups::PARAMETERS)
+            }
             StoreCommand::Save(Groups::BUS) => command,
-            StoreCommand::Save(_) if !firmware.stores_by_group() => StoreCommand::Save(Groups::PARAMETERS),
-            StoreCommand::Save(groups) if firmware.loses_application_group() => {
+            StoreCommand::Save(_) if firmware.has(Fault::StoreGroupIgnored) => StoreCommand::Save(Groups::PARAMETERS),
+            StoreCommand::Save(groups) if firmware.has(Fault::StoreLosesGroup) => {
                 StoreCommand::Save(Groups(groups.0 & !Groups::APPLICATION.0))
             }
             command => command,

@@ -5,6 +5,7 @@ use super::context::Context;
 use super::lss_slave::UNCONFIGURED;
 use super::service::{Event, Service};
 use super::store::{Groups, StoreCommand, StoredNetwork};
+use crate::{Fault, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
@@ -25,8 +26,8 @@ impl Service for Storing {
         if let Some(command) = StoreCommand::of(at, &context.objects.model.sheet().storage) {
             begin(now, command, context);
         }
-        let goes_on = context.firmware().stores_later_values() && context.store.holds_something();
-        if context.firmware().stores_by_itself() && context.firmware().stores() || goes_on {
+        let goes_on = context.has(Fault::LaterValuesStored) && context.store.holds_something();
+        if stores_by_itself(context) && !context.has(Fault::StoreWithoutEffect) || goes_on {
             let node = context.node_or_placeholder();
             context.store.save_at_once(at, &context.objects.parameters, node);
         }
@@ -45,9 +46,15 @@ impl Service for Storing {
     }
 }
 
+/// Whether parameters are stored as soon as they are written.
+const fn stores_by_itself(context: &Context) -> bool {
+    let by_itself = context.takes(Liberty::StoresByItself) || context.takes(Liberty::StoresBothWays);
+    by_itself && !context.takes(Liberty::NoStore)
+}
+
 fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
     let node = context.node_or_placeholder();
-    if matches!(command, StoreCommand::Restore(_)) && context.firmware().restores_at_once() {
+    if matches!(command, StoreCommand::Restore(_)) && context.has(Fault::RestoreAtOnce) {
         context.objects.parameters.restore(node);
     }
     let sheet = context.objects.model.sheet();
@@ -58,7 +65,9 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
         }
         context.objects.take_waiting();
     }
-    if command == StoreCommand::Restore(Groups::PARAMETERS) && context.firmware().restores_node_id() {
+    // A device without LSS could never get a node-ID again.
+    let restores_node_id = context.takes(Liberty::NodeIdRestored) && !context.takes(Liberty::NoLss);
+    if command == StoreCommand::Restore(Groups::PARAMETERS) && restores_node_id {
         let network = context.store.network();
         context.store.save_network(StoredNetwork { node_id: Some(UNCONFIGURED), ..network });
     }
@@ -90,7 +99,7 @@ pub(super) fn resets_scaling(at: Multiplexer, value: u64, context: &Context) -> 
 /// 1020h: date and time of the configuration are gone as soon as it is changed.
 fn forget_verification(at: Multiplexer, context: &mut Context) {
     let is_command = StoreCommand::of(at, &context.objects.model.sheet().storage).is_some();
-    let kept = context.firmware().keeps_configuration_date();
+    let kept = context.has(Fault::ConfigurationDateKept);
     if !matches!(at.index.0, object::PREDEFINED_ERROR_FIELD | object::VERIFY_CONFIGURATION) && !is_command && !kept {
         context.objects.parameters.set_number(object::VERIFY_CONFIGURATION, 1, 0);
         context.objects.parameters.set_number(object::VERIFY_CONFIGURATION, 2, 0);

@@ -6,8 +6,8 @@ use super::nmt::{self, Order};
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
-use crate::Firmware;
 use crate::models::Network;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::CobId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -63,17 +63,18 @@ impl SyncObject {
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
         // Without 1005h it is the predefined one.
-        if !firmware.keeps_sync_id() || self.cob_id.0 == CobId::INVALID {
+        if !firmware.has(Fault::SyncKeepsCanId) || self.cob_id.0 == CobId::INVALID {
             self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
         }
-        self.period = firmware.sync_period(number(object::COMMUNICATION_CYCLE_PERIOD));
+        let factor = if firmware.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
+        self.period = Duration::from_micros(number(object::COMMUNICATION_CYCLE_PERIOD)).times(factor);
         self.produces =
             network.sync_producer && is_producing(number(object::COB_ID_SYNC)) && self.period > Duration::ZERO;
         self.counts = parameters.number(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0).is_some();
         self.overflow = number(object::SYNCHRONOUS_COUNTER_OVERFLOW) as u8;
         self.sends_counter =
-            self.overflow > 0 || firmware.counts_moved_sync() && self.cob_id.can_id() != u32::from(CAN_ID);
-        let ignored = !firmware.heeds_sync_window();
+            self.overflow > 0 || firmware.has(Fault::SyncMovedCounts) && self.cob_id.can_id() != u32::from(CAN_ID);
+        let ignored = firmware.has(Fault::SyncWindowIgnored);
         self.window =
             if ignored { Duration::ZERO } else { Duration::from_micros(number(object::SYNCHRONOUS_WINDOW_LENGTH)) };
         if self.window == Duration::ZERO {
@@ -88,8 +89,8 @@ impl SyncObject {
     /// Begins to produce anew, or stops: in the NMT states stopped and initialisation no SYNC is sent.
     fn restart(&mut self, now: Timestamp, may_send: bool, firmware: &Firmware) {
         self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
-        if firmware.resets_sync_counter() {
-            self.counter = firmware.first_sync_counter();
+        if !firmware.has(Fault::SyncCounterNotReset) {
+            self.counter = if firmware.has(Fault::SyncCounterFromZero) { 0 } else { 1 };
         }
     }
 
@@ -119,7 +120,7 @@ impl SyncObject {
 
     /// Whether a received SYNC has the length that 1019h asks for.
     fn has_length(&self, len: usize, firmware: &Firmware) -> bool {
-        !self.counts || !firmware.checks_sync_length() || len == usize::from(self.overflow != 0)
+        !self.counts || firmware.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
     }
 
     /// A SYNC was received or sent: the window opens.
@@ -148,7 +149,7 @@ impl Service for SyncObject {
             return;
         }
         let fits = self.has_length(frame.len(), context.firmware());
-        let reported = !fits && context.firmware().reports_sync_length() || context.firmware().reports_right_sync();
+        let reported = !fits && !context.takes(Liberty::SyncLengthUnreported) || context.has(Fault::RightSyncReported);
         context.report(Condition::SyncLength, reported);
         if fits {
             self.open(now);
@@ -185,11 +186,11 @@ impl Service for SyncObject {
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         if let Some(sync) = self.next(now) {
             context.send(sync.to_frame(self.own_can_id()));
-            if sync.counter.is_none() && context.firmware().hangs_of_plain_sync() {
+            if sync.counter.is_none() && context.has(Fault::SyncHangsWithoutCounter) {
                 return context.order(Order::Hang);
             }
             self.open(now);
-            if context.firmware().heeds_own_sync() {
+            if !context.has(Fault::SyncOwnUnheeded) {
                 context.events.push_back(Event::Sync { counter: sync.counter });
             }
         }
@@ -225,12 +226,12 @@ pub(super) fn check_cob_id(
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_SYNC, 0) as u32), CobId(value as u32));
-    let reserved = new.0 & 0x1FFF_F800 != 0 && firmware.checks_cob_id_bits() || new.is_extended();
+    let reserved = new.0 & 0x1FFF_F800 != 0 && !firmware.has(Fault::CobIdBitsUnchecked) || new.is_extended();
     let impossible = is_producing(value) && !network.sync_producer;
-    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
+    let restricted = new.is_restricted() && !firmware.has(Fault::RestrictedCanIdAccepted);
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
-    let moved = moved && firmware.checks_sync_id_while_producing();
-    if reserved || impossible || restricted || !firmware.takes_sync_id() {
+    let moved = moved && !firmware.has(Fault::SyncIdChangeWhileProducing);
+    if reserved || impossible || restricted || firmware.has(Fault::SyncIdRefused) {
         return Err(AbortCode::INVALID_VALUE);
     }
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
@@ -251,11 +252,12 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 /// "Invalid value", or "present device state".
 pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
     if parameters.number_or_zero(object::COMMUNICATION_CYCLE_PERIOD, 0) != 0
-        && firmware.checks_overflow_while_producing()
+        && !firmware.has(Fault::SyncOverflowChangeWhileProducing)
     {
-        return Err(firmware.overflow_code());
+        let general = firmware.takes(Liberty::OverflowCodeGeneral);
+        return Err(if general { AbortCode::GENERAL } else { AbortCode::DEVICE_STATE });
     }
-    let known = matches!(value, 0 | 2..=240) || !firmware.checks_overflow();
+    let known = matches!(value, 0 | 2..=240) || firmware.has(Fault::SyncOverflowUnchecked);
     match value {
         _ if known => Ok(()),
         241.. => Err(firmware.limit_code()),

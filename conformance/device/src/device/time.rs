@@ -7,8 +7,8 @@ use super::objects::Objects;
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
-use crate::Firmware;
 use crate::models::Network;
+use crate::{Fault, Firmware};
 use canvass_analyzer::CobId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -53,7 +53,7 @@ impl Service for TimeService {
                 context.routes_changed = true;
             }
             Event::Written(at, micros)
-                if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP || context.firmware().stamps_at_each_write() =>
+                if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP || context.has(Fault::StampSetByOthers) =>
             {
                 context.objects.clock.stamp(now, micros as u32);
             }
@@ -90,10 +90,11 @@ pub(super) fn check(
     let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = new.0 & PRODUCES != 0 && network.time_period_ms.is_none();
-    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
+    let restricted = new.is_restricted() && !firmware.has(Fault::RestrictedCanIdAccepted);
     let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
-    let moved = in_use(old) && in_use(new) && new.can_id() != old.can_id() && firmware.checks_time_id_while_valid();
-    if reserved || impossible || restricted || !firmware.takes_time_id() {
+    let moved =
+        in_use(old) && in_use(new) && new.can_id() != old.can_id() && !firmware.has(Fault::TimeIdChangeWhileValid);
+    if reserved || impossible || restricted || firmware.has(Fault::TimeIdRefused) {
         return Err(AbortCode::INVALID_VALUE);
     }
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }

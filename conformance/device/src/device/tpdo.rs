@@ -7,6 +7,7 @@ use super::parameters::Parameters;
 use super::pdo::{self, Direction};
 use super::service::{Event, Service};
 use super::storing::resets_scaling;
+use crate::{Fault, Liberty};
 use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
@@ -96,9 +97,9 @@ impl Tpdo {
         let firmware = &objects.firmware;
         // What was taken at a SYNC had the identifier and the mapping of that time.
         self.sampled = None;
-        self.sends_empty = firmware.validates_empty_pdo();
+        self.sends_empty = firmware.has(Fault::EmptyPdoValidated);
         let cob_id = CobId(number(1) as u32);
-        let kept = firmware.keeps_tpdo_id_over_reset() && self.cob_id.is_valid() && cob_id.is_valid();
+        let kept = firmware.has(Fault::TpdoIdOutlivesReset) && self.cob_id.is_valid() && cob_id.is_valid();
         self.cob_id = if kept { self.cob_id } else { cob_id };
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
@@ -106,18 +107,20 @@ impl Tpdo {
         // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
-        self.inhibit = firmware.inhibit_time(number(3));
-        let event_timer =
-            if is_cyclic { objects.parameters.number_or_zero(encoder::CYCLIC_TIMER, 0) } else { number(5) };
-        self.event_timer = firmware.event_timer(event_timer);
-        let ignored = !firmware.heeds_sync_start_value()
+        let unit = if firmware.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
+        self.inhibit = Duration::from_micros(number(3) * unit);
+        let millis = if is_cyclic { objects.parameters.number_or_zero(encoder::CYCLIC_TIMER, 0) } else { number(5) };
+        let factor = if firmware.has(Fault::EventTimerDoubled) { 2 } else { 1 };
+        let late = firmware.has(Fault::EventTimerOffByOne) && millis > 0;
+        self.event_timer = Duration::from_millis(millis * factor + u64::from(late));
+        let ignored = firmware.has(Fault::SyncStartValueIgnored)
             || objects.parameters.number_or_zero(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
         self.sync_start = sync_start;
         self.mapping.clear();
         self.mapping.extend(pdo::mapping(Direction::Transmit, &objects.parameters, self.number));
-        if firmware.maps_beyond_count() && !self.mapping.is_empty() {
+        if firmware.has(Fault::TpdoBeyondCount) && !self.mapping.is_empty() {
             self.mapping.extend(pdo::entry_beyond(Direction::Transmit, &objects.parameters, self.number));
         }
         if self.running {
@@ -138,25 +141,25 @@ impl Tpdo {
     /// The device became operational: event-driven PDOs are sent at once (CiA 406).
     fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
-        if objects.firmware.resets_sync_count() {
-            self.syncs = if objects.firmware.counts_from_middle() { self.transmission.0 / 2 } else { 0 };
+        if !objects.has(Fault::SyncCountNotReset) {
+            self.syncs = if objects.takes(Liberty::SyncCountFromMiddle) { self.transmission.0 / 2 } else { 0 };
         }
-        self.awaits_start = self.sync_start != 0 || objects.firmware.waits_for_counter_zero();
+        self.awaits_start = self.sync_start != 0 || objects.has(Fault::SyncWithoutStartValueIgnored);
         self.last = None;
         self.sampled = None;
         self.late = None;
         self.waiting = false;
         self.inhibited_until = Timestamp::ZERO;
         self.arm(now, objects);
-        let owed = std::mem::take(&mut self.remembered) || objects.firmware.sends_synchronous_pdo_at_start();
+        let owed = std::mem::take(&mut self.remembered) || objects.has(Fault::SynchronousTpdoAtStart);
         if owed && self.is_synchronous() {
             return self.transmit(now, objects);
         }
         if !self.is_event_driven() {
             return None;
         }
-        let is_first_missing = objects.firmware.misses_first_timed_pdo() && self.event_timer > Duration::ZERO;
-        if is_first_missing || !objects.firmware.sends_pdo_at_start() {
+        let is_first_missing = objects.has(Fault::FirstPositionMissing) && self.event_timer > Duration::ZERO;
+        if is_first_missing || objects.has(Fault::TpdoNotSentAtStart) {
             self.last = self.is_active().then(|| self.frame(now, objects));
             return None;
         }
@@ -223,20 +226,20 @@ impl Tpdo {
     /// A SYNC came, with a counter where the producer counts.
     fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
-            self.remembered = !self.running && objects.firmware.remembers_sync_over_start();
+            self.remembered = !self.running && objects.has(Fault::SyncRememberedOverStart);
             return None;
         }
         if self.awaits_start && self.is_synchronous() {
             if counter.is_some_and(|counter| counter != self.sync_start) {
                 return None;
             }
-            self.awaits_start = objects.firmware.awaits_each_start();
+            self.awaits_start = objects.has(Fault::SyncStartAgain);
         }
         match self.transmission {
             TransmissionType::SYNCHRONOUS_ACYCLIC => {
                 let changed = self.last != Some(self.frame(now, objects));
-                let event = changed && objects.firmware.takes_writes_for_events();
-                let always = objects.firmware.sends_acyclic_without_event();
+                let event = changed && !objects.takes(Liberty::OwnEvents);
+                let always = objects.has(Fault::AcyclicTpdoWithoutEvent);
                 if event || always { self.transmit(now, objects) } else { None }
             }
             TransmissionType::RTR_SYNCHRONOUS => {
@@ -246,13 +249,13 @@ impl Tpdo {
             transmission => {
                 let cycle = transmission.cycle()?;
                 self.syncs = self.syncs.saturating_add(1);
-                if self.syncs < cycle && objects.firmware.heeds_sync_cycle() {
+                if self.syncs < cycle && !objects.has(Fault::SyncCycleIgnored) {
                     return None;
                 }
                 self.syncs = 0;
                 let delay = match () {
-                    () if objects.firmware.delays_synchronous_pdo_rightly() => SLOW,
-                    () if objects.firmware.delays_synchronous_pdo() => LATE,
+                    () if objects.takes(Liberty::SyncTpdoIn40Ms) => SLOW,
+                    () if objects.has(Fault::SyncTpdoLate) => LATE,
                     () => return self.transmit(now, objects),
                 };
                 (self.waiting, self.inhibited_until) = (true, now + delay);
@@ -263,27 +266,27 @@ impl Tpdo {
 
     /// A remote frame asks for the PDO.
     fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        let allowed = self.cob_id.allows_rtr() || !objects.firmware.checks_rtr_permission();
-        if !self.is_active() || !allowed || !objects.firmware.answers_pdo_requests() {
+        let allowed = self.cob_id.allows_rtr() || objects.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
+        if !self.is_active() || !allowed || objects.has(Fault::TpdoRemoteUnanswered) {
             return None;
         }
         match self.transmission {
-            TransmissionType::RTR_SYNCHRONOUS if objects.firmware.samples_rtr_type_at_sync() => self.sampled,
+            TransmissionType::RTR_SYNCHRONOUS if !objects.has(Fault::RtrTypeSampledAtOnce) => self.sampled,
             _ => Some(self.frame(now, objects)),
         }
     }
 
     /// Sends the PDO, or keeps it waiting for the end of the inhibit time.
     fn transmit(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        self.waiting = self.waiting && objects.firmware.repeats_inhibited_pdo();
+        self.waiting = self.waiting && objects.has(Fault::TpdoRepeatsAfterInhibit);
         if !self.is_active() {
             return None;
         }
         if now < self.inhibited_until {
-            self.waiting = !objects.firmware.drops_inhibited_pdo();
+            self.waiting = !objects.has(Fault::TpdoLostWhenInhibited);
             return None;
         }
-        if self.is_event_driven() && objects.firmware.heeds_inhibit_time() {
+        if self.is_event_driven() && !objects.has(Fault::InhibitTimeIgnored) {
             self.inhibited_until = now + self.inhibit;
         }
         if self.event_due < Timestamp::MAX {
@@ -291,7 +294,7 @@ impl Tpdo {
         }
         let frame = self.frame(now, objects);
         self.last = Some(frame);
-        if objects.firmware.sends_last_value() {
+        if objects.has(Fault::TpdoPositionLate) {
             return self.late.replace(frame).or(Some(frame));
         }
         Some(frame)
@@ -401,10 +404,10 @@ impl Tpdos {
         let concerns = match at.index.0 {
             object::TPDO_COMMUNICATION_PARAMETER..object::AFTER_PDO_PARAMETERS => true,
             // The SYNC start value counts only while SYNC has a counter.
-            object::SYNCHRONOUS_COUNTER_OVERFLOW if context.firmware().overlooks_late_sync_counter() => false,
+            object::SYNCHRONOUS_COUNTER_OVERFLOW if context.has(Fault::LateSyncCounterOverlooked) => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             // The cyclic timer of CiA 406; in other profiles these are outputs.
-            encoder::CYCLIC_TIMER => context.objects.encoder.is_some() && context.firmware().heeds_cyclic_timer(),
+            encoder::CYCLIC_TIMER => context.objects.encoder.is_some() && !context.has(Fault::CyclicTimerIdle),
             _ => resets_scaling(at, value, context),
         };
         if concerns {

@@ -14,9 +14,6 @@ pub(crate) use dictionary::apply;
 use std::fmt;
 use std::str::FromStr;
 
-/// The model on which a liberty shows where its row names no other.
-const USUAL_MODEL: &str = "reference-301";
-
 /// A set of liberties, one bit for each.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Liberties([u64; WORDS]);

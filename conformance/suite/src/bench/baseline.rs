@@ -91,7 +91,7 @@ impl Bench<'_> {
     pub(crate) fn note_zero_point(&mut self, has_operational: bool) {
         self.baseline.has_operational = has_operational;
         // A device that does not tell it has none that could be compared.
-        self.baseline.zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
+        self.baseline.zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
     }
 
     /// Restarts the device once, and learns what a start brings: what it has stored. `known`: its objects.
@@ -114,7 +114,7 @@ impl Bench<'_> {
             };
             stored.extend(value.map(|value| Original { multiplexer: *at, value }));
         }
-        self.baseline.stored_zero_point = self.unjudged(ZeroPoint::look).ok().flatten();
+        self.baseline.stored_zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
         self.journal_memory(&stored)?;
         self.baseline.stored = Some(stored);
         self.baseline.behaviour = Some(self.unjudged(Self::behaviour)?);
@@ -195,7 +195,7 @@ impl Bench<'_> {
         changes.iter_mut().for_each(|change| self.see_whether_it_moves(change));
         changes.retain(Change::is_left);
         let zero_point = match self.baseline.stored_zero_point {
-            Some(before) => ZeroPoint::look(self)?.and_then(|now| before.moved(&now)),
+            Some(before) => self.look_at_zero_point()?.and_then(|now| before.moved(&now)),
             None => None,
         };
         let zero_point = zero_point.map(|moved| Moved { is_stored: true, ..moved });
@@ -210,7 +210,7 @@ impl Bench<'_> {
             self.save()?;
         }
         self.restart()?;
-        let now = ZeroPoint::look(self)?;
+        let now = self.look_at_zero_point()?;
         Ok(now.and_then(|now| before.moved(&now)).map(|moved| Moved { is_stored: true, ..moved }))
     }
 
@@ -296,7 +296,7 @@ impl Bench<'_> {
     fn moved_in_use(&mut self) -> Option<Moved> {
         let before = self.baseline.zero_point?;
         // Whether the device answers is told apart from this.
-        let now = self.uncancelled(|bench| bench.unjudged(ZeroPoint::look)).ok().flatten()?;
+        let now = self.uncancelled(|bench| bench.unjudged(Self::look_at_zero_point)).ok().flatten()?;
         before.moved(&now)
     }
 

@@ -16,6 +16,10 @@ const MOST_MESSAGES: usize = 200_000;
 /// The command byte of an abort, which can't be that of a segment: their numbers begin with 1.
 pub(super) const ABORT: u8 = 0x80;
 
+fn has_succeeded<T>((attempt, _): &(Attempt, T)) -> bool {
+    matches!(attempt.outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
+}
+
 impl Bench<'_> {
     /// Reads an object in blocks. The client remembers what the server did.
     ///
@@ -26,9 +30,11 @@ impl Bench<'_> {
         multiplexer: Multiplexer,
         manner: UploadManner,
     ) -> Result<(Attempt, BlockUpload), Stop> {
-        let mut client = BlockUpload::new(multiplexer, manner);
-        let attempt = self.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
-        Ok((attempt, client))
+        self.between_others(has_succeeded, move |bench| {
+            let mut client = BlockUpload::new(multiplexer, manner.clone());
+            let attempt = bench.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
+            Ok((attempt, client))
+        })
     }
 
     /// Writes an object in blocks. Its value before is put back after the case.
@@ -42,10 +48,12 @@ impl Bench<'_> {
         manner: DownloadManner,
     ) -> Result<(Attempt, BlockDownload), Stop> {
         self.remember(multiplexer)?;
-        let mut client = BlockDownload::new(multiplexer, value, manner);
-        let what = format!("block download of {} bytes to {multiplexer}", value.len());
-        let attempt = self.block_transfer(&mut client, what)?;
-        Ok((attempt, client))
+        self.between_others(has_succeeded, |bench| {
+            let mut client = BlockDownload::new(multiplexer, value, manner);
+            let what = format!("block download of {} bytes to {multiplexer}", value.len());
+            let attempt = bench.block_transfer(&mut client, what)?;
+            Ok((attempt, client))
+        })
     }
 
     fn block_transfer(&mut self, client: &mut dyn BlockTransfer, what: String) -> Result<Attempt, Stop> {

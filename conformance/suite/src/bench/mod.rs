@@ -14,6 +14,7 @@ mod answers;
 mod attempt;
 mod baseline;
 pub mod block;
+mod clients;
 mod decoder;
 mod dictionary;
 mod evidence;
@@ -27,6 +28,7 @@ pub mod objects;
 mod operational;
 pub mod pdo;
 mod presence;
+mod profile;
 mod provide;
 mod restore;
 mod rewrite;
@@ -39,6 +41,7 @@ mod tests;
 mod traffic;
 mod undisturbed;
 mod watch;
+mod zero_point;
 
 pub use baseline::Harm;
 pub use decoder::Decoder;
@@ -48,6 +51,7 @@ pub use knowledge::Met;
 pub(crate) use knowledge::{Found, Knowledge};
 pub use measurement::{Measurement, Unit, percentile};
 pub(crate) use operational::KeptOut;
+pub(crate) use profile::{Profile, Registered};
 pub use restore::Rescue;
 pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};
@@ -59,6 +63,7 @@ use baseline::Baseline;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
+use clients::Clients;
 use rewrite::Original;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -92,6 +97,7 @@ pub struct Bench<'a> {
     /// The case has told the device to become operational.
     started: bool,
     foreign: Foreign,
+    clients: Clients,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
@@ -167,6 +173,7 @@ impl<'a> Bench<'a> {
             restoring: false,
             started: false,
             foreign: Foreign::default(),
+            clients: Clients::new(target.node, target.description.as_ref()),
             gone: None,
             lost_before: None,
             taken: 0,
@@ -366,7 +373,7 @@ impl<'a> Bench<'a> {
         self.breaches.clear();
         self.untidy.clear();
         self.notes.clear();
-        self.foreign = Foreign::default();
+        self.begin_among_others();
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();

@@ -96,6 +96,12 @@ impl Bench<'_> {
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
+        // The first message of a dialogue names an object.
+        if request.multiplexer().is_some() {
+            self.wait_for_time()?;
+        } else {
+            self.wait_for_quiet()?;
+        }
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
         // After these a segment of a block may follow, which has no command specifier.
@@ -155,14 +161,21 @@ impl Bench<'_> {
     }
 
     fn transfer(&mut self, transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
-        self.drain()?;
         let stores = first.multiplexer().is_some_and(|object| {
             matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
         });
-        let (multiplexer, asked) = (transfer.multiplexer(), self.now());
-        let mut line = BenchLine { bench: self, multiplexer, stores, asked, responses: Vec::new() };
-        let outcome = transfer.carry_out(first, &mut line)?;
-        let responses = line.responses;
+        let multiplexer = transfer.multiplexer();
+        // A memory that wears out is written once.
+        let has_succeeded = |(outcome, _): &(Outcome, Vec<Frame>)| {
+            stores || matches!(outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
+        };
+        let (outcome, responses) = self.between_others(has_succeeded, move |bench| {
+            bench.drain()?;
+            let asked = bench.now();
+            let mut line = BenchLine { bench, multiplexer, stores, asked, responses: Vec::new() };
+            let outcome = transfer.clone().carry_out(first, &mut line)?;
+            Ok((outcome, line.responses))
+        })?;
         if outcome.own_abort().is_none() {
             self.knowledge.served += 1;
         }

@@ -247,6 +247,10 @@ impl Bench<'_> {
             let period = Duration::from_millis(u64::from(time) + u64::from(time / 4)) + LONGEST_HEARTBEAT;
             return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
         }
+        if !self.foreign_messages_of_run().is_empty() {
+            // Nothing is sent but reads until the user has allowed to test beside others.
+            return Ok(false);
+        }
         // The first request would begin life guarding, and a device that nobody guards then reports an error.
         let mut product = 1;
         for at in [GUARD_TIME, LIFE_TIME_FACTOR] {
@@ -255,17 +259,21 @@ impl Bench<'_> {
         Ok(product == 0 && self.guard()? == Some(State::OPERATIONAL))
     }
 
-    /// The state of the first sign of life: an error control message, or a PDO, which only comes in operational.
+    /// The state by the last sign of life in a span: an error control message, or a PDO, which only comes in operational. The span is
+    /// waited for to its end, as that shows who else is there.
     fn heard_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
-        let node = self.node();
+        let (node, mut state) = (self.node(), None);
         let cob_id = error_control::CAN_ID_BASE + u16::from(node.raw());
         self.wait_for(span, |record| {
             let id = record.frame.cob_id().filter(|_| is_from(node, &record.frame))?;
-            match id {
+            let shown = match id {
                 _ if id == cob_id => ErrorControl::read(record.frame.data()).ok().map(|message| message.state),
                 _ => is_tpdo(id).then_some(State::OPERATIONAL),
-            }
-        })
+            };
+            state = shown.or(state);
+            None::<()>
+        })?;
+        Ok(state)
     }
 
     /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.

@@ -62,8 +62,8 @@ impl Bench<'_> {
                 self.check_lost()?;
                 self.knowledge.fd_frames += u64::from(record.frame.is_fd());
                 self.watch.observe(&record);
-                if record.direction != Direction::Tx && !self.is_own(&record.frame) {
-                    self.foreign.count(&record);
+                if self.clients.observe(&record) && !self.is_own(&record.frame) {
+                    self.foreign.count(&record, self.target.node);
                 }
                 let text = self.annotate.annotate(&record);
                 let recorded = record.clone().at(self.annotate.number(), 0);
@@ -96,7 +96,8 @@ impl Bench<'_> {
         Err(Stop::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 
-    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by. `None` when `span`
+    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by, answers of the SDO server to
+    /// other clients too. `None` when `span`
     /// has passed without it.
     ///
     /// # Errors
@@ -109,6 +110,7 @@ impl Bench<'_> {
         let deadline = self.bus.now() + span;
         while let Some(record) = self.receive(deadline)? {
             if record.direction != Direction::Tx
+                && !self.answered_others()
                 && let Some(found) = wanted(&record)
             {
                 return Ok(Some(found));

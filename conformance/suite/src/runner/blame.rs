@@ -49,25 +49,36 @@ pub(super) fn blameless(
         return (Vec::new(), Some(End::Inconclusive(reason)));
     }
     let meanwhile = found(&end);
-    let late = health.latest().unwrap_or_default();
-    let (duty, expected, actual) = match overload {
-        Some(overload) => ("the bus has room for the device", "a load below half", overload.to_owned()),
-        None => (KEEPS_UP, "a few milliseconds", format!("up to {late} between the tester and the bus")),
-    };
-    let is_excused = |breach: &Breach| match overload {
-        Some(_) => breach.depends_on_time(),
-        None => is_excused(breach, health, late),
-    };
-    let (excused, certain): (Vec<Breach>, Vec<Breach>) = breaches.into_iter().partition(is_excused);
-    if excused.is_empty() {
-        return (certain, end);
+    let excuse = |breach: &Breach| excuse(breach, health, overload);
+    let (excused, certain): (Vec<Breach>, Vec<Breach>) =
+        breaches.into_iter().partition(|breach| excuse(breach).is_some());
+    let Some(reason) = excused.first().and_then(excuse) else { return (certain, end) };
+    let actual = format!("{}{meanwhile}", reason.actual);
+    (certain, Some(End::Inconclusive(Reason { actual, ..reason })))
+}
+
+/// What of the bus or of the tester's own machine may have made the breach.
+fn excuse(breach: &Breach, health: &Health, overload: Option<&str>) -> Option<Reason> {
+    if let Some(overload) = overload {
+        let reason = || Reason::new("the bus has room for the device", "a load below half", overload);
+        return breach.depends_on_time().then(reason);
     }
-    (certain, Some(End::Inconclusive(Reason::new(duty, expected, format!("{actual}{meanwhile}")))))
+    let late = health.latest().unwrap_or_default();
+    if is_made_by_lateness(breach, health, late) {
+        let actual = format!("up to {late} between the tester and the bus");
+        return Some(Reason::new(KEEPS_UP, "a few milliseconds", actual));
+    }
+    let trouble = health.stamps.filter(|_| breach.is_of_a_time())?;
+    Some(Reason::new(
+        "the adapter's time stamps say when a frame was on the bus",
+        "right ones",
+        format!("they {trouble}"),
+    ))
 }
 
 /// Whether the tester's own machine may have made the breach: it was late for longer than a case waits for a frame, or the
 /// frames have no time of their own and what was measured is outside by less than that.
-fn is_excused(breach: &Breach, health: &Health, late: Duration) -> bool {
+fn is_made_by_lateness(breach: &Breach, health: &Health, late: Duration) -> bool {
     let stamping = health.stamping.longest().unwrap_or_default();
     if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
 }
@@ -118,6 +129,7 @@ mod tests {
     use super::*;
     use crate::verdict::{Allowed, Kind, Ruled, Verdict};
     use canvass_analyzer::wire::sdo::AbortCode;
+    use canvass_bus::StampTrouble;
 
     fn breach(actual: Observation) -> Breach {
         Breach::new(Subject::Device, "the read is answered").expected("the value").found(actual)
@@ -166,6 +178,20 @@ mod tests {
             assert_eq!(judged(vec![after(found)], &late, None).kind(), kind, "{found} ms");
         }
         assert_eq!(judged(vec![breach(Observation::Silence)], &late, None).kind(), Kind::Fail);
+    }
+
+    /// What an adapter measured whose clock can't be trusted is no time; all else stays.
+    #[test]
+    fn wrong_time_stamps_judge_no_time() {
+        let allowed = Allowed::Time { least: Duration::from_millis(90), most: Duration::from_millis(110) };
+        let late = Breach::new(Subject::Device, "in time").expected(allowed).found(time(900));
+        let wrong = Health { stamps: Some(StampTrouble::Still), ..Health::default() };
+        let verdict = judged(vec![late.clone()], &wrong, None);
+        assert_eq!(verdict.kind(), Kind::Inconclusive);
+        assert_eq!(verdict.reason().unwrap().actual, "they stand still; meanwhile: in time (900 ms)");
+        assert_eq!(judged(vec![late], &Health::default(), None).kind(), Kind::Fail);
+        assert_eq!(judged(vec![breach(Observation::Silence)], &wrong, None).kind(), Kind::Fail);
+        assert_eq!(judged(Vec::new(), &wrong, None).kind(), Kind::Pass);
     }
 
     fn time(ms: u64) -> Observation {

@@ -68,6 +68,7 @@ fn told(bench: &mut Bench<'_>, cases: &[&'static Case]) -> (Result<Summary, RunE
             RunEvent::CaseStarted { case, number, of } => format!("{number} of {of}: {}", case.id),
             RunEvent::CaseFinished(report) => report.verdict.kind().to_string(),
             RunEvent::DictionaryCompared(comparison) => format!("compared: {}", comparison.objects),
+            RunEvent::OtherClients(others) => format!("others: {}", others.len()),
             RunEvent::Noticed(text) => format!("noticed: {text}"),
             RunEvent::RunFinished(summary) => format!("finished: {}", summary.total()),
         });
@@ -360,6 +361,7 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
         lost: 3,
         interruptions: 2,
         interrupted_for: Duration::from_secs(4),
+        stamps: None,
     };
     assert_eq!(host, right);
 }

@@ -4,13 +4,14 @@ use super::summary::Summary;
 use crate::bench::{Evidence, Measurement, Use};
 use crate::case::Case;
 use crate::comparison::Comparison;
+use crate::foreign::ForeignMessages;
 use crate::quarantine::Quarantine;
 use crate::verdict::{Kind, Verdict};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
 /// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
-/// [`RunEvent::CaseFinished`], a [`RunEvent::DictionaryCompared`], any number of [`RunEvent::Noticed`], one
+/// [`RunEvent::CaseFinished`], a [`RunEvent::DictionaryCompared`], at most one [`RunEvent::OtherClients`], any number of [`RunEvent::Noticed`], one
 /// [`RunEvent::RunFinished`].
 #[derive(Debug)]
 pub enum RunEvent<'a> {
@@ -29,6 +30,8 @@ pub enum RunEvent<'a> {
     CaseFinished(&'a CaseReport),
     /// The object dictionary was read again; only where a case has run.
     DictionaryCompared(&'a Comparison),
+    /// What others sent to the device or for it during the whole run, if they did.
+    OtherClients(&'a [ForeignMessages]),
     /// Something about the run as a whole that a person should know.
     Noticed(&'a str),
     /// All cases have ended, or the user has cancelled.
@@ -82,6 +85,8 @@ pub struct CaseReport {
     pub measurements: Vec<Measurement>,
     /// Which objects served it, where others could have.
     pub uses: Vec<Use>,
+    /// What others sent to the device or for it meanwhile.
+    pub foreign: Vec<ForeignMessages>,
     /// How each repetition ended; one where the case ran once.
     pub outcomes: Vec<Kind>,
     /// What keeps its failure from counting.

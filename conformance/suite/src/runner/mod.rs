@@ -8,6 +8,7 @@ mod event;
 mod left_behind;
 mod nonsense;
 mod one_case;
+mod others;
 mod repetition;
 mod restart;
 mod summary;
@@ -22,6 +23,7 @@ use crate::bench::{Bench, Harm, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
+use crate::foreign::{ForeignKind, ForeignMessages, told};
 use crate::journal::Interrupted;
 use crate::touch::Touch;
 use crate::verdict::{End, Kind, Lack, Stop};
@@ -57,6 +59,14 @@ pub enum RunError {
         /// What it would lose.
         harm: Harm,
     },
+    /// Others use the device, and the user has not allowed that it is tested all the same.
+    #[error("others use node {node}, and the cases would reset it and change its settings: {}", told(.messages))]
+    OtherClients {
+        /// The node-ID.
+        node: NodeId,
+        /// What they send.
+        messages: Vec<ForeignMessages>,
+    },
     /// What is changed could not be written down beforehand.
     #[error("the journal of the run can't be written: {0}")]
     Journal(String),
@@ -90,6 +100,11 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let started = bench.now();
     let asks = plan.cases.iter().any(|case| case.asks_the_device());
     let was_operational = asks && reach_device(bench)?;
+    let dictionary = if asks { bench.dump() } else { Vec::new() };
+    if asks {
+        bench.learn_addresses(&dictionary);
+        is_left_alone(bench, |_| true)?;
+    }
     let info = RunInfo {
         bus: plan.bus.to_owned(),
         bit_rate: plan.bit_rate,
@@ -98,7 +113,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         device: if asks { identify(bench) } else { DeviceIdentity::default() },
         seed: plan.seed,
         cases: plan.cases.len(),
-        dictionary: if asks { bench.dump() } else { Vec::new() },
+        dictionary,
     };
     if asks {
         let starts = plan.cases.iter().any(|case| case.may_start_the_device());
@@ -136,6 +151,11 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
+    }
+    let others = bench.foreign_messages_of_run();
+    if !others.is_empty() {
+        report(&RunEvent::OtherClients(&others));
+        report(&RunEvent::Noticed(&format!("others used the device during the run: {}", told(&others))));
     }
     summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
@@ -231,15 +251,28 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
     let bus = |stop: Stop| RunError::Bus(stop.reason().actual);
     bench.begin();
     let was_operational = bench.is_operational().map_err(bus)?;
+    // What concerns every device, whatever it holds.
+    is_left_alone(bench, ForeignKind::concerns_all)?;
     if bench.answers().map_err(bus)? {
         return Ok(was_operational);
     }
+    is_left_alone(bench, |_| true)?;
     // Stopped, or with a server that does not work: a reset shows whether anyone is there.
     match bench.reset(Command::RESET_NODE) {
         Ok(()) => Ok(was_operational),
         Err(stop @ Stop::Error(_)) => Err(bus(stop)),
         Err(_) => Err(RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up }),
     }
+}
+
+/// A device that others use is not reset under them: only where the user says so.
+fn is_left_alone(bench: &Bench<'_>, counts: impl Fn(ForeignKind) -> bool) -> Result<(), RunError> {
+    let mut messages = bench.foreign_messages_of_run();
+    messages.retain(|sent| counts(sent.kind));
+    if messages.is_empty() || bench.options().allow.contains(&Touch::OtherClients) {
+        return Ok(());
+    }
+    Err(RunError::OtherClients { node: bench.node(), messages })
 }
 
 fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {

@@ -148,6 +148,7 @@ mod tests {
             verdict,
             evidence: Evidence::default(),
             notes: Vec::new(),
+            foreign: Vec::new(),
             measurements: Vec::new(),
             uses: Vec::new(),
             outcomes: vec![kind],

@@ -2,6 +2,7 @@
 
 use super::blame::{blameless, not_kept_out, overload};
 use super::event::CaseReport;
+use super::others::not_of_others;
 use super::restart::with_restart;
 use crate::bench::{Bench, Boots, Evidence, Remains, Target};
 use crate::case::Case;
@@ -50,20 +51,23 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let (mut breaches, end) = if ran && !has_left { not_kept_out(bench, case, breaches, end) } else { (breaches, end) };
     settle(bench, case, ran);
     breaches.extend(has_left.then(stopped_answering));
+    let foreign = bench.foreign_messages();
+    let (breaches, end) = not_of_others(case.id, breaches, end, &foreign);
     let graded = breaches.into_iter().map(|breach| graded(breach, case));
     let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);
-    let notes = notes.into_iter().chain(described_so(bench, case, &verdict)).collect();
+    let others = foreign.iter().map(ToString::to_string);
+    let notes = notes.into_iter().chain(others).chain(described_so(bench, case, &verdict)).collect();
     let outcomes = vec![verdict.kind()];
     let duration = bench.now().since(started);
-    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, quarantine: None, duration }
+    CaseReport { case, verdict, evidence, notes, measurements, uses, foreign, outcomes, quarantine: None, duration }
 }
 
 /// What the case may have stored is put back, and the journal knows.
 fn settle(bench: &mut Bench<'_>, case: &Case, ran: bool) {
     let settled = catch_unwind(AssertUnwindSafe(|| {
         if ran {
-            bench.settle_memory(case.touches)
+            bench.settle_memory(case.touches);
         }
     }));
     // If the tester fails here, the journal goes on telling of the case.

@@ -1,6 +1,7 @@
 //! A case run several times: to find out whether it always ends the same way, or to give a failure another chance.
 
-use super::{CaseReport, run_case};
+use super::CaseReport;
+use super::others::run_undisturbed;
 use crate::bench::Bench;
 use crate::case::Case;
 use crate::verdict::{Kind, Verdict};
@@ -20,12 +21,12 @@ pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> Case
 
 /// The report is that of the worst outcome, the first of them.
 fn repeated(bench: &mut Bench<'_>, case: &'static Case, times: u32) -> CaseReport {
-    let mut worst = run_case(bench, case);
+    let mut worst = run_undisturbed(bench, case);
     for _ in 1..times {
         if bench.is_cancelled() {
             break;
         }
-        let next = run_case(bench, case);
+        let next = run_undisturbed(bench, case);
         let kind = next.verdict.kind();
         let outcomes = std::mem::take(&mut worst.outcomes);
         if kind.badness() > worst.verdict.kind().badness() {
@@ -39,7 +40,7 @@ fn repeated(bench: &mut Bench<'_>, case: &'static Case, times: u32) -> CaseRepor
 
 /// The report is that of the last try; what failed before stands in its notes, so that nothing is passed over.
 fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseReport {
-    let mut last = run_case(bench, case);
+    let mut last = run_undisturbed(bench, case);
     for retry in 1..=retries {
         if !has_failed(last.verdict.kind()) || bench.is_cancelled() {
             break;
@@ -47,7 +48,7 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
         let mut notes = std::mem::take(&mut last.notes);
         notes.push(told(&last.verdict, retry, last.duration));
         let outcomes = std::mem::take(&mut last.outcomes);
-        last = run_case(bench, case);
+        last = run_undisturbed(bench, case);
         notes.append(&mut last.notes);
         last.notes = notes;
         last.outcomes.splice(0..0, outcomes);

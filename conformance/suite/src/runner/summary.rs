@@ -1,7 +1,7 @@
 //! The outcome of a run in numbers.
 
 use crate::verdict::Kind;
-use canvass_bus::Health;
+use canvass_bus::{Health, StampTrouble};
 use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
@@ -67,6 +67,8 @@ pub struct HostTiming {
     pub interruptions: u64,
     /// For how long, all in all.
     pub interrupted_for: Duration,
+    /// What is wrong with the time stamps of the adapter.
+    pub stamps: Option<StampTrouble>,
 }
 
 impl HostTiming {
@@ -81,6 +83,7 @@ impl HostTiming {
             transmit_always: transmit.longest().unwrap_or_default(),
             lost: health.lost,
             interruptions: health.interruptions,
+            stamps: health.stamps,
         }
     }
 }

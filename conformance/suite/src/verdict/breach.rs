@@ -138,6 +138,11 @@ impl Breach {
         self.actual.depends_on_time() || matches!(self.allowed, Allowed::Time { .. })
     }
 
+    /// Whether a time was measured, or had to be.
+    pub fn is_of_a_time(&self) -> bool {
+        matches!(self.actual, Observation::Time(_)) || matches!(self.allowed, Allowed::Time { .. })
+    }
+
     /// Whether it is a time that is outside of what is allowed, by no more than that.
     pub fn is_outside_by(&self, at_most: Duration) -> bool {
         let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else {

@@ -84,6 +84,8 @@ pub enum Lack {
     Description,
     /// The user's permission.
     Permission,
+    /// A bus on which nobody else uses the device.
+    Quiet,
 }
 
 /// The kinds of verdict, for counting and for names.

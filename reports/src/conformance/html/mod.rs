@@ -14,6 +14,7 @@ use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
 use canvass_suite::comparison::Comparison;
+use canvass_suite::foreign;
 use canvass_suite::verdict::Kind;
 use maud::{Markup, html};
 use std::io::{self, Write};
@@ -88,6 +89,7 @@ fn head(run: &Run, name: &str) -> Markup {
             (fact("Product code", &product))
             (fact("Revision", &revision))
             (fact("Serial number", &serial))
+            @if !run.other_clients.is_empty() { (fact("Other clients", &foreign::told(&run.other_clients))) }
             (fact("Duration", &run.summary.duration.to_string()))
         }
         @if let Some(host) = &run.summary.host { p.host { (super::host::sentence(host)) } }

@@ -45,7 +45,6 @@ const EXPECTED: &Expected = &[
     ("301/state/stopped/sdo", Fail, "SDOs are answered in stopped"),
     ("301/store/wrong-signature", Fail, SIGNATURE),
     ("301/store/operational", Fail, SIGNATURE),
-    ("301/store/all", Inconclusive, SIGNATURE),
     ("301/store/persists", Inconclusive, SIGNATURE),
     ("305/fastscan/early-match", Fail, "a match that goes back to an earlier part ends Fastscan"),
     ("305/fastscan/out-of-range", Fail, "bit check 32 is a panic"),

@@ -2,6 +2,7 @@
 //! channel; low limit, high limit and hysteresis of cam N (6310h, 6320h, 6330h + N - 1).
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
@@ -21,8 +22,8 @@ impl Encoder {
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
         let slot = usize::from(channel.checked_sub(1)?);
         let register = |index| parameters.number_or_zero(index, channel) as u8;
-        let enabled = if !self.firmware.heeds_cam_enable() { u8::MAX } else { register(encoder::CAM_ENABLE) };
-        let polarity = if !self.firmware.heeds_cam_polarity() { 0 } else { register(encoder::CAM_POLARITY) };
+        let enabled = if self.firmware.has(Fault::CamEnableIgnored) { u8::MAX } else { register(encoder::CAM_ENABLE) };
+        let polarity = if self.firmware.has(Fault::CamPolarityIgnored) { 0 } else { register(encoder::CAM_POLARITY) };
         let position = self.position(now, parameters) as i64;
         let mut memory = self.cams.0.get();
         let before = memory.get(slot).copied().unwrap_or(0);
@@ -33,18 +34,18 @@ impl Encoder {
             *slot = active;
         }
         self.cams.0.set(memory);
-        Some(if !self.firmware.shows_cams() { 0 } else { ((active ^ polarity) & enabled).into() })
+        Some(if self.firmware.has(Fault::CamStuck) { 0 } else { ((active ^ polarity) & enabled).into() })
     }
 
     /// Whether the position lies in a cam; one that is active ends only beyond its hysteresis.
     fn is_inside(&self, position: i64, cam: u16, channel: u8, was_active: bool, parameters: &Parameters) -> bool {
         let limit = |index: u16| i64::from(parameters.number_or_zero(index + cam, channel) as u32 as i32);
         let (low, high) = (limit(encoder::CAM_LOW_LIMIT), limit(encoder::CAM_HIGH_LIMIT));
-        let hysteresis = match was_active && self.firmware.heeds_cam_hysteresis() {
+        let hysteresis = match was_active && !self.firmware.has(Fault::CamHysteresisIgnored) {
             true => parameters.number_or_zero(encoder::CAM_HYSTERESIS + cam, channel) as i64,
             false => 0,
         };
-        let below = position <= high + hysteresis || !self.firmware.heeds_cam_high_limit();
+        let below = position <= high + hysteresis || self.firmware.has(Fault::CamHighLimitIgnored);
         low <= high && position >= low - hysteresis && below
     }
 }

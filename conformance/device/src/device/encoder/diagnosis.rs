@@ -2,6 +2,7 @@
 //! warnings (6505h, 6506h), versions (6507h), operating time (6508h), serial number (650Bh).
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
@@ -24,9 +25,9 @@ const OPERATING_TIME_UNIT: u64 = 360_000_000_000;
 impl Encoder {
     pub(super) fn diagnosis_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
-            (encoder::OPERATING_STATUS, 0) if !self.firmware.shows_operating_status() => None,
+            (encoder::OPERATING_STATUS, 0) if self.firmware.has(Fault::OperatingStatusStuck) => None,
             (encoder::OPERATING_STATUS, 0) => parameters.number(encoder::OPERATING_PARAMETERS, 0),
-            (encoder::SINGLE_TURN_RESOLUTION, 0) if self.firmware.scales_single_turn_resolution() => {
+            (encoder::SINGLE_TURN_RESOLUTION, 0) if self.firmware.has(Fault::SingleTurnResolutionFollowsScaling) => {
                 parameters.number(encoder::UNITS_PER_REVOLUTION, 0)
             }
             (encoder::ALARMS, 0) => Some(self.alarms()),
@@ -40,8 +41,8 @@ impl Encoder {
     fn operating_time(&self, now: Timestamp) -> u64 {
         let seconds = now.nanos() / 1_000_000_000;
         match () {
-            () if self.firmware.counts_time_backwards() => 1_000_000_u64.saturating_sub(seconds),
-            () if self.firmware.counts_time_in_seconds() => seconds,
+            () if self.firmware.has(Fault::OperatingTimeBackwards) => 1_000_000_u64.saturating_sub(seconds),
+            () if self.firmware.has(Fault::OperatingTimeInSeconds) => seconds,
             () => now.nanos() / OPERATING_TIME_UNIT,
         }
     }
@@ -49,10 +50,10 @@ impl Encoder {
     /// 6503h.
     fn alarms(&self) -> u64 {
         let mut alarms = 0;
-        if self.firmware.shows_alarm_without_emcy() {
+        if self.firmware.has(Fault::AlarmWithoutEmcy) {
             alarms |= POSITION_ERROR;
         }
-        if self.firmware.sets_unsupported_alarm() || self.firmware.sets_reserved_alarm() {
+        if self.firmware.has(Fault::UnsupportedAlarmSet) || self.firmware.has(Fault::ReservedAlarmBitSet) {
             alarms |= UNSUPPORTED;
         }
         alarms
@@ -64,14 +65,14 @@ impl Encoder {
         if self.is_too_fast(now) {
             warnings |= OVERSPEED;
         }
-        if !self.firmware.clears_warning() || self.is_too_hot(parameters) {
+        if self.firmware.has(Fault::WarningNotCleared) || self.is_too_hot(parameters) {
             warnings |= TEMPERATURE_ERROR;
         }
-        if !self.firmware.sets_warning() {
+        if self.firmware.has(Fault::WarningNotSet) {
             warnings = 0;
         }
         warnings &= parameters.number_or_zero(encoder::SUPPORTED_WARNINGS, 0);
-        if self.firmware.sets_unsupported_warning() {
+        if self.firmware.has(Fault::UnsupportedWarningSet) {
             warnings |= UNSUPPORTED;
         }
         warnings
@@ -96,6 +97,6 @@ impl Encoder {
 
     /// Whether a position error is reported by an EMCY.
     pub fn has_position_error(&self) -> bool {
-        self.firmware.sends_emcy_without_alarm()
+        self.firmware.has(Fault::EmcyWithoutAlarm)
     }
 }

@@ -4,6 +4,7 @@
 //! Channel B is the full scale less channel A, so that their sum is constant. Angle Z2 is the opposite of Z1, or the same.
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
@@ -47,10 +48,10 @@ impl Encoder {
 
     fn redundant_length(&self, now: Timestamp) -> u64 {
         let length = self.length(now);
-        if !self.firmware.negates_second_channel() {
+        if self.firmware.has(Fault::RedundantChannelNotNegated) {
             return length;
         }
-        let drift = if self.firmware.drifts_second_channel() { now.nanos() / DRIFT } else { 0 };
+        let drift = if self.firmware.has(Fault::RedundantChannelDrift) { now.nanos() / DRIFT } else { 0 };
         u64::from(self.sheet.full_scale_tenth_mm) - length + drift
     }
 
@@ -62,7 +63,8 @@ impl Encoder {
     /// Z2.
     fn redundant_angle(&self, parameters: &Parameters) -> u64 {
         let tilt = self.tilt(parameters);
-        let opposite = parameters.number_or_zero(0x3005, 0) == OPPOSITE && self.firmware.opposes_second_angle();
+        let opposite =
+            parameters.number_or_zero(0x3005, 0) == OPPOSITE && !self.firmware.has(Fault::RedundantAngleSame);
         self.shown(if opposite { -tilt } else { tilt }, parameters)
     }
 
@@ -70,12 +72,12 @@ impl Encoder {
     fn tilt(&self, parameters: &Parameters) -> i64 {
         let tilt = i64::from(self.sheet.tilt_hundredths) - self.offset;
         let clockwise = parameters.number_or_zero(0x3003, 0) == CLOCKWISE;
-        if clockwise || !self.firmware.heeds_angle_direction() { tilt } else { -tilt }
+        if clockwise || self.firmware.has(Fault::AngleDirectionIgnored) { tilt } else { -tilt }
     }
 
     /// In the range of 3004h.
     fn shown(&self, angle: i64, parameters: &Parameters) -> u64 {
-        let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && self.firmware.heeds_angle_range();
+        let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && !self.firmware.has(Fault::AngleRangeIgnored);
         let turn = angle.rem_euclid(FULL_TURN);
         let angle = if signed && turn >= FULL_TURN / 2 { turn - FULL_TURN } else { turn };
         u64::from(angle as u16)
@@ -83,7 +85,7 @@ impl Encoder {
 
     /// 3010h was written: 1 makes the angle of now zero, 0 takes that back.
     pub(super) fn set_zero_point(&mut self, value: u64) {
-        if self.firmware.heeds_zero_point() {
+        if !self.firmware.has(Fault::ZeroPointIgnored) {
             self.offset = if value == 0 { 0 } else { i64::from(self.sheet.tilt_hundredths) };
         }
     }

@@ -20,8 +20,8 @@ pub(super) use diagnosis::TEMPERATURE;
 
 use super::motion::Motion;
 use super::parameters::Parameters;
-use crate::Firmware;
 use crate::models::{self, EncoderKind, Model};
+use crate::{Fault, Firmware};
 use cams::Cams;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
@@ -66,12 +66,12 @@ impl Encoder {
 
     /// What is to be stored beside the parameters.
     pub fn offset(&self) -> i64 {
-        if !self.firmware.stores_preset() { 0 } else { self.offset }
+        if self.firmware.has(Fault::PresetLostAfterSave) { 0 } else { self.offset }
     }
 
     /// Takes a stored offset over.
     pub fn set_offset(&mut self, offset: i64) {
-        if self.firmware.loads_preset() {
+        if !self.firmware.has(Fault::PresetPersists) {
             self.offset = offset;
         }
     }
@@ -101,7 +101,8 @@ impl Encoder {
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, parameters);
         }
-        let without_preset = at.index.0 == encoder::POSITION_VALUE && self.firmware.sends_position_without_preset();
+        let without_preset =
+            at.index.0 == encoder::POSITION_VALUE && self.firmware.has(Fault::TpdoPositionWithoutPreset);
         without_preset.then(|| self.position_without_preset(now, parameters))
     }
 
@@ -128,6 +129,8 @@ impl Encoder {
 
     /// Whether writing the object makes the firmware hang.
     pub fn wedges(&self, at: Multiplexer, value: u64) -> bool {
-        at == Multiplexer::new(encoder::UNITS_PER_REVOLUTION, 0) && value == 0 && self.firmware.hangs_of_zero_units()
+        at == Multiplexer::new(encoder::UNITS_PER_REVOLUTION, 0)
+            && value == 0
+            && self.firmware.has(Fault::UnitsZeroWedges)
     }
 }

@@ -1,6 +1,7 @@
 //! Operating parameters (6000h), measuring units per revolution (6001h) and total measuring range (6002h).
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use crate::models;
 use crate::models::UniversalScaling;
@@ -31,15 +32,16 @@ impl Encoder {
         value: u64,
         parameters: &Parameters,
     ) -> Result<(), AbortCode> {
-        let refuses = self.firmware.checks_units();
+        let refuses = !self.firmware.has(Fault::UnitsAboveRangeAccepted);
         let fits = match at.index.0 {
             encoder::OPERATING_PARAMETERS => {
                 let reserved = value & !u64::from(self.sheet.operating_bits);
-                (reserved == 0 || !self.firmware.checks_operating_bits()) && self.firmware.takes_operating_parameters()
+                (reserved == 0 || self.firmware.has(Fault::ReservedOperatingBitsAccepted))
+                    && !self.firmware.has(Fault::OperatingParametersRefused)
             }
             encoder::UNITS_PER_REVOLUTION
                 if value < parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
-                    && !self.firmware.takes_fewer_units() =>
+                    && self.firmware.has(Fault::UnitsFewerRefused) =>
             {
                 false
             }
@@ -48,7 +50,7 @@ impl Encoder {
             }
             encoder::TOTAL_MEASURING_RANGE
                 if value < parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)
-                    && !self.firmware.takes_smaller_range() =>
+                    && self.firmware.has(Fault::RangeSmallerRefused) =>
             {
                 false
             }
@@ -58,7 +60,7 @@ impl Encoder {
                     && (range >= parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0) || !refuses)
             }
         };
-        if at.index.0 != encoder::OPERATING_PARAMETERS && !self.firmware.takes_scaling() {
+        if at.index.0 != encoder::OPERATING_PARAMETERS && self.firmware.has(Fault::ScalingRefused) {
             return Err(AbortCode::INVALID_VALUE);
         }
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
@@ -68,13 +70,13 @@ impl Encoder {
     pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
         let mut bits =
             parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & u64::from(self.sheet.operating_bits);
-        if !self.firmware.heeds_code_sequence() {
+        if self.firmware.has(Fault::CodeSequenceIgnored) {
             bits &= !CODE_SEQUENCE;
         }
-        if !self.firmware.heeds_scaling() {
+        if self.firmware.has(Fault::ScalingIgnored) {
             bits &= !SCALING;
         }
-        if self.firmware.scales_always() {
+        if self.firmware.has(Fault::ScalingAlwaysOn) {
             bits |= SCALING;
         }
         bits
@@ -104,7 +106,7 @@ impl Encoder {
     pub(super) fn speed_in_units(&self, parameters: &Parameters) -> bool {
         let bit = u32::from(self.sheet.speed_format_bit);
         let set = self.operating(parameters).checked_shr(bit).is_some_and(|bits| bits & 1 != 0);
-        set && self.firmware.heeds_speed_format()
+        set && !self.firmware.has(Fault::SpeedFormatIgnored)
     }
 
     /// How many positions there are: 6002h where scaling is on, else all physical ones that 6004h has room for.
@@ -118,7 +120,7 @@ impl Encoder {
             return physical_range(&self.sheet).min(FULL_RANGE);
         }
         let range = i128::from(units_of(parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)));
-        if self.firmware.wraps_at_power_of_two() {
+        if self.firmware.has(Fault::WrapAtPowerOfTwo) {
             return (range as u128).next_power_of_two() as i128;
         }
         range

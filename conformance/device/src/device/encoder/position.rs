@@ -7,6 +7,7 @@
 
 use super::Encoder;
 use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps};
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
@@ -25,12 +26,14 @@ impl Encoder {
                 Some(self.position_without_preset(now, parameters))
             }
             (encoder::POSITION_VALUE, 0) => Some(self.position(self.counted_until(now), parameters)),
-            (encoder::HIGH_PRECISION_POSITION, 0) if !self.firmware.presets_high_precision() => {
+            (encoder::HIGH_PRECISION_POSITION, 0) if self.firmware.has(Fault::HighPrecisionWithoutPreset) => {
                 Some(self.position_without_preset(now, parameters))
             }
             (encoder::HIGH_PRECISION_POSITION, 0) => Some(self.position(now, parameters)),
-            (encoder::OFFSET_VALUE, 0) if !self.firmware.reports_offset() => Some(0),
-            (encoder::OFFSET_VALUE, 0) if self.firmware.negates_offset() => Some(self.offset.wrapping_neg() as u64),
+            (encoder::OFFSET_VALUE, 0) if self.firmware.has(Fault::OffsetNotReported) => Some(0),
+            (encoder::OFFSET_VALUE, 0) if self.firmware.has(Fault::OffsetSignWrong) => {
+                Some(self.offset.wrapping_neg() as u64)
+            }
             (encoder::OFFSET_VALUE, 0) => Some(self.offset as u64),
             _ => None,
         }
@@ -38,23 +41,23 @@ impl Encoder {
 
     /// When a faulty firmware counted last.
     fn counted_until(&self, now: Timestamp) -> Timestamp {
-        let stands = self.preset_at.filter(|_| self.firmware.stops_counting_at_preset());
+        let stands = self.preset_at.filter(|_| self.firmware.has(Fault::PresetStopsCounting));
         stands.filter(|&at| now.since(at) < STANDSTILL).unwrap_or(now)
     }
 
     fn is_glitching(&self, now: Timestamp) -> bool {
-        self.firmware.glitches_at_preset() && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
+        self.firmware.has(Fault::PresetGlitch) && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
     }
 
     /// A preset has to be a position that the encoder can show.
     pub(super) fn check_preset(&self, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
-        let fits = i128::from(value) < self.range(parameters) || !self.firmware.checks_preset();
+        let fits = i128::from(value) < self.range(parameters) || self.firmware.has(Fault::PresetOutOfRangeAccepted);
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
     /// 6003h was written: the position takes that value now.
     pub(super) fn preset(&mut self, now: Timestamp, value: u64, parameters: &Parameters) {
-        if self.firmware.presets() {
+        if !self.firmware.has(Fault::PresetIgnored) {
             self.offset = (i128::from(value) - self.scaled(now, parameters)) as i64;
             self.preset_at = Some(now);
         }
@@ -62,7 +65,7 @@ impl Encoder {
 
     /// 6004h.
     pub(super) fn position(&self, now: Timestamp, parameters: &Parameters) -> u64 {
-        if self.firmware.stops_at_full_range() && self.has_full_range(parameters) {
+        if self.firmware.has(Fault::RangeZeroStops) && self.has_full_range(parameters) {
             return 0;
         }
         let operating = self.operating(parameters);
@@ -98,10 +101,10 @@ impl Encoder {
             return wrapped(physical, range);
         }
         let mut product = physical * i128::from(parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0));
-        if self.firmware.overflows_at_scaling() {
+        if self.firmware.has(Fault::ScalingOverflow) {
             product = i128::from(product as u32);
         }
-        if self.firmware.stands_when_scaled() {
+        if self.firmware.has(Fault::ScaledPositionStands) {
             return 0;
         }
         // The steps of a revolution are a power of two: this divides by them, rounding down.

@@ -7,6 +7,7 @@
 
 use super::Encoder;
 use super::operating::steps;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
@@ -27,11 +28,11 @@ impl Encoder {
     pub(super) fn speed_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         let fine = match (at.index.0, at.sub.0) {
             (encoder::SPEED_VALUE, 1) => self.shown_speed(now, parameters),
-            (encoder::ACCELERATION_VALUE, 1) if self.firmware.shows_speed_as_acceleration() => {
+            (encoder::ACCELERATION_VALUE, 1) if self.firmware.has(Fault::AccelerationShowsSpeed) => {
                 self.shown_speed(now, parameters)
             }
             (encoder::ACCELERATION_VALUE, 1) => self.acceleration(now, parameters),
-            (encoder::JERK_VALUE, 1) if self.firmware.shows_speed_as_jerk() => self.shown_speed(now, parameters),
+            (encoder::JERK_VALUE, 1) if self.firmware.has(Fault::JerkShowsSpeed) => self.shown_speed(now, parameters),
             (encoder::JERK_VALUE, 1) => self.jerk(now, parameters),
             _ => return None,
         };
@@ -43,13 +44,13 @@ impl Encoder {
     /// The speed as 6030h shows it, in parts of its unit.
     fn shown_speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut speed = self.speed(now, parameters);
-        if !self.firmware.signs_speed_by_code_sequence() && self.is_turned(parameters) {
+        if self.firmware.has(Fault::SpeedSignIgnoresCodeSequence) && self.is_turned(parameters) {
             speed = -speed;
         }
-        if self.firmware.shows_tenfold_speed() {
+        if self.firmware.has(Fault::SpeedTenfold) {
             speed *= 10;
         }
-        if self.firmware.adds_speed_at_rest() { speed + 50 * FINE } else { speed }
+        if self.firmware.has(Fault::SpeedNotZeroAtRest) { speed + 50 * FINE } else { speed }
     }
 
     /// The speed in parts of its unit, with the sign of the direction in which the position counts.
@@ -68,7 +69,7 @@ impl Encoder {
             false => 60,
         };
         let sign = if self.is_turned(parameters) { -1 } else { 1 };
-        let sign = if sign < 0 && self.firmware.doubles_turned_speed() { sign * 2 } else { sign };
+        let sign = if sign < 0 && self.firmware.has(Fault::SpeedDoubledBackwards) { sign * 2 } else { sign };
         let numerator = sign * parts * per_revolution * multiplier;
         // parts / PARTS revolutions in so many nanoseconds.
         let exact = numerator.saturating_mul(FINE) / (i128::from(PARTS) * divisor);
@@ -77,7 +78,7 @@ impl Encoder {
 
     fn units_per_revolution(&self, parameters: &Parameters) -> u64 {
         let raw = parameters.number(encoder::SPEED_PARAMETER, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
-        if raw || self.firmware.counts_speed_in_steps() {
+        if raw || self.firmware.has(Fault::SpeedInPhysicalSteps) {
             steps(&self.sheet)
         } else {
             parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
@@ -102,7 +103,7 @@ impl Encoder {
     fn averaging(&self, index: u16, parameters: &Parameters) -> (Duration, i128, i128) {
         let time = parameters.number(index, 2).map_or(INTEGRATION_TIME, Duration::from_millis);
         let multiplier = nonzero(parameters.number(index, 3));
-        let divisor = match !self.firmware.heeds_speed_divisor() {
+        let divisor = match self.firmware.has(Fault::SpeedDivisorIgnored) {
             true => 1,
             false => nonzero(parameters.number(index, 4)),
         };

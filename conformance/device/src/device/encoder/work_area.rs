@@ -1,6 +1,7 @@
 //! Work areas: state (6400h), low and high limit (6401h, 6402h), one sub-index for each channel.
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
@@ -22,15 +23,16 @@ impl Encoder {
         }
         let position = self.position(now, parameters);
         let (over, under) = (position > high, position < low);
-        let outside =
-            over || under && self.firmware.shows_outside_both_ways() || is_outside_module(position, parameters);
+        let outside = over
+            || under && !self.firmware.has(Fault::WorkAreaOutsideOneSided)
+            || is_outside_module(position, parameters);
         let bit = |set: bool, bit: u64| if set { bit } else { 0 };
         Some(match () {
-            () if !self.firmware.shows_work_area() => 0,
-            () if self.firmware.swaps_work_area_bits() => {
+            () if self.firmware.has(Fault::WorkAreaStuck) => 0,
+            () if self.firmware.has(Fault::WorkAreaBitsSwapped) => {
                 bit(outside, OUT_OF_RANGE) | bit(over, UNDERFLOW) | bit(under, OVERFLOW)
             }
-            () if self.firmware.inverts_work_area() => bit(!outside, OUT_OF_RANGE),
+            () if self.firmware.has(Fault::WorkAreaInverted) => bit(!outside, OUT_OF_RANGE),
             () => bit(outside, OUT_OF_RANGE) | bit(over, OVERFLOW) | bit(under, UNDERFLOW),
         })
     }

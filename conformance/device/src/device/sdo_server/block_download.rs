@@ -1,12 +1,14 @@
 //! Downloads in blocks (CiA 301, 7.2.4.3.8 to 7.2.4.3.11).
 
 use super::{Next, Transfer};
-use crate::Firmware;
 use crate::device::objects::Objects;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
 use canvass_traces::Timestamp;
 
+/// The segments of a block where the firmware has little memory.
+const SMALL_BLOCK: u8 = 4;
 /// The size of all blocks that this server asks for.
 const BLOCK_SIZE: u8 = BlockSegment::MAX;
 
@@ -32,22 +34,25 @@ pub(super) struct BlockDownloadEnd(BlockDownload);
 
 /// The request to write an object in blocks.
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
-    if objects.firmware.refuses_block_downloads() {
+    if objects.has(Fault::SdoBlockDownloadRefused) {
         return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
     }
     let size = size.map(|size| size as usize);
     let begun = match objects.begin_download(object, size) {
-        Err(AbortCode::READ_ONLY) if objects.firmware.begins_block_to_read_only() => Ok((size.unwrap_or(8), None)),
-        Err(code) if objects.firmware.refuses_at_end() => Ok((usize::MAX, Some(code))),
+        Err(AbortCode::READ_ONLY) if objects.has(Fault::SdoBlockReadOnlyAccepted) => Ok((size.unwrap_or(8), None)),
+        Err(code) if objects.takes(Liberty::RefusedAtEnd) => Ok((usize::MAX, Some(code))),
         begun => begun.map(|longest| (longest, None)),
     };
     match begun {
         Ok((longest, refusal)) => {
             let firmware = &objects.firmware;
-            let block_size = if firmware.offers_empty_blocks() { 0 } else { firmware.block_size(BLOCK_SIZE) };
-            let crc = crc && firmware.knows_block_crc();
-            let response =
-                Response::InitiateBlockDownload { multiplexer: object, crc: firmware.knows_block_crc(), block_size };
+            let block_size = if firmware.has(Fault::SdoBlockSizeZeroOffered) { 0 } else { usual_block_size(firmware) };
+            let crc = crc && !firmware.takes(Liberty::BlocksWithoutCrc);
+            let response = Response::InitiateBlockDownload {
+                multiplexer: object,
+                crc: !firmware.takes(Liberty::BlocksWithoutCrc),
+                block_size,
+            };
             let data = Vec::new();
             let download = BlockDownload { object, crc, size, longest, data, sequence: 0, received: 0, refusal };
             Next::answer(Transfer::BlockDownload(download), response)
@@ -65,14 +70,14 @@ impl BlockDownload {
     /// A segment of the block.
     pub fn on_segment(mut self, segment: BlockSegment, firmware: &Firmware) -> Next {
         if segment.sequence == 0 {
-            return match !firmware.refuses_sequence_zero() {
+            return match firmware.has(Fault::SdoBlockSequenceZeroIgnored) {
                 true => Next::silence(Transfer::BlockDownload(self)),
                 false => Next::abort(self.object, AbortCode::SEQUENCE_NUMBER),
             };
         }
         self.received = self.received.saturating_add(1);
-        let repeated = segment.sequence == self.sequence && firmware.appends_repeated_segment();
-        let skipped = segment.sequence > self.sequence && firmware.takes_segment_after_gap();
+        let repeated = segment.sequence == self.sequence && firmware.has(Fault::SdoBlockRepeatedAppended);
+        let skipped = segment.sequence > self.sequence && firmware.has(Fault::SdoBlockGapAccepted);
         let taken = segment.sequence == self.sequence + 1 || repeated || skipped;
         if taken {
             self.sequence = segment.sequence;
@@ -85,11 +90,11 @@ impl BlockDownload {
         }
         // One that comes twice does not end the transfer.
         let is_end = segment.last && taken;
-        let block_size = firmware.block_size(BLOCK_SIZE);
+        let block_size = usual_block_size(firmware);
         if !is_end && !segment.last && segment.sequence < block_size && self.received < block_size {
             return Next::silence(Transfer::BlockDownload(self));
         }
-        let too_few = u8::from(firmware.miscounts_block());
+        let too_few = u8::from(firmware.has(Fault::SdoBlockCountOffByOne));
         let sequence = self.sequence.saturating_sub(too_few);
         let response = Response::ConfirmBlockDownload { sequence, block_size };
         self.sequence = 0;
@@ -110,25 +115,26 @@ impl BlockDownloadEnd {
     /// The client's end: how many bytes of the last segment don't count, and the CRC.
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
         let firmware = objects.firmware;
-        let unused = if firmware.keeps_padding() { 0 } else { unused };
+        let unused = if firmware.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
         let BlockDownload { object, crc: has_crc, size, mut data, refusal, .. } = self.0;
         if let Some(code) = refusal {
             return Next::abort(object, code);
         }
         data.truncate(data.len().saturating_sub(usize::from(unused)));
-        let too_short = size.is_some_and(|size| data.len() < size) && firmware.checks_block_length();
-        if too_short && firmware.checks_length_before_crc() {
+        let too_short =
+            size.is_some_and(|size| data.len() < size) && !firmware.has(Fault::SdoBlockSizeMismatchAccepted);
+        if too_short && firmware.takes(Liberty::LengthBeforeCrc) {
             return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
         }
-        if has_crc && crc != crc16(0, &data) && firmware.checks_crc() {
-            if firmware.writes_before_crc_check() {
+        if has_crc && crc != crc16(0, &data) && !firmware.has(Fault::SdoBlockCrcIgnored) {
+            if firmware.has(Fault::SdoBlockWrittenBeforeCheck) {
                 // Refused all the same.
                 let _ = objects.download(now, object, &data);
             }
             return Next::abort(object, AbortCode::CRC);
         }
         match size {
-            _ if !firmware.checks_block_length() => {
+            _ if firmware.has(Fault::SdoBlockSizeMismatchAccepted) => {
                 // What is missing is what was in memory, what is too much is dropped.
                 data.resize(objects.size(object).unwrap_or(data.len()), 0);
             }
@@ -137,10 +143,17 @@ impl BlockDownloadEnd {
             _ => {}
         }
         match objects.download(now, object, &data) {
-            Ok(()) if !firmware.confirms_end_of_block() => Next::silence(Transfer::Idle),
+            Ok(()) if firmware.has(Fault::SdoBlockEndSilent) => Next::silence(Transfer::Idle),
             Ok(()) => Next::end(Response::EndBlockDownload),
-            Err(AbortCode::READ_ONLY) if firmware.begins_block_to_read_only() => Next::end(Response::EndBlockDownload),
+            Err(AbortCode::READ_ONLY) if firmware.has(Fault::SdoBlockReadOnlyAccepted) => {
+                Next::end(Response::EndBlockDownload)
+            }
             Err(code) => Next::abort(object, code),
         }
     }
+}
+
+/// The size of the blocks that the server asks for.
+const fn usual_block_size(firmware: &Firmware) -> u8 {
+    if firmware.takes(Liberty::SmallBlocks) { SMALL_BLOCK } else { BLOCK_SIZE }
 }

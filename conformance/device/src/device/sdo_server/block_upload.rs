@@ -1,8 +1,8 @@
 //! Uploads in blocks (CiA 301, 7.2.4.3.12 to 7.2.4.3.16).
 
 use super::{Answer, Next, Transfer, upload};
-use crate::Firmware;
 use crate::device::objects::Objects;
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
 use canvass_traces::Timestamp;
@@ -44,21 +44,23 @@ pub(super) fn initiate(
     };
     let bytes = reading.bytes();
     // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
-    let switches = threshold > 0 && bytes.len() <= usize::from(threshold) && objects.firmware.switches_protocol();
-    let unchecked = !objects.firmware.checks_block_size() || switches && objects.firmware.switches_before_block_size();
+    let switches =
+        threshold > 0 && bytes.len() <= usize::from(threshold) && !objects.takes(Liberty::ProtocolNotSwitched);
+    let unchecked =
+        objects.has(Fault::SdoBlockSizeUnchecked) || switches && objects.takes(Liberty::ProtocolBeforeBlockSize);
     if !is_block_size(block_size) && !unchecked {
         return Next::abort(object, AbortCode::BLOCK_SIZE);
     }
     let block_size = block_size.clamp(1, BlockSegment::MAX);
     if switches {
-        if objects.firmware.cuts_switched_upload() {
+        if objects.has(Fault::SdoBlockSwitchTruncates) {
             return upload::begin(object, bytes.get(1..).unwrap_or_default(), objects);
         }
         return upload::initiate(now, object, objects);
     }
-    let more = u32::from(objects.firmware.announces_one_byte_more_in_block());
-    let size = objects.firmware.announces_sizes().then_some(bytes.len() as u32 + more);
-    let knows_crc = objects.firmware.knows_block_crc();
+    let more = u32::from(objects.has(Fault::SdoBlockAnnouncedSizeWrong));
+    let size = (!objects.takes(Liberty::SizesUnannounced)).then_some(bytes.len() as u32 + more);
+    let knows_crc = !objects.takes(Liberty::BlocksWithoutCrc);
     let response = Response::InitiateBlockUpload { multiplexer: object, crc: knows_crc, size };
     let value = bytes.to_vec();
     Next::answer(
@@ -94,33 +96,33 @@ impl BlockUpload {
 
     fn on_confirm(mut self, count: u8, sequence: u8, block_size: u8) -> Next {
         let firmware = &self.firmware;
-        if sequence > count && firmware.checks_confirmation() {
+        if sequence > count && !firmware.has(Fault::SdoBlockConfirmationUnchecked) {
             return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
         }
-        if !is_block_size(block_size) && firmware.checks_block_size() {
+        if !is_block_size(block_size) && !firmware.has(Fault::SdoBlockSizeUnchecked) {
             return Next::abort(self.object, AbortCode::BLOCK_SIZE);
         }
         let sequence = match sequence.min(count) {
-            _ if firmware.ignores_confirmation() => count,
-            part if part < count && firmware.repeats_whole_block() => 0,
+            _ if firmware.has(Fault::SdoBlockConfirmationIgnored) => count,
+            part if part < count && firmware.has(Fault::SdoBlockRepeatsAll) => 0,
             sequence => sequence,
         };
         self.confirmed += usize::from(sequence);
-        if firmware.takes_new_block_size() {
+        if !firmware.has(Fault::SdoBlockNewSizeIgnored) {
             self.block_size = block_size.clamp(1, BlockSegment::MAX);
         }
         if self.confirmed < self.segments() {
             return self.send_block();
         }
-        let wrong = usize::from(firmware.miscounts_last_segment());
+        let wrong = usize::from(firmware.has(Fault::SdoBlockLastLengthWrong));
         let unused = match ((self.confirmed * 7 + wrong - self.value.len()) & 7) as u8 {
-            0 if firmware.counts_full_segment_empty() => 7,
+            0 if firmware.has(Fault::SdoBlockSevenEndsEmpty) => 7,
             unused => unused,
         };
-        let start = if firmware.begins_crc_with_ones() { 0xFFFF } else { 0 };
+        let start = if firmware.has(Fault::SdoBlockCrcStartWrong) { 0xFFFF } else { 0 };
         let crc = match crc16(start, &self.value) {
-            crc if self.crc && firmware.swaps_crc() => crc.swap_bytes(),
-            crc if self.crc || firmware.sends_crc_unasked() => crc,
+            crc if self.crc && firmware.has(Fault::SdoBlockCrcSwapped) => crc.swap_bytes(),
+            crc if self.crc || firmware.has(Fault::SdoBlockCrcUnasked) => crc,
             _ => 0,
         };
         self.stage = Stage::Ending;
@@ -141,8 +143,8 @@ impl BlockUpload {
                 let mut data = [0; 7];
                 let bytes = self.value.iter().skip(n * 7).take(7);
                 data.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
-                let last = n + 1 == total && self.firmware.marks_end_of_block();
-                let continued = self.firmware.continues_sequence_numbers();
+                let last = n + 1 == total && !self.firmware.has(Fault::SdoBlockEndUnmarked);
+                let continued = self.firmware.has(Fault::SdoBlockNumbersContinue);
                 let sequence = if continued { (n % 127) as u8 + 1 } else { sequence };
                 BlockSegment { sequence, last, data }
             })

@@ -2,6 +2,7 @@
 
 use super::{Next, Transfer};
 use crate::device::objects::Objects;
+use crate::{Fault, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
@@ -26,7 +27,7 @@ pub(super) struct SegmentedDownload {
 pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, objects: &mut Objects) -> Next {
     let size = match payload {
         Payload::Expedited(value) => return write(now, object, value.data(), objects),
-        Payload::ExpeditedUnsized(_) if !objects.firmware.answers_unsized_download() => {
+        Payload::ExpeditedUnsized(_) if objects.has(Fault::SdoUnsizedDownloadSilent) => {
             return Next::silence(Transfer::Idle);
         }
         Payload::ExpeditedUnsized(bytes) => return write_unsized(now, object, bytes, objects),
@@ -34,7 +35,7 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
         Payload::SegmentedUnsized => None,
     };
     let firmware = &objects.firmware;
-    if !firmware.knows_segments() || size.is_none() && firmware.requires_size() {
+    if firmware.takes(Liberty::NoSegmentedTransfer) || size.is_none() && firmware.has(Fault::SdoSegmentedSizeRequired) {
         return Next::abort(object, AbortCode::COMMAND_SPECIFIER);
     }
     let begin = |longest, discards, refusal| {
@@ -42,12 +43,14 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
         Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
     };
     match objects.begin_download(object, size) {
-        Ok(longest) if longest <= 4 && !firmware.takes_short_value_in_segments() => {
+        Ok(longest) if longest <= 4 && firmware.has(Fault::SdoSegmentedShortRefused) => {
             Next::abort(object, AbortCode::UNSUPPORTED_ACCESS)
         }
         Ok(longest) => begin(longest, false, None),
-        Err(AbortCode::READ_ONLY) if firmware.begins_download_to_read_only() => begin(size.unwrap_or(8), true, None),
-        Err(code) if firmware.refuses_at_end() => begin(0, false, Some(code)),
+        Err(AbortCode::READ_ONLY) if firmware.has(Fault::SdoReadOnlySegmentedAccepted) => {
+            begin(size.unwrap_or(8), true, None)
+        }
+        Err(code) if firmware.takes(Liberty::RefusedAtEnd) => begin(0, false, Some(code)),
         Err(code) => Next::abort(object, code),
     }
 }
@@ -71,26 +74,26 @@ fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &
 impl SegmentedDownload {
     /// The next segment.
     pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
-        if segment.toggle != self.toggle && objects.firmware.checks_toggle() {
-            if !objects.firmware.answers_wrong_toggle() {
+        if segment.toggle != self.toggle && !objects.has(Fault::SdoToggleUnchecked) {
+            if objects.takes(Liberty::ToggleIgnored) {
                 return Next::silence(Transfer::Download(self));
             }
             return Next::abort(self.object, AbortCode::TOGGLE);
         }
-        if segment.data().is_empty() && !segment.last && !objects.firmware.answers_empty_segment() {
+        if segment.data().is_empty() && !segment.last && objects.has(Fault::SdoEmptySegmentSilent) {
             return Next::silence(Transfer::Download(self));
         }
         if let Some(code) = self.refusal {
             return self.refused(segment, code);
         }
         self.data.extend_from_slice(segment.data());
-        let unchecked = !objects.firmware.checks_length();
+        let unchecked = objects.has(Fault::SdoLengthUnchecked);
         if self.data.len() > self.size.unwrap_or(self.longest).min(self.longest) && !unchecked {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
         }
-        let toggle = segment.toggle && objects.firmware.toggles_confirmations();
+        let toggle = segment.toggle && !objects.has(Fault::SdoConfirmationToggleStuck);
         let confirm = Response::DownloadSegment { toggle };
-        if objects.firmware.writes_segments_at_once() {
+        if objects.has(Fault::SdoSegmentsWrittenAtOnce) {
             let mut so_far = self.data.clone();
             so_far.resize(self.longest.min(8), 0);
             // A value that does not fit is refused with the last segment.
@@ -103,7 +106,7 @@ impl SegmentedDownload {
             return Next::answer(Transfer::Download(self), confirm);
         }
         let short = self.size.is_some_and(|size| self.data.len() < size);
-        if short && objects.firmware.checks_short_length() && !unchecked {
+        if short && !objects.has(Fault::SdoShortLengthUnchecked) && !unchecked {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_LOW);
         }
         match objects.download(now, self.object, &self.data) {

@@ -11,6 +11,7 @@ mod upload;
 use super::chance::Chance;
 use super::objects::Objects;
 use crate::models::Timing;
+use crate::{Fault, Liberty};
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;
@@ -147,11 +148,11 @@ impl SdoServer {
     pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
         // SDO messages have eight bytes (CiA 301); others are ignored.
         if frame.len() != 8 {
-            self.wedged |= objects.firmware.dies_of_short_request();
+            self.wedged |= objects.has(Fault::SdoShortRequestWedges);
             return;
         }
         self.requests = self.requests.wrapping_add(1);
-        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.firmware.loses_responses();
+        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.has(Fault::SdoResponseLost);
         if lost || self.wedged {
             return;
         }
@@ -164,7 +165,7 @@ impl SdoServer {
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
             },
             transfer => match Request::read(frame.data()) {
-                Ok(request) if has_reserved_bits(frame, &request) && objects.firmware.refuses_reserved_bits() => {
+                Ok(request) if has_reserved_bits(frame, &request) && objects.takes(Liberty::ReservedBitsRefused) => {
                     Next::abort(Multiplexer::new(0, 0), AbortCode::COMMAND_SPECIFIER)
                 }
                 Ok(request) => self.on_request(now, transfer, request, objects),
@@ -180,9 +181,9 @@ impl SdoServer {
         let firmware = &objects.firmware;
         let is_busy = match transfer {
             Transfer::Idle => false,
-            Transfer::Upload(_) => firmware.is_busy_in_upload(),
-            Transfer::Download(_) => firmware.is_busy_in_download(),
-            _ => firmware.is_busy_in_block_transfer(),
+            Transfer::Upload(_) => firmware.has(Fault::SdoBusyAfterAbandonedTransfer),
+            Transfer::Download(_) => firmware.has(Fault::SdoBusyAfterAbandonedDownload),
+            _ => firmware.has(Fault::SdoBusyAfterAbandonedBlock) || firmware.takes(Liberty::BlockInitiateRefused),
         };
         match request {
             Request::InitiateUpload { multiplexer } | Request::InitiateDownload { multiplexer, .. } if is_busy => {
@@ -197,19 +198,19 @@ impl SdoServer {
             }
             Request::InitiateBlockDownload { multiplexer, crc, size } if self.blocks => {
                 self.had_crc |= crc;
-                let kept = self.had_crc && objects.firmware.keeps_block_crc();
+                let kept = self.had_crc && objects.has(Fault::SdoBlockCrcKept);
                 block_download::initiate(multiplexer, crc || kept, size, objects)
             }
-            Request::Abort(abort) if objects.firmware.answers_client_abort() => {
+            Request::Abort(abort) if objects.has(Fault::SdoAbortAnswered) => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
             }
             Request::Abort(_)
                 if matches!(&transfer, Transfer::BlockDownload(download) if download.has_begun())
-                    && firmware.ignores_abort_in_block_download() =>
+                    && firmware.has(Fault::SdoBlockAbortIgnored) =>
             {
                 Next::silence(transfer)
             }
-            Request::Abort(_) if firmware.ignores_client_abort() => Next::silence(transfer),
+            Request::Abort(_) if firmware.has(Fault::SdoAbortIgnored) => Next::silence(transfer),
             Request::Abort(_) => Next::silence(Transfer::Idle),
             request => match (transfer, request) {
                 (Transfer::Upload(upload), Request::UploadSegment { toggle }) => upload.on_request(toggle, objects),
@@ -231,11 +232,11 @@ impl SdoServer {
     /// Where the bytes of a segment go that has no place, in a firmware that takes them all the same.
     fn spill(&mut self, transfer: &Transfer, request: &Request, objects: &mut Objects) {
         let Request::DownloadSegment(segment) = request else { return };
-        if objects.firmware.serves_refused_segment() {
+        if objects.has(Fault::SdoRefusedSegmentServed) {
             self.refused = segment.data().first_chunk().copied();
         }
         if let Transfer::Upload(upload) = transfer
-            && objects.firmware.writes_segment_in_upload()
+            && objects.has(Fault::SdoSegmentWrittenInUpload)
             && let Ok(held) = objects.parameters.entry(upload.object)
         {
             let content = held.decode(segment.data());
@@ -246,8 +247,8 @@ impl SdoServer {
     /// A command specifier that is unknown, or has no meaning now.
     fn unexpected(&self, transfer: &Transfer, request: &Request, objects: &Objects) -> Next {
         if let Request::Unknown { .. } = request {
-            let first = objects.firmware.overlooks_first_unknown_command() && !self.began;
-            if first || !objects.firmware.answers_unknown_command() {
+            let first = objects.has(Fault::SdoFirstUnknownCommandSilent) && !self.began;
+            if first || objects.has(Fault::SdoUnknownCommandSilent) {
                 return Next::silence(Transfer::Idle);
             }
         }
@@ -258,14 +259,14 @@ impl SdoServer {
                 | Request::EndBlockUpload
                 | Request::EndBlockDownload { .. }
         );
-        if is_block && !objects.firmware.answers_stray_block_command() {
+        if is_block && objects.has(Fault::SdoStrayBlockSilent) {
             return Next::silence(Transfer::Idle);
         }
-        if !matches!(transfer, Transfer::Idle) && !objects.firmware.answers_misplaced_command() {
+        if !matches!(transfer, Transfer::Idle) && objects.has(Fault::SdoWrongCommandIgnored) {
             return Next::silence(transfer.clone());
         }
         let stray = matches!(request, Request::DownloadSegment(_) | Request::UploadSegment { .. });
-        if stray && matches!(transfer, Transfer::Idle) && !objects.firmware.answers_stray_segment() {
+        if stray && matches!(transfer, Transfer::Idle) && objects.has(Fault::SdoStraySegmentSilent) {
             return Next::silence(Transfer::Idle);
         }
         // A request that names an object is about that one, whatever transfer it interrupts.
@@ -299,7 +300,7 @@ impl SdoServer {
 
     /// A firmware with one buffer for requests: what the answer not yet sent says of its object, it takes from there.
     fn mix_up(&mut self, frame: &Frame, objects: &Objects) {
-        if objects.firmware.mixes_up_requests()
+        if objects.has(Fault::SdoBackToBackMixed)
             && let Some((_, waiting, _)) = self.answers.back_mut()
         {
             waiting[1..4].copy_from_slice(&frame.bytes()[1..4]);
@@ -310,7 +311,7 @@ impl SdoServer {
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
         let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
-        let slow = self.requests.is_multiple_of(SLOW_EVERY) && objects.firmware.delays_responses();
+        let slow = self.requests.is_multiple_of(SLOW_EVERY) && objects.has(Fault::SdoResponseSlow);
         let extra = match (storing, slow) {
             (true, _) => self.timing.store(),
             (_, true) => SLOW,
@@ -323,11 +324,15 @@ impl SdoServer {
     fn answer(&mut self, due: Timestamp, response: Response, objects: &Objects) {
         let firmware = &objects.firmware;
         let response = match response {
-            Response::Abort(abort) if abort.code == AbortCode::NO_OBJECT && !firmware.answers_missing_object() => {
+            Response::Abort(abort) if abort.code == AbortCode::NO_OBJECT && firmware.has(Fault::SdoNoObjectSilent) => {
                 return;
             }
             Response::Abort(abort) => {
-                let named = firmware.aborted_object(abort.multiplexer, self.stale);
+                let named = match () {
+                    () if firmware.has(Fault::SdoStaleMultiplexer) => self.stale,
+                    () if firmware.has(Fault::SdoAbortMultiplexerZero) => Multiplexer::new(0, 0),
+                    () => abort.multiplexer,
+                };
                 Response::abort(named, firmware.abort_code(abort.code))
             }
             response => self.replaced(response),
@@ -338,10 +343,10 @@ impl SdoServer {
         let mut bytes = [0; 8];
         let mut len = response.emit(&mut bytes);
         let used = used_bytes(&response);
-        if firmware.leaves_unused_bytes() {
+        if firmware.has(Fault::SdoUnusedBytesNotZero) {
             bytes.iter_mut().skip(used).for_each(|byte| *byte = 0xA5);
         }
-        if firmware.cuts_responses() {
+        if firmware.has(Fault::SdoShortResponse) {
             len = used;
         }
         self.answers.push_back((due, bytes, len));
@@ -379,11 +384,11 @@ impl SdoServer {
         }
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         self.expires = Timestamp::MAX;
-        if objects.firmware.dies_of_timeout() {
+        if objects.has(Fault::SdoTimeoutWedges) {
             self.wedged = true;
             return;
         }
-        if let Some(object) = transfer.object().filter(|_| objects.firmware.aborts_at_timeout()) {
+        if let Some(object) = transfer.object().filter(|_| !objects.takes(Liberty::TimeoutWithoutAbort)) {
             self.answer(now, Response::abort(object, AbortCode::TIMEOUT), objects);
         }
     }

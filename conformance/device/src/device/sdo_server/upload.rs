@@ -3,6 +3,7 @@
 use super::{Next, Transfer};
 use crate::device::objects::Objects;
 use crate::device::parameters::Reading;
+use crate::{Fault, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
@@ -28,11 +29,11 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
         response = Response::InitiateUpload { multiplexer: object, payload: Payload::Segmented(bytes.len() as u32) };
     }
     match response {
-        Response::InitiateUpload { payload: Payload::Segmented(0), .. } if !objects.firmware.answers_empty_value() => {
+        Response::InitiateUpload { payload: Payload::Segmented(0), .. } if objects.has(Fault::SdoEmptyValueSilent) => {
             Next::silence(Transfer::Idle)
         }
         Response::InitiateUpload { multiplexer, payload: Payload::Segmented(size) }
-            if objects.firmware.announces_one_byte_more() =>
+            if objects.has(Fault::SdoAnnouncedSizeWrong) =>
         {
             let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
             let payload = Payload::Segmented(size.saturating_add(1));
@@ -46,18 +47,16 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
 /// The start of an upload of that value, in segments whatever its length.
 pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Next {
     let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
-    let payload = match objects.firmware.announces_sizes() {
-        true => Payload::Segmented(value.len() as u32),
-        false => Payload::SegmentedUnsized,
-    };
+    let unannounced = objects.takes(Liberty::SizesUnannounced);
+    let payload = if unannounced { Payload::SegmentedUnsized } else { Payload::Segmented(value.len() as u32) };
     Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer: object, payload })
 }
 
 impl SegmentedUpload {
     /// The request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
-        if toggle != self.toggle && objects.firmware.checks_toggle() {
-            if !objects.firmware.answers_wrong_toggle() {
+        if toggle != self.toggle && !objects.has(Fault::SdoToggleUnchecked) {
+            if objects.takes(Liberty::ToggleIgnored) {
                 return Next::silence(Transfer::Upload(self));
             }
             return Next::abort(self.object, AbortCode::TOGGLE);
@@ -65,16 +64,16 @@ impl SegmentedUpload {
         let rest = self.value.get(self.sent..).unwrap_or_default();
         let last = rest.len() <= 7;
         let mut data = rest.get(..7).unwrap_or(rest);
-        if last && objects.firmware.loses_byte_of_last_segment() {
+        if last && objects.has(Fault::SdoSegmentLengthWrong) {
             data = data.get(..data.len().saturating_sub(1)).unwrap_or(data);
         }
-        let shown = toggle && objects.firmware.toggles_upload();
-        let marked = last && objects.firmware.marks_end_of_upload();
+        let shown = toggle && !objects.has(Fault::SdoUploadToggleStuck);
+        let marked = last && !objects.has(Fault::SdoUploadEndMissing);
         let Some(segment) = Segment::new(shown, data, marked) else {
             return Next::abort(self.object, AbortCode::GENERAL);
         };
         let response = Response::UploadSegment(segment);
-        if last && objects.firmware.answers_segment_after_end() {
+        if last && objects.has(Fault::SdoSegmentAfterEndAnswered) {
             self.sent = self.value.len();
             self.toggle = !toggle;
             return Next::answer(Transfer::Upload(self), response);

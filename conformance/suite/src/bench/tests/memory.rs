@@ -6,7 +6,6 @@
 use super::super::{Bench, Options, Target};
 use crate::touch::Touch;
 use crate::verdict::Stop;
-use crate::zero_point::ZeroPoint;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::{Bus, SimulatedBus};
@@ -240,7 +239,7 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
 /// A device that is no encoder has no zero point, whatever it answers at 6004h.
 #[test]
 fn only_an_encoder_has_a_zero_point() {
-    on("reference-301", None, &[], |bench| assert_eq!(ZeroPoint::look(bench).unwrap(), None));
-    on("reference-406", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some()));
-    on("kuebler-c100", None, &[], |bench| assert!(ZeroPoint::look(bench).unwrap().is_some(), "that of its angle"));
+    on("reference-301", None, &[], |bench| assert_eq!(bench.look_at_zero_point().unwrap(), None));
+    on("reference-406", None, &[], |bench| assert!(bench.look_at_zero_point().unwrap().is_some()));
+    on("kuebler-c100", None, &[], |bench| assert!(bench.look_at_zero_point().unwrap().is_some(), "that of its angle"));
 }

@@ -23,8 +23,6 @@ mod timer;
 mod work_area;
 mod zero_point;
 
-pub(crate) use zero_point::Encoders;
-
 use canvass_bus::observation::Observation;
 
 /// A number that an object shows.

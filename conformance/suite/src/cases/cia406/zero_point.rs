@@ -2,8 +2,7 @@
 
 use super::draw_wire::{ANGLE, TURN, ZERO_POINT};
 use super::position::{OFFSET, OPERATING_PARAMETERS, POSITION, PRESET, RANGE, SCALING, is_linear};
-use crate::bench::Bench;
-use crate::profile::Profile;
+use crate::bench::{Bench, Profile, Registered};
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
 use canvass_analyzer::Multiplexer;
@@ -15,7 +14,9 @@ const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTIO
 const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
 
 /// CiA 406.
-pub(crate) struct Encoders;
+struct Encoders;
+
+inventory::submit!(Registered(&Encoders));
 
 impl Profile for Encoders {
     fn zero_point(&self, bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {

@@ -1,7 +1,6 @@
-//! What the device profiles add to what every device has. The core asks this list and names no profile itself.
+//! What the device profiles add to what every device has. The core asks those that are registered, and names no profile itself.
 
-use crate::bench::Bench;
-use crate::cases::cia406;
+use super::Bench;
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
 
@@ -14,15 +13,17 @@ pub(crate) trait Profile: Sync {
     fn zero_point(&self, bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>;
 }
 
-/// All of them.
-const PROFILES: [&dyn Profile; 1] = [&cia406::Encoders];
+/// A profile that there is.
+pub(crate) struct Registered(pub &'static dyn Profile);
+
+inventory::collect!(Registered);
 
 /// The objects of the zero point of the device under test.
 ///
 /// # Errors
 /// Those of asking the device.
-pub(crate) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
-    for profile in PROFILES {
+pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
+    for Registered(profile) in inventory::iter::<Registered> {
         if let Some(objects) = profile.zero_point(bench)? {
             return Ok(Some(objects));
         }

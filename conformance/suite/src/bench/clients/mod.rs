@@ -1,0 +1,232 @@
+//! Other clients of the device under test: they are recognised, its answers to them are not taken for those to the tester, and
+//! requests wait for quiet moments.
+
+mod addresses;
+mod echo;
+mod queue;
+
+use super::foreign::Form;
+use super::{Bench, Foreign};
+use crate::foreign::{ForeignKind, ForeignMessages};
+use crate::verdict::Stop;
+use addresses::Addresses;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control;
+use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::{Direction, Duration, Record, Timestamp};
+use echo::Echo;
+use queue::ServerQueue;
+use std::collections::BTreeMap;
+
+/// A transfer that others disturb is tried again this many times.
+const TRIES: usize = 3;
+
+/// A client that polls asks again within this time.
+const POLL: Duration = Duration::from_millis(1_100);
+
+/// The least and the most time that an answer to others is waited for.
+const PATIENCE: (Duration, Duration) = (Duration::from_millis(10), Duration::from_millis(200));
+
+/// What is known of other clients.
+#[derive(Debug)]
+pub(crate) struct Clients {
+    node: NodeId,
+    /// What the device listens to as it is.
+    usual: Addresses,
+    /// The same, with what the case has told it.
+    now: Addresses,
+    echo: Echo,
+    queue: ServerQueue,
+    /// What the tester writes, until the device has taken it.
+    written: Option<(Multiplexer, u32)>,
+    /// What others sent before the case.
+    before: BTreeMap<(ForeignKind, u16), u64>,
+    /// Transfers that ended badly while others asked the server.
+    collisions: u64,
+    /// The last frame was an answer to others.
+    answered_others: bool,
+}
+
+impl Clients {
+    pub fn new(node: NodeId, description: Option<&DeviceDescription>) -> Self {
+        let usual = description.map_or_else(|| Addresses::predefined(node), |known| described(node, known));
+        let now = usual.clone();
+        Self {
+            node,
+            usual,
+            now,
+            echo: Echo::default(),
+            queue: ServerQueue::default(),
+            written: None,
+            before: BTreeMap::new(),
+            collisions: 0,
+            answered_others: false,
+        }
+    }
+
+    /// Takes a frame that was on the bus. Whether it came from others, or from the device.
+    pub fn observe(&mut self, record: &Record) -> bool {
+        let (at, is_own) = (record.timestamp, record.direction == Direction::Tx);
+        self.answered_others = false;
+        if is_own {
+            self.echo.sent(&record.frame, at);
+        } else if self.echo.gives_back(&record.frame, at) {
+            return false;
+        }
+        let node = u16::from(self.node.raw());
+        match record.frame.cob_id() {
+            Some(id) if id == sdo::REQUEST_BASE + node => {
+                if let Ok(request) = Request::read(record.data()) {
+                    self.on_request(request, is_own, at);
+                }
+            }
+            Some(id) if id == error_control::CAN_ID_BASE + node && record.data() == [0] => self.queue.reset(),
+            Some(id) if id == sdo::RESPONSE_BASE + node && !is_own => {
+                self.on_response(Response::read(record.data()).ok().as_ref(), at);
+            }
+            _ => {}
+        }
+        !is_own
+    }
+
+    /// What frames of that form and CAN-ID are to the device. What it sends itself in this case, as others did before, both send.
+    fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
+        let usual = || self.usual.kind(can_id, form).filter(|kind| self.before.contains_key(&(*kind, can_id)));
+        self.now.kind(can_id, form).or_else(usual)
+    }
+
+    fn on_request(&mut self, request: Request, is_own: bool, at: Timestamp) {
+        self.queue.ask(request, !is_own, at);
+        if let Request::InitiateDownload { multiplexer, payload } = request
+            && is_own
+        {
+            self.written = payload.value().map(|value| (multiplexer, super::sdo::number(value)));
+        }
+    }
+
+    fn on_response(&mut self, response: Option<&Response>, at: Timestamp) {
+        self.answered_others = self.queue.answer(response, at);
+        let Some(Response::InitiateDownload { multiplexer }) = response else { return };
+        if let Some((_, value)) = self.written.take_if(|(written, _)| written == multiplexer) {
+            self.now.learn(*multiplexer, value);
+        }
+    }
+}
+
+fn count(counts: &mut BTreeMap<(ForeignKind, u16), u64>, messages: Vec<ForeignMessages>) {
+    for ForeignMessages { kind, can_id, count } in messages {
+        *counts.entry((kind, can_id)).or_default() += count;
+    }
+}
+
+/// What a device that is as described listens to.
+fn described(node: NodeId, description: &DeviceDescription) -> Addresses {
+    let values = description.dictionary.entries().filter_map(|(at, entry)| {
+        let value = entry.default.as_ref()?.resolve(entry.data_type, node).as_number()?;
+        Some((at, u32::try_from(value).ok()?))
+    });
+    Addresses::of_values(node, values)
+}
+
+impl Bench<'_> {
+    /// Says what the device holds: what concerns it on the bus.
+    pub(crate) fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
+        let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
+        let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
+        self.clients.usual = Addresses::of_values(self.target.node, numbers);
+        self.clients.now = self.clients.usual.clone();
+    }
+
+    /// What others have sent to the device, or for it, since [`Bench::begin`].
+    pub(crate) fn foreign_messages(&self) -> Vec<ForeignMessages> {
+        self.foreign.messages(|can_id, form| self.clients.kind(can_id, form))
+    }
+
+    /// The same since the start of the run.
+    pub(crate) fn foreign_messages_of_run(&self) -> Vec<ForeignMessages> {
+        let mut counts = self.clients.before.clone();
+        count(&mut counts, self.foreign_messages());
+        counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
+    }
+
+    /// A case begins: what the case before has told the device counts no more, what others have sent does.
+    pub(super) fn begin_among_others(&mut self) {
+        let messages = self.foreign_messages();
+        count(&mut self.clients.before, messages);
+        self.foreign = Foreign::default();
+        self.clients.now = self.clients.usual.clone();
+    }
+
+    /// Whether the last frame was an answer of the SDO server to others.
+    pub(super) const fn answered_others(&self) -> bool {
+        self.clients.answered_others
+    }
+
+    /// Waits until the SDO server has answered all requests of others, or can't be expected to.
+    pub(super) fn wait_for_quiet(&mut self) -> Result<(), Stop> {
+        let begun = self.now();
+        let slowest = self.knowledge.slowest_answer;
+        let patience = slowest.times(3).clamp(PATIENCE.0, PATIENCE.1);
+        while let Some(until) = self.clients.queue.busy_until(self.now(), patience) {
+            // A client that asks without a pause leaves no quiet moment.
+            if self.now().since(begun) > PATIENCE.1 {
+                break;
+            }
+            self.receive(until)?;
+        }
+        Ok(())
+    }
+
+    /// Waits for a moment at which a dialogue of several messages has time before others ask again: not where they are likely to
+    /// do so soon.
+    pub(super) fn wait_for_time(&mut self) -> Result<(), Stop> {
+        match self.clients.queue.next_foreign() {
+            Some((period, next)) if period < POLL && next > self.now() && next.since(self.now()).0 < period.0 / 2 => {
+                self.wait_for_pause()
+            }
+            _ => self.wait_for_quiet(),
+        }
+    }
+
+    /// Waits until others have asked once more, and have their answer: then they pause.
+    fn wait_for_pause(&mut self) -> Result<(), Stop> {
+        let (before, deadline) = (self.clients.queue.foreign(), self.now() + POLL);
+        while self.clients.queue.foreign() == before && self.now() < deadline {
+            self.receive(deadline)?;
+        }
+        self.wait_for_quiet()
+    }
+
+    /// Carries out a transfer, and again if it ended badly while others asked the server: one client's request ends another
+    /// one's transfer. What was found wrong in a try that does not count is forgotten.
+    pub(super) fn between_others<T>(
+        &mut self,
+        has_succeeded: impl Fn(&T) -> bool,
+        mut transfer: impl FnMut(&mut Self) -> Result<T, Stop>,
+    ) -> Result<T, Stop> {
+        for _ in 1..TRIES {
+            let (breaches, untidy) = (self.breaches.len(), self.untidy.len());
+            self.wait_for_time()?;
+            let before = self.clients.queue.foreign();
+            let result = transfer(self)?;
+            if self.clients.queue.foreign() == before || has_succeeded(&result) {
+                return Ok(result);
+            }
+            self.breaches.truncate(breaches);
+            self.untidy.truncate(untidy);
+            self.wait_for_pause()?;
+        }
+        let before = self.clients.queue.foreign();
+        let result = transfer(self)?;
+        let collided = self.clients.queue.foreign() != before && !has_succeeded(&result);
+        self.clients.collisions += u64::from(collided);
+        Ok(result)
+    }
+
+    /// How many transfers ended badly while others asked the server.
+    pub(crate) const fn collisions(&self) -> u64 {
+        self.clients.collisions
+    }
+}

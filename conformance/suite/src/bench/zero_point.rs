@@ -1,0 +1,59 @@
+//! Where the zero point is, and how it is put back: at rest, to the step.
+
+use super::Bench;
+use super::profile;
+use crate::verdict::Stop;
+use crate::zero_point::{Moved, Objects, ZeroPoint, shorter_way};
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Duration;
+
+/// A position is at rest if it is the same in this many readings, this far apart.
+const READINGS: usize = 4;
+const BETWEEN: Duration = Duration::from_millis(30);
+
+/// The position. An angle is shown with a sign, or without.
+fn shown(bench: &mut Bench<'_>, objects: &Objects) -> Result<i64, Stop> {
+    let number = bench.read_number(objects.position)?;
+    let is_negative = !objects.takes_position && u64::from(number) >= objects.range;
+    Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
+}
+
+impl Bench<'_> {
+    /// Looks where the zero point is; `None`: the device has none that anything moves.
+    ///
+    /// # Errors
+    /// Those of reading the position.
+    pub(crate) fn look_at_zero_point(&mut self) -> Result<Option<ZeroPoint>, Stop> {
+        let Some(objects) = profile::zero_point(self)? else { return Ok(None) };
+        let first = shown(self, &objects)?;
+        let mut around = [0, 0];
+        for _ in 1..READINGS {
+            self.listen(BETWEEN)?;
+            let away = shorter_way(first, shown(self, &objects)?, objects.range);
+            around = [around[0].min(away), around[1].max(away)];
+        }
+        let mut number = |at: Option<Multiplexer>| at.map(|at| self.read_number(at)).transpose();
+        let (offset, raw) = (number(objects.offset)?, number(objects.raw)?);
+        let offset = offset.map(|offset| i64::from(offset as i32));
+        Ok(Some(ZeroPoint::new(objects, first, around, offset, raw.map(i64::from))))
+    }
+
+    /// Puts the zero point back where it was, by a preset at rest, and looks whether it is there. What is left is given back.
+    ///
+    /// # Errors
+    /// Those of the bus; and [`Stop::NotApplicable`] where the user has not allowed presets.
+    pub(crate) fn put_back_zero_point(&mut self, before: &ZeroPoint) -> Result<Option<Moved>, Stop> {
+        /// A shaft that trembles needs more than one: the step that it is at changes between reading and writing.
+        const TRIES: usize = 6;
+        let mut left = None;
+        for _ in 0..TRIES {
+            let Some(now) = self.look_at_zero_point()? else { return Ok(None) };
+            left = before.moved(&now);
+            let may_be_put_back = |moved: &Moved| now.is_at_rest() && moved.takes_position && !moved.is_denied;
+            let Some(moved) = left.filter(may_be_put_back) else { break };
+            let value = before.preset_back(&now, &moved);
+            self.with_leave_to_move(|bench| bench.download_now(moved.preset, &value.to_le_bytes()))?;
+        }
+        Ok(left)
+    }
+}

@@ -1,0 +1,132 @@
+//! Whether the links of a folder of HTML lead somewhere: to a file of that folder, and to something in it that has the name.
+
+use anyhow::{Context, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// What a page has.
+#[derive(Default)]
+struct Page {
+    /// What a link can lead to.
+    names: BTreeSet<String>,
+    /// What its links and pictures name, as it stands there.
+    links: Vec<String>,
+}
+
+/// The links that lead nowhere, in words. Those to other computers are not followed.
+///
+/// # Errors
+/// If a file can't be read.
+pub fn broken(folder: &Path) -> Result<Vec<String>> {
+    let mut pages = BTreeMap::new();
+    gather(folder, folder, &mut pages)?;
+    let mut broken = Vec::new();
+    for (path, page) in &pages {
+        for link in page.links.iter().filter(|link| !is_elsewhere(link)) {
+            if let Some(why) = fault(folder, &pages, path, link) {
+                broken.push(format!("{}: {link}: {why}", path.display()));
+            }
+        }
+    }
+    Ok(broken)
+}
+
+/// All pages below a folder, by their paths from the top.
+fn gather(top: &Path, folder: &Path, pages: &mut BTreeMap<PathBuf, Page>) -> Result<()> {
+    for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if path.is_dir() {
+            gather(top, &path, pages)?;
+        } else if path.extension().is_some_and(|extension| extension == "html") {
+            pages.insert(path.strip_prefix(top)?.to_owned(), read(&fs::read_to_string(&path)?));
+        }
+    }
+    Ok(())
+}
+
+fn is_elsewhere(link: &str) -> bool {
+    let scheme = link.split(['/', '#', '?']).next().unwrap_or_default();
+    scheme.contains(':') || link.starts_with("//")
+}
+
+/// Why a link of that page leads nowhere.
+fn fault(folder: &Path, pages: &BTreeMap<PathBuf, Page>, from: &Path, link: &str) -> Option<String> {
+    let (file, name) = link.split_once('#').unwrap_or((link, ""));
+    let to = if file.is_empty() { from.to_owned() } else { resolved(from, file) };
+    if !folder.join(&to).is_file() {
+        return Some(format!("there is no {}", to.display()));
+    }
+    let page = pages.get(&to).filter(|_| !name.is_empty())?;
+    (!page.names.contains(name)).then(|| format!("nothing in {} is called {name}", to.display()))
+}
+
+/// The path, from the top, of a file that is named from a page.
+fn resolved(from: &Path, file: &str) -> PathBuf {
+    let mut path = from.parent().unwrap_or(Path::new("")).to_owned();
+    let file = file.split('?').next().unwrap_or_default();
+    for component in Path::new(file).components() {
+        match component {
+            // Above the top nothing is: the path that remains does not exist.
+            Component::ParentDir => path = path.parent().map_or_else(|| "..".into(), Path::to_owned),
+            Component::Normal(name) => path.push(name),
+            _ => {}
+        }
+    }
+    path
+}
+
+/// The names and links of a page. Text has no `<`, so each begins a tag; scripts, which may have one, are left out.
+fn read(html: &str) -> Page {
+    let mut page = Page::default();
+    let mut rest = html;
+    while let Some((_, tag)) = rest.split_once('<') {
+        let (tag, after) = tag.split_once('>').unwrap_or((tag, ""));
+        rest = if tag.starts_with("script") { after.split_once("</script").map_or("", |both| both.1) } else { after };
+        for (name, value) in attributes(tag) {
+            match name {
+                "id" => drop(page.names.insert(value)),
+                "href" | "src" => page.links.push(value),
+                _ => {}
+            }
+        }
+    }
+    page
+}
+
+/// The names and values of a tag's attributes. mdBook puts values between double quotes.
+fn attributes(tag: &str) -> Vec<(&str, String)> {
+    let mut found = Vec::new();
+    let mut rest = tag;
+    while let Some((before, (value, after))) = rest.split_once('"').and_then(|(a, b)| Some((a, b.split_once('"')?))) {
+        let name = before.trim_end_matches('=').rsplit(char::is_whitespace).next().unwrap_or_default();
+        found.push((name, value.replace("&amp;", "&").replace("%20", " ")));
+        rest = after;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_to_files_and_names_that_are_not_there_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("more")).unwrap();
+        fs::write(folder.path().join("more/picture.png"), "").unwrap();
+        let index = r##"<h1 id="top">a &lt; b</h1><a href="#top">1</a> <a class="x" href="more/page.html#there">2</a>
+            <a href="more/page.html#gone">3</a> <a href="page.md">4</a> <a href="https://example.org/no">5</a>
+            <script>if (a < b) { c = '<a href="nowhere">'; }</script> <a href="../out.html">6</a>"##;
+        fs::write(folder.path().join("index.html"), index).unwrap();
+        let page = r##"<img src="picture.png" alt="a"><a id="there" href="../index.html">1</a><a href="#no">2</a>"##;
+        fs::write(folder.path().join("more/page.html"), page).unwrap();
+        let expected = [
+            "index.html: more/page.html#gone: nothing in more/page.html is called gone",
+            "index.html: page.md: there is no page.md",
+            "index.html: ../out.html: there is no ../out.html",
+            "more/page.html: #no: nothing in more/page.html is called no",
+        ];
+        assert_eq!(broken(folder.path()).unwrap(), expected);
+    }
+}
