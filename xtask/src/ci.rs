@@ -170,7 +170,7 @@ fn built() -> PathBuf {
 
 /// The page, tried beside the program that the tests have built.
 fn page() -> Result<()> {
-    web::step(|| test(&[&["--workspace", "-E", "package(canvass) & binary(page)"], &FEATURES[..]].concat()))
+    web::step(|| these(&["page"]))
 }
 
 fn everyday_tests() -> Result<()> {
@@ -185,13 +185,18 @@ fn tests() -> Result<()> {
 fn peers_and_browser() -> Result<()> {
     peers::install_all()?;
     browser::install_all()?;
-    // As the tests before, but only these: all is compiled.
-    let chosen: &[&str] = if has_nextest() {
-        &["--workspace", "-E", "package(canvass) & (binary(peers) | binary(browser))"]
-    } else {
-        &["--package", "canvass", "--test", "peers", "--test", "browser"]
-    };
-    test(&[chosen, &FEATURES[..]].concat())
+    these(&["peers", "browser"])
+}
+
+/// The program's tests in those files: all is compiled.
+fn these(files: &[&str]) -> Result<()> {
+    if has_nextest() {
+        let binaries: Vec<String> = files.iter().map(|file| format!("binary({file})")).collect();
+        let chosen = format!("package(canvass) & ({})", binaries.join(" | "));
+        return test(&[&["--workspace", "-E", &chosen], &FEATURES[..]].concat());
+    }
+    let chosen: Vec<&str> = files.iter().flat_map(|file| ["--test", file]).collect();
+    test(&[&["--package", "canvass"], &chosen[..], &FEATURES[..]].concat())
 }
 
 /// By nextest, which runs the tests of all crates side by side, where it is there.
