@@ -64,6 +64,7 @@ class Stand:
             allow=trial.allow,
             select=trial.select,
             zero_point_stored=SITUATIONS[self.situation].zero_point_is_stored,
+            power_cycle=SITUATIONS[self.situation].has_switch,
             interrupt=trial.interrupt,
             kill=kill,
         )

@@ -18,6 +18,7 @@ use canvass_suite::verdict::Kind;
 use canvass_traces::{Frame, Record};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// What a run tells while it goes on.
 #[derive(Default)]
@@ -34,16 +35,15 @@ struct Told {
 }
 
 pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
-    let journal = world.journal_path();
+    let (journal, switch) = (world.journal_path(), world.switch_path());
     let _ = std::fs::remove_file(&journal);
     let cases = chosen(&wanted.select)?;
-    let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
-    let zero_point_is_stored = wanted.zero_point_stored;
-    let options = Options { allow, journal: Some(journal.clone()), zero_point_is_stored, ..Options::default() };
+    let options = options(wanted, &journal, &switch)?;
     let moments = Moments {
         interrupt: wanted.interrupt,
         kill: wanted.kill.clone(),
         journal: journal.clone(),
+        switch,
         ..Moments::default()
     };
     let (seen, mut told) = (Seen::default(), Told::default());
@@ -67,6 +67,14 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
         world.put_away(format!("kill {frame}"), state);
     }
     Ok(answer)
+}
+
+/// How the device is tested.
+fn options(wanted: &Wanted, journal: &Path, switch: &Path) -> Result<Options> {
+    let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
+    let power_cycle = wanted.power_cycle.then(|| format!("touch '{}'", switch.display()));
+    let (zero_point_is_stored, journal) = (wanted.zero_point_stored, Some(journal.to_owned()));
+    Ok(Options { allow, power_cycle, zero_point_is_stored, journal, ..Options::default() })
 }
 
 pub fn restore(world: &mut World) -> Result<Value> {
