@@ -39,9 +39,8 @@ class Stand:
         """A complete or interrupted run."""
         self.go_back()
         told = self._test(trial, [])
-        claims = told.get("summary", {}).get("is_as_found", told.get("is_as_found"))
         counts = {"began": told["begun"] > 0, "frames": told["frames"], "cases": told["cases"]}
-        return self.judge(trial, claims, told, told["closing"], **counts)
+        return self.judge(trial, told.get("is_as_found"), told, told["closing"], **counts)
 
     def kill(self, trial, frames):
         """The run is killed at each of these frames, and the device is restored each time."""

@@ -12,9 +12,8 @@ use canvass_suite::case::Case;
 use canvass_suite::catalogue;
 use canvass_suite::comparison::Comparison;
 use canvass_suite::journal::Interrupted;
-use canvass_suite::runner::{self, Plan, RunEvent, Summary};
+use canvass_suite::runner::{self, Plan, RunEvent};
 use canvass_suite::touch::Touch;
-use canvass_suite::verdict::Kind;
 use canvass_traces::{Frame, Record};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -58,9 +57,8 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     drop(bench);
     state.journal = std::fs::read_to_string(&journal).ok();
     let mut answer = told.answer(&seen);
-    answer["journal_is_left"] = state.journal.is_some().into();
     match ended {
-        Ok(summary) => answer["summary"] = counted(&summary),
+        Ok(summary) => answer["is_as_found"] = summary.is_as_found.into(),
         Err(error) => answer["failed"] = error.to_string().into(),
     }
     for (frame, state) in seen.kills.into_inner() {
@@ -152,16 +150,6 @@ impl Told {
 fn compare(answer: &mut Value, comparison: &Comparison) {
     answer["is_as_found"] = comparison.is_as_found().into();
     answer["lines"] = lines(comparison).into();
-    answer["commands"] = comparison.commands.clone().into();
-}
-
-fn counted(summary: &Summary) -> Value {
-    let counts = Kind::ALL.map(|kind| (kind.name().to_owned(), summary.count(kind).into()));
-    json!({
-        "counts": counts.into_iter().collect::<serde_json::Map<_, _>>(),
-        "cancelled": summary.cancelled,
-        "is_as_found": summary.is_as_found,
-    })
 }
 
 fn shown(frames: &[Frame]) -> Vec<String> {
