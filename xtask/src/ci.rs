@@ -1,5 +1,6 @@
 //! What CI runs: one step after the other, those first that are quick and find most. A step that fails hides no other.
 
+use crate::as_found::as_found;
 use crate::attack;
 use crate::browser;
 use crate::consent;
@@ -66,10 +67,11 @@ const STEPS: [CiStep; 16] = [
 ];
 
 /// What takes long and finds little: once a night is enough.
-const NIGHTLY: [CiStep; 5] = [
+const NIGHTLY: [CiStep; 6] = [
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
     CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
+    CiStep { name: "as found", alone: "cargo xtask as-found --all", run: || as_found(&["--all".to_owned()]) },
     CiStep { name: "storm", alone: "cargo xtask storm", run: storm },
     CiStep { name: "incidents", alone: "cargo xtask incidents", run: incidents },
 ];
