@@ -96,6 +96,7 @@ impl Device {
         let (mut heard, mut bytes) = (Vec::new(), [0; 4096]);
         for _ in 0..600 {
             stream.write_all(b"t63F84000100000000000\r").unwrap();
+            std::thread::sleep(Duration::from_millis(100));
             if let Ok(read) = stream.read(&mut bytes) {
                 heard.extend_from_slice(&bytes[..read]);
             }

@@ -50,6 +50,32 @@ fn an_interface_goes_down_and_up_during_test_and_simulate() {
     assert_eq!(device.interrupt().status, 0);
 }
 
+/// The sequences under way are not judged; those before and after it are.
+#[test]
+fn an_interface_goes_down_and_up_during_fuzz() {
+    let bus = Interface::new("vfuzzdown");
+    let device = simulate("reference-301", bus.name(), &[]);
+    let args = ["fuzz", bus.name(), "--node", "10", "--device", "reference-301", "--target", "sdo", "--seed", "1"];
+    let fuzz = Running::start(canvass(&[&args[..], &["--for", "12s", "--format", "json"]].concat()));
+    std::thread::sleep(Duration::from_secs(5));
+    bus.down();
+    std::thread::sleep(Duration::from_millis(1_200));
+    bus.up();
+    let ended = fuzz.finish();
+    let report = parsed(&ended.stdout);
+    let brief = format!("{} {} {}", report["interruptions"], report["unjudged"], report["violations"]);
+    assert_eq!((ended.status, &report["violations"]), (0, &Value::Array(Vec::new())), "{brief}");
+    assert_eq!(
+        (&report["interruptions"]["count"], &report["interruptions"]["over"]),
+        (&1.into(), &true.into()),
+        "{brief}"
+    );
+    assert!(report["interruptions"]["duration_ns"].as_u64().unwrap() >= 1_150_000_000, "{brief}");
+    assert!((1..=3).contains(&report["unjudged"].as_u64().unwrap()), "{brief}");
+    assert!(report["left"]["compared"].as_u64().unwrap() > 10, "the device is read at the end: {}", report["left"]);
+    assert_eq!(device.interrupt().status, 0);
+}
+
 #[test]
 fn an_interface_goes_down_and_up_during_record() {
     let bus = Interface::new("vrecdown");

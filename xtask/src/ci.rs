@@ -1,5 +1,6 @@
 //! What CI runs: one step after the other, those first that are quick and find most. A step that fails hides no other.
 
+use crate::as_found::as_found;
 use crate::attack;
 use crate::browser;
 use crate::consent;
@@ -66,10 +67,11 @@ const STEPS: [CiStep; 16] = [
 ];
 
 /// What takes long and finds little: once a night is enough.
-const NIGHTLY: [CiStep; 5] = [
+const NIGHTLY: [CiStep; 6] = [
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
     CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
+    CiStep { name: "as found", alone: "cargo xtask as-found --all", run: || as_found(&["--all".to_owned()]) },
     CiStep { name: "storm", alone: "cargo xtask storm", run: storm },
     CiStep { name: "incidents", alone: "cargo xtask incidents", run: incidents },
 ];
@@ -170,7 +172,7 @@ fn built() -> PathBuf {
 
 /// The page, tried beside the program that the tests have built.
 fn page() -> Result<()> {
-    web::step(|| test(&[&["--workspace", "-E", "package(canvass) & binary(page)"], &FEATURES[..]].concat()))
+    web::step(|| these(&["page"]))
 }
 
 fn everyday_tests() -> Result<()> {
@@ -185,13 +187,18 @@ fn tests() -> Result<()> {
 fn peers_and_browser() -> Result<()> {
     peers::install_all()?;
     browser::install_all()?;
-    // As the tests before, but only these: all is compiled.
-    let chosen: &[&str] = if has_nextest() {
-        &["--workspace", "-E", "package(canvass) & (binary(peers) | binary(browser))"]
-    } else {
-        &["--package", "canvass", "--test", "peers", "--test", "browser"]
-    };
-    test(&[chosen, &FEATURES[..]].concat())
+    these(&["peers", "browser"])
+}
+
+/// The program's tests in those files: all is compiled.
+fn these(files: &[&str]) -> Result<()> {
+    if has_nextest() {
+        let binaries: Vec<String> = files.iter().map(|file| format!("binary({file})")).collect();
+        let chosen = format!("package(canvass) & ({})", binaries.join(" | "));
+        return test(&[&["--workspace", "-E", &chosen], &FEATURES[..]].concat());
+    }
+    let chosen: Vec<&str> = files.iter().flat_map(|file| ["--test", file]).collect();
+    test(&[&["--package", "canvass"], &chosen[..], &FEATURES[..]].concat())
 }
 
 /// By nextest, which runs the tests of all crates side by side, where it is there.

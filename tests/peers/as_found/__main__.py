@@ -35,13 +35,6 @@ def arguments():
     return parser.parse_args()
 
 
-REFUSED = {
-    "tr-c65": "reset node sets its profile to defaults, whatever is stored: set up otherwise, it is not tested",
-    "tr-lmp30": "as tr-c65",
-}
-"""Models on which no run may begin in these situations, and why: all change objects of the profile."""
-
-
 def main():
     logging.disable(logging.ERROR)
     options = arguments()
@@ -61,7 +54,6 @@ def main():
     if options.all and options.canvass:
         outcomes += live.kills(options.canvass, options.descriptions, catalogue, models, options.seed)
     idle = [model for model in models if not any(outcome.began for outcome in outcomes if outcome.trial.model == model)]
-    idle = [model for model in idle if model not in REFUSED]
     if idle:
         print(f"nothing is known: no run began on {', '.join(idle)}")
         return 2
@@ -92,19 +84,20 @@ def one(options, words):
 
 def matrix(options, catalogue, models):
     """All trials, on all processors."""
-    situations = list(SITUATIONS)
     extent = WHOLE if options.all else SAMPLE
-    jobs = []
-    for number, model in enumerate(models):
-        # A sample has each model in two situations, and each situation with several models.
-        chosen = (
-            situations if options.all else [situations[(number + options.seed + of) % len(situations)] for of in (0, 1)]
-        )
-        jobs += [
-            (options.lockstep, options.descriptions, model, name, catalogue, extent, options.seed) for name in chosen
-        ]
+    jobs = [
+        (options.lockstep, options.descriptions, model, situation, catalogue, extent, options.seed)
+        for number, model in enumerate(models)
+        for situation in (SITUATIONS if options.all else sampled(number + options.seed))
+    ]
     with multiprocessing.Pool() as pool:
         return [outcome for outcomes in pool.imap(try_all, jobs, chunksize=1) for outcome in outcomes]
+
+
+def sampled(number):
+    """Two situations, one of them with a switch: some devices are not tested without."""
+    kinds = [[name for name, situation in SITUATIONS.items() if situation.has_switch is has] for has in (True, False)]
+    return [names[number % len(names)] for names in kinds]
 
 
 if __name__ == "__main__":

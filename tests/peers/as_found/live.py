@@ -91,7 +91,7 @@ class Device:
         network = Network(can.Bus(interface="slcan", channel=f"socket://{self._place}", bitrate=250_000))
         network.connect()
         try:
-            yield Subject(network, self.node_id, f"{descriptions}/{model}.eds")
+            yield Subject(network, self.node_id, f"{descriptions}/{model}.eds", guards=False)
         finally:
             network.disconnect()
 
@@ -129,9 +129,8 @@ def kill(canvass, descriptions, trial):
             look = lambda: _look(canvass, descriptions, trial.model, folder, device)
             judge = Judge(trial.model, device.node_id, subject.description, look(), look())
             journal = folder / "journal"
-            _test_and_kill(canvass, trial, device, journal)
-            began = journal.exists()
-            claims, text = _restore(canvass, device, journal, folder) if began else (None, [])
+            began = _test_and_kill(canvass, trial, device, journal)
+            claims, text = _restore(canvass, device, journal, folder) if journal.exists() else (None, [])
             try:
                 seen = look()
             except Silent as silent:
@@ -157,6 +156,7 @@ def _turned(folder):
 
 
 def _test_and_kill(canvass, trial, device, journal):
+    """Whether the first case had begun when the run was killed."""
     command = [canvass, "test", device.bus, "--node", str(device.node_id), "--device", trial.model]
     command += ["--allow", "all", "--select", ",".join(trial.select), "--journal", journal]
     command += ["--zero-point-stored"] if SITUATIONS[trial.situation].zero_point_is_stored else []
@@ -164,8 +164,10 @@ def _test_and_kill(canvass, trial, device, journal):
         # Counted from the first case: a busy machine needs seconds for what comes before it.
         while not journal.exists() and run.poll() is None:
             time.sleep(0.005)
+        began = journal.exists()
         time.sleep(trial.seconds)
         run.kill()
+    return began
 
 
 def _restore(canvass, device, journal, folder):

@@ -25,7 +25,7 @@ class Extent:
 
 
 WHOLE = Extent(alone=None, interrupts=3, kills=13, others=True)
-"""Of each of the four situations of a model."""
+"""Of each situation of a model."""
 SAMPLE = Extent(alone=6, interrupts=1, kills=6, others=False)
 
 
@@ -70,13 +70,13 @@ class Matrix:
         return self._stand.run(self._trial(allow, *select))
 
     def _others(self, ran):
-        """This situation's share of the cases that touch nothing. Where the shaft turns there is none: to wait until it is at
-        rest takes time."""
-        at_rest = [name for name, situation in SITUATIONS.items() if not situation.turns]
-        if self._stand.situation not in at_rest:
+        """This situation's share of the cases that touch nothing. None where runs do not begin, and none where the shaft turns:
+        to wait until it is at rest takes time."""
+        sharing = [name for name, each in SITUATIONS.items() if not each.turns and not each.has_zero_point]
+        if self._stand.situation not in sharing:
             return []
         others = [case for case in ran if not self._touches[case]]
-        return others[at_rest.index(self._stand.situation) :: len(at_rest)]
+        return others[sharing.index(self._stand.situation) :: len(sharing)]
 
     def _alone(self, case):
         for allow in allowances(self._words):

@@ -18,8 +18,12 @@ class Situation:
     """Other values were given to them later, and not stored."""
     state: str | None
     """The NMT state that was commanded."""
+    is_scaled: bool = True
+    """The scaling is among them."""
     has_zero_point: bool = False
     """A preset was given after that: the first reset would lose the zero point."""
+    has_switch: bool = False
+    """The user gives canvass a command that switches the supply of the device."""
     turns: bool = False
     """The shaft turns slowly while canvass is there."""
 
@@ -34,12 +38,13 @@ class Situation:
         return TURNED if self.turns else MOVED
 
 
+OPERATIONAL = "OPERATIONAL"
 SITUATIONS = {
-    "working": Situation(is_stored=False, is_working=True, state=None),
-    "stored": Situation(is_stored=True, is_working=False, state="OPERATIONAL"),
-    "both": Situation(is_stored=True, is_working=True, state="OPERATIONAL"),
-    "preset": Situation(is_stored=True, is_working=True, state="OPERATIONAL", has_zero_point=True),
-    "turning": Situation(is_stored=True, is_working=True, state=None, turns=True),
+    "working": Situation(is_stored=False, is_working=True, state=None, is_scaled=False),
+    "stored": Situation(is_stored=True, is_working=False, state=OPERATIONAL),
+    "both": Situation(is_stored=True, is_working=True, state=OPERATIONAL, has_switch=True),
+    "preset": Situation(is_stored=True, is_working=True, state=OPERATIONAL, has_zero_point=True),
+    "turning": Situation(is_stored=True, is_working=True, state=None, has_switch=True, turns=True),
 }
 
 MOVES, MOVED = 25, 27
@@ -102,6 +107,7 @@ CHOSEN = {
 MAPPING = 2
 """The TPDO whose mapping is changed, by its number from 1."""
 
+SCALING = (0x6000, 0x6001, 0x6002)
 PRESETS = {0x6003: Pair(1_500, 700), 0x3010: Pair(1, 1)}
 
 
@@ -120,11 +126,11 @@ def prepare(subject, model, name):
     subject.network.hear(3)
     taken = 0
     if situation.is_stored:
-        taken += _write_all(subject, model, lambda pair: pair.stored, has_zero_point=True)
+        taken += _write_all(subject, model, lambda pair: pair.stored, is_scaled=True, has_zero_point=True)
         subject.node.store()
         subject.network.hear(4)
     if situation.is_working:
-        taken += _write_all(subject, model, lambda pair: pair.working, situation.has_zero_point)
+        taken += _write_all(subject, model, lambda pair: pair.working, situation.is_scaled, situation.has_zero_point)
     if taken < LEAST:
         raise Unfit(f"{model} took only {taken} settings")
     if subject.network.now() - began >= MOVES:
@@ -134,9 +140,10 @@ def prepare(subject, model, name):
     subject.network.hear(MOVED + 1 - (subject.network.now() - began))
 
 
-def _write_all(subject, model, of, has_zero_point):
+def _write_all(subject, model, of, is_scaled, has_zero_point):
     """Gives each setting the one or the other value; how many the device took."""
-    taken = sum(subject.write(*at, subject.encode(at, of(pair))) for at, pair in _settings(subject, model))
+    written = [(at, of(pair)) for at, pair in _settings(subject, model) if is_scaled or at[0] not in SCALING]
+    taken = sum(subject.write(*at, subject.encode(at, value)) for at, value in written)
     taken += _map(subject, of(Pair(-1, -2)))
     presets = [(index, of(pair)) for index, pair in PRESETS.items() if why_acting(model, index)]
     for index, value in presets if has_zero_point else []:

@@ -39,9 +39,8 @@ class Stand:
         """A complete or interrupted run."""
         self.go_back()
         told = self._test(trial, [])
-        claims = told.get("summary", {}).get("is_as_found", told.get("is_as_found"))
         counts = {"began": told["begun"] > 0, "frames": told["frames"], "cases": told["cases"]}
-        return self.judge(trial, claims, told, told["closing"], **counts)
+        return self.judge(trial, told.get("is_as_found"), told, told["closing"], **counts)
 
     def kill(self, trial, frames):
         """The run is killed at each of these frames, and the device is restored each time."""
@@ -64,6 +63,7 @@ class Stand:
             allow=trial.allow,
             select=trial.select,
             zero_point_stored=SITUATIONS[self.situation].zero_point_is_stored,
+            power_cycle=SITUATIONS[self.situation].has_switch,
             interrupt=trial.interrupt,
             kill=kill,
         )

@@ -24,8 +24,10 @@ class Snapshot:
 class Subject:
     """A device on a network of python-canopen."""
 
-    def __init__(self, network, node_id, eds):
-        self.network = network
+    def __init__(self, network, node_id, eds, guards=True):
+        """`guards`: a device without heartbeats is asked for its state by node guarding. It then expects to be asked again, and
+        may leave operational if it is not: only for a device that is looked at and then gone back from."""
+        self.network, self._guards = network, guards
         self.description = canopen.import_od(eds, node_id)
         self.node = network.attach(node_id, self.description)
         self._heard = None
@@ -68,7 +70,7 @@ class Subject:
         """All that can be read, after two and a half seconds in which heartbeats may come."""
         self._heard = None
         self.network.hear(2.5)
-        if self._heard is None:
+        if self._heard is None and self._guards:
             self.network.send_message(0x700 + self.node.id, b"", remote=True)
             self.network.hear(0.1)
         readable = [(variable.index, variable.subindex) for variable in self.variables() if variable.readable]

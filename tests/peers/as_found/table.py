@@ -43,7 +43,9 @@ def shortest(outcomes):
 
 def in_full(outcome):
     """One trial: what the user was told, and what the judge found."""
-    lines = [f"told: {line}" for line in outcome.text]
+    verdicts = collections.Counter(verdict for *_, verdict in outcome.cases)
+    lines = [f"{count} {verdict}" for verdict, count in verdicts.items()]
+    lines += [f"told: {line}" for line in outcome.text]
     lines += [f"differs, as the user was told: {difference}" for difference in outcome.named]
     lines += [f"DIFFERS {complaint}" for complaint in outcome.complaints]
     claim = {True: "as it was found", False: "not as it was found", None: "nothing"}[outcome.claims]

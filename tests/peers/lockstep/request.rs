@@ -36,6 +36,8 @@ pub struct Wanted {
     pub select: Vec<String>,
     /// `--zero-point-stored`.
     pub zero_point_stored: bool,
+    /// `--power-cycle`: whether the tester can switch the supply of the device.
+    pub power_cycle: bool,
     /// Presses Ctrl-C at this frame, counted from 1.
     pub interrupt: Option<u64>,
     /// Keeps what a kill at each of these frames would leave, under the name `kill N`.

@@ -12,12 +12,12 @@ use canvass_suite::case::Case;
 use canvass_suite::catalogue;
 use canvass_suite::comparison::Comparison;
 use canvass_suite::journal::Interrupted;
-use canvass_suite::runner::{self, Plan, RunEvent, Summary};
+use canvass_suite::runner::{self, Plan, RunEvent};
 use canvass_suite::touch::Touch;
-use canvass_suite::verdict::Kind;
 use canvass_traces::{Frame, Record};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// What a run tells while it goes on.
 #[derive(Default)]
@@ -34,16 +34,15 @@ struct Told {
 }
 
 pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
-    let journal = world.journal_path();
+    let (journal, switch) = (world.journal_path(), world.switch_path());
     let _ = std::fs::remove_file(&journal);
     let cases = chosen(&wanted.select)?;
-    let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
-    let zero_point_is_stored = wanted.zero_point_stored;
-    let options = Options { allow, journal: Some(journal.clone()), zero_point_is_stored, ..Options::default() };
+    let options = options(wanted, &journal, &switch)?;
     let moments = Moments {
         interrupt: wanted.interrupt,
         kill: wanted.kill.clone(),
         journal: journal.clone(),
+        switch,
         ..Moments::default()
     };
     let (seen, mut told) = (Seen::default(), Told::default());
@@ -58,15 +57,22 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     drop(bench);
     state.journal = std::fs::read_to_string(&journal).ok();
     let mut answer = told.answer(&seen);
-    answer["journal_is_left"] = state.journal.is_some().into();
     match ended {
-        Ok(summary) => answer["summary"] = counted(&summary),
+        Ok(summary) => answer["is_as_found"] = summary.is_as_found.into(),
         Err(error) => answer["failed"] = error.to_string().into(),
     }
     for (frame, state) in seen.kills.into_inner() {
         world.put_away(format!("kill {frame}"), state);
     }
     Ok(answer)
+}
+
+/// How the device is tested.
+fn options(wanted: &Wanted, journal: &Path, switch: &Path) -> Result<Options> {
+    let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
+    let power_cycle = wanted.power_cycle.then(|| format!("touch '{}'", switch.display()));
+    let (zero_point_is_stored, journal) = (wanted.zero_point_stored, Some(journal.to_owned()));
+    Ok(Options { allow, power_cycle, zero_point_is_stored, journal, ..Options::default() })
 }
 
 pub fn restore(world: &mut World) -> Result<Value> {
@@ -144,16 +150,6 @@ impl Told {
 fn compare(answer: &mut Value, comparison: &Comparison) {
     answer["is_as_found"] = comparison.is_as_found().into();
     answer["lines"] = lines(comparison).into();
-    answer["commands"] = comparison.commands.clone().into();
-}
-
-fn counted(summary: &Summary) -> Value {
-    let counts = Kind::ALL.map(|kind| (kind.name().to_owned(), summary.count(kind).into()));
-    json!({
-        "counts": counts.into_iter().collect::<serde_json::Map<_, _>>(),
-        "cancelled": summary.cancelled,
-        "is_as_found": summary.is_as_found,
-    })
 }
 
 fn shown(frames: &[Frame]) -> Vec<String> {

@@ -14,6 +14,8 @@ pub struct Moments {
     pub kill: Vec<u64>,
     /// Where the run writes its journal.
     pub journal: PathBuf,
+    /// When this file is there, the supply is switched off and on.
+    pub switch: PathBuf,
     pub cancel: AtomicBool,
 }
 
@@ -35,6 +37,13 @@ pub struct Watched<'a> {
 }
 
 impl Watched<'_> {
+    /// The tester's command for the supply ends before it uses the bus again.
+    fn obey_switch(&mut self) {
+        if self.moments.switch.exists() && std::fs::remove_file(&self.moments.switch).is_ok() {
+            self.bus.power_cycle(0);
+        }
+    }
+
     fn count(&self, record: &Record) {
         let frame = self.seen.frames.get() + 1;
         self.seen.frames.set(frame);
@@ -60,10 +69,12 @@ impl Bus for Watched<'_> {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        self.obey_switch();
         self.bus.send(frame)
     }
 
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        self.obey_switch();
         let record = self.bus.receive(deadline)?;
         record.iter().for_each(|record| self.count(record));
         Ok(record)

@@ -57,6 +57,11 @@ impl World {
         self.folder.path().join("journal")
     }
 
+    /// The file with which the tester switches the supply of the device off and on.
+    pub fn switch_path(&self) -> PathBuf {
+        self.folder.path().join("switch")
+    }
+
     pub fn device(&mut self, address: String) -> Result<Value> {
         let BusAddress::Simulated(mut named) = address.parse()? else { bail!("{address} is no simulated device") };
         for device in &mut named {

@@ -3,8 +3,7 @@
 use anyhow::{Context, Result, bail, ensure};
 
 /// How the arguments are written.
-const USAGE: &str =
-    "usage: cargo xtask flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]";
+const USAGE: &str = "usage: cargo xtask flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE] [--starve device]";
 
 /// On what frames travel between device and tester.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,6 +14,15 @@ pub enum Transport {
     Virtual,
     /// A CAN interface that is there, for one pair at a time.
     Interface(String),
+}
+
+/// Who gets no processor while there is other work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Starved {
+    /// The tester: the device comes before the other work, where this user may say so.
+    Tester,
+    /// The device.
+    Device,
 }
 
 /// What is repeated.
@@ -30,6 +38,8 @@ pub struct Options {
     pub select: Option<String>,
     /// The bus.
     pub transport: Transport,
+    /// Who comes after the other work; the other one comes before it, or beside it.
+    pub starved: Starved,
     /// Whether this process was started in a machine of its own, with a program that is built.
     pub in_machine: bool,
 }
@@ -49,6 +59,7 @@ impl Options {
             models: Vec::new(),
             select: None,
             transport: Transport::Slcan,
+            starved: Starved::Tester,
             in_machine: false,
         };
         let mut arguments = arguments.iter();
@@ -63,6 +74,7 @@ impl Options {
                 "--at-once" => options.at_once = value.parse()?,
                 "--model" => options.models.push(value.clone()),
                 "--select" => options.select = Some(value.clone()),
+                "--starve" if value == "device" => options.starved = Starved::Device,
                 "--bus" if value == "vcan" => options.transport = Transport::Virtual,
                 "--bus" => options.transport = Transport::Interface(value.clone()),
                 _ => bail!("{USAGE}"),
@@ -84,6 +96,9 @@ impl Options {
         let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
         add("--runs", runs.to_string());
         add("--at-once", self.at_once.to_string());
+        if self.starved == Starved::Device {
+            add("--starve", "device".to_owned());
+        }
         self.models.iter().for_each(|model| add("--model", model.clone()));
         if let Some(select) = &self.select {
             add("--select", select.clone());
@@ -102,7 +117,8 @@ mod tests {
 
     #[test]
     fn what_goes_into_the_machine_is_what_was_asked_for() {
-        let asked = read("--bus vcan --runs 100 --at-once 8 --model reference-406 --select 301/sdo").unwrap();
+        let asked =
+            read("--bus vcan --runs 100 --at-once 8 --model reference-406 --select 301/sdo --starve device").unwrap();
         assert_eq!(asked.transport, Transport::Virtual);
         let inside = Options::read(&asked.words(50)).unwrap();
         assert_eq!(inside, Options { runs: 50, in_machine: true, ..asked });
@@ -115,5 +131,7 @@ mod tests {
         assert!(read("--at-once 0").is_err());
         assert!(read("--bus").is_err());
         assert!(read("--often 3").is_err());
+        assert!(read("--starve tester").is_err());
+        assert_eq!(options.starved, Starved::Tester);
     }
 }

@@ -1,6 +1,6 @@
 //! A simulated device in one process, the tester in another, and the transport between them.
 
-use super::options::{Options, Transport};
+use super::options::{Options, Starved, Transport};
 use super::tally::Run;
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
@@ -50,7 +50,10 @@ impl Pair {
                 (format!("slcan:listen://{port}"), format!("slcan:tcp://127.0.0.1:{port}@{BIT_RATE}"))
             }
         };
-        let mut command = prompt(program);
+        let mut command = match options.starved {
+            Starved::Tester => prompt(program),
+            Starved::Device => starved(program),
+        };
         command.args(["simulate", model, &end, "--node", NODE]);
         let mut device = command
             .stdin(Stdio::null())
@@ -121,6 +124,13 @@ fn prompt(program: &str) -> Command {
     }
     let mut command = Command::new("chrt");
     command.args(["--fifo", "10", program]);
+    command
+}
+
+/// The device comes after all other work.
+fn starved(program: &str) -> Command {
+    let mut command = Command::new("nice");
+    command.args(["-n", "19", program]);
     command
 }
 

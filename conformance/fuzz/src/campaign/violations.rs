@@ -52,33 +52,17 @@ impl Campaign<'_> {
             tail.stimuli.drain(..self.executor.tail().min(tail.stimuli.len()));
             tree = SequenceTree::new(tail);
         }
-        let (sequence, whole) = (tree.current(), self.executor.since_start());
-        let before = condense(self.executor.before_sequence(), self.executor.knowledge());
+        let whole = self.executor.since_start();
         let seen = Found {
             violation,
-            sequence,
+            sequence: tree.current(),
             evidence: self.executor.evidence.clone(),
             confirmed: false,
             state: self.executor.kept.clone(),
             is_cut_off: false,
         };
         self.unrepeated = Some(Unrepeated { seen: seen.clone(), doubts, is_swift: pace == Pace::Swift });
-        let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation, Pace::Careful)?;
-        if matches!(confirmed, Confirmed::No) && !before.is_empty() {
-            let mut led = seen.sequence.clone();
-            led.stimuli.splice(0..0, before);
-            confirmed = self.confirm(stand, &led, &seen.violation, Pace::Careful)?;
-            if matches!(confirmed, Confirmed::Again) {
-                tree = SequenceTree::new(led);
-            }
-        }
-        let is_whole = matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len();
-        if is_whole {
-            // It is long: whether it shows anything is tried at the pace at which it was seen.
-            self.executor.forget_rest();
-            confirmed = self.confirm(stand, &whole, &seen.violation, Pace::Swift)?;
-            tree = SequenceTree::new(whole);
-        }
+        let (confirmed, tree, is_whole) = self.repeat(stand, tree, &seen, whole)?;
         let (found, lost) = match confirmed {
             Confirmed::Again if is_whole && self.plan.stop_at_first => {
                 let mut shortening = Shortening::of_history(tree.best().clone(), seen);
@@ -112,6 +96,35 @@ impl Campaign<'_> {
             Some((violation, dead)) => self.lose(stand, violation, dead),
             None => Ok(()),
         }
+    }
+
+    /// Repeats a violation that was seen in `whole`, all that was sent since the start. Gives what came of it, the sequence that
+    /// was tried last, and whether that was all of it.
+    fn repeat(
+        &mut self,
+        stand: &mut dyn TestStand,
+        mut tree: SequenceTree,
+        seen: &Found,
+        whole: Sequence,
+    ) -> Result<(Confirmed, SequenceTree, bool), BusError> {
+        let before = condense(self.executor.before_sequence(), self.executor.knowledge());
+        let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation, Pace::Careful)?;
+        if matches!(confirmed, Confirmed::No) && !before.is_empty() {
+            let mut led = seen.sequence.clone();
+            led.stimuli.splice(0..0, before);
+            confirmed = self.confirm(stand, &led, &seen.violation, Pace::Careful)?;
+            if matches!(confirmed, Confirmed::Again) {
+                tree = SequenceTree::new(led);
+            }
+        }
+        let is_whole = matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len();
+        if is_whole {
+            // It is long: whether it shows anything is tried at the pace at which it was seen.
+            self.executor.forget_rest();
+            confirmed = self.confirm(stand, &whole, &seen.violation, Pace::Swift)?;
+            tree = SequenceTree::new(whole);
+        }
+        Ok((confirmed, tree, is_whole))
     }
 
     /// A violation is reported, unless it was seen at the swift pace, does not come back and may have been

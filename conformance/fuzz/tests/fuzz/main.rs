@@ -4,6 +4,7 @@
 mod coverage;
 mod faults;
 mod healthy;
+mod interrupted;
 mod limits;
 mod live;
 mod perishable;

@@ -29,6 +29,7 @@ mod operational;
 pub mod pdo;
 mod presence;
 mod profile;
+mod promptness;
 mod provide;
 mod restore;
 mod rewrite;
@@ -64,6 +65,7 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
 use clients::Clients;
+use promptness::Promptness;
 use rewrite::Original;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -98,6 +100,9 @@ pub struct Bench<'a> {
     started: bool,
     foreign: Foreign,
     clients: Clients,
+    promptness: Promptness,
+    /// When the last frame was on the bus.
+    taken_at: Timestamp,
     /// The case in which the device left the bus, if it did not come back.
     gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
@@ -119,6 +124,9 @@ pub(crate) const HOST_LATE: Duration = Duration::from_millis(50);
 
 /// What the tester's own machine has to do. Reports name it where it did not.
 pub(crate) const KEEPS_UP: &str = "the tester's machine keeps up";
+
+/// What the device has to do, so that its times are those of its clock. Reports name it where it did not.
+pub(crate) const DEVICE_KEEPS_UP: &str = "the device keeps up";
 
 /// What a case leaves behind for its report.
 #[derive(Debug)]
@@ -174,6 +182,8 @@ impl<'a> Bench<'a> {
             started: false,
             foreign: Foreign::default(),
             clients: Clients::new(target.node, target.description.as_ref()),
+            promptness: Promptness::default(),
+            taken_at: Timestamp::ZERO,
             gone: None,
             lost_before: None,
             taken: 0,
@@ -374,6 +384,7 @@ impl<'a> Bench<'a> {
         self.untidy.clear();
         self.notes.clear();
         self.begin_among_others();
+        self.promptness.begin();
         self.measurements.clear();
         self.uses.clear();
         self.watch.forget();

@@ -232,6 +232,9 @@ impl ServerLine for BenchLine<'_, '_> {
             let duration = self.bench.now().since(self.asked);
             self.bench.knowledge.slowest_answer = self.bench.knowledge.slowest_answer.max(duration);
         }
+        if self.multiplexer == DEVICE_TYPE && self.responses.is_empty() {
+            self.bench.note_answer(self.asked);
+        }
         self.bench.judge_answer(Some(self.multiplexer), &frame);
         if self.responses.len() < KEPT {
             self.responses.push(frame);

@@ -62,6 +62,7 @@ impl Bench<'_> {
                 self.check_lost()?;
                 self.knowledge.fd_frames += u64::from(record.frame.is_fd());
                 self.watch.observe(&record);
+                self.taken_at = record.timestamp;
                 if self.clients.observe(&record) && !self.is_own(&record.frame) {
                     self.foreign.count(&record, self.target.node);
                 }

@@ -4,6 +4,7 @@ mod blame;
 #[cfg(test)]
 mod counts;
 mod event;
+mod lateness;
 #[cfg(test)]
 mod left_behind;
 mod nonsense;

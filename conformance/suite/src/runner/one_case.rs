@@ -2,6 +2,7 @@
 
 use super::blame::{blameless, not_kept_out, overload};
 use super::event::CaseReport;
+use super::lateness::not_of_a_late_device;
 use super::others::not_of_others;
 use super::restart::with_restart;
 use crate::bench::{Bench, Boots, Evidence, Remains, Target};
@@ -53,6 +54,9 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     breaches.extend(has_left.then(stopped_answering));
     let foreign = bench.foreign_messages();
     let (breaches, end) = not_of_others(case.id, breaches, end, &foreign);
+    // What an open case finds fails nobody; a device that has left is not late.
+    let may_be_late = ran && !has_left && case.level != Level::Open;
+    let (breaches, end) = if may_be_late { not_of_a_late_device(bench, breaches, end) } else { (breaches, end) };
     let graded = breaches.into_iter().map(|breach| graded(breach, case));
     let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);

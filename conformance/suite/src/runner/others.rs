@@ -52,7 +52,7 @@ fn disturbed(causes: &[ForeignMessages], found: Option<&Reason>) -> End {
     End::Inconclusive(reason.for_lack_of(Lack::Quiet))
 }
 
-/// Runs a case, and again if others disturbed it. Memory that wears out is not written again.
+/// Runs a case, and again if others disturbed it, or the device was late as a whole. Memory that wears out is not written again.
 pub(super) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {
@@ -62,7 +62,7 @@ pub(super) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> Cas
         let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
         let notes = std::mem::take(&mut report.notes);
         report = run_case(bench, case);
-        let tried = format!("tried again, as others disturbed it: {reason}");
+        let tried = format!("tried again: {reason}");
         report.notes.splice(0..0, notes.into_iter().chain([tried]));
     }
     report
@@ -72,7 +72,8 @@ pub(super) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> Cas
 fn may_end_otherwise(report: &CaseReport) -> bool {
     let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
     let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());
-    report.verdict.kind() == Kind::Inconclusive && reason.lack == Lack::Quiet && come_and_go
+    let is_by_chance = reason.lack == Lack::Quiet && come_and_go || reason.lack == Lack::Promptness;
+    report.verdict.kind() == Kind::Inconclusive && is_by_chance
 }
 
 #[cfg(test)]

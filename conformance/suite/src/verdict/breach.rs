@@ -28,6 +28,8 @@ pub struct Breach {
     pub grade: Grade,
     /// When it was seen, on the clock of the bus.
     pub seen: Option<Timestamp>,
+    /// Of how many periods a time is the mean; 1: a single one.
+    pub periods: u64,
 }
 
 /// How bad a breach is.
@@ -93,6 +95,7 @@ impl Breach {
             detail: None,
             grade: Grade::Wrong,
             seen: None,
+            periods: 1,
         }
     }
 
@@ -121,6 +124,12 @@ impl Breach {
         Self { detail: Some(detail.into()), ..self }
     }
 
+    /// The time that was found is the mean of this many periods.
+    #[must_use]
+    pub fn over(self, periods: u64) -> Self {
+        Self { periods: periods.max(1), ..self }
+    }
+
     /// Accepted by CiA's own test tool.
     #[must_use]
     pub fn tolerated(self) -> Self {
@@ -143,13 +152,18 @@ impl Breach {
         matches!(self.actual, Observation::Time(_)) || matches!(self.allowed, Allowed::Time { .. })
     }
 
-    /// Whether it is a time that is outside of what is allowed, by no more than that.
-    pub fn is_outside_by(&self, at_most: Duration) -> bool {
+    /// By how much a time is outside of what is allowed, over all its periods; `None` if it is not, or is no time.
+    pub fn outside(&self) -> Option<Duration> {
         let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else {
-            return false;
+            return None;
         };
         let outside = least.0.saturating_sub(time.0).max(time.0.saturating_sub(most.0));
-        (1..=at_most.0).contains(&outside)
+        (outside > 0).then(|| Duration(outside).times(self.periods))
+    }
+
+    /// Whether it is a time that is outside of what is allowed, by no more than that over all its periods.
+    pub fn is_outside_by(&self, at_most: Duration) -> bool {
+        self.outside().is_some_and(|outside| outside <= at_most)
     }
 
     /// What has to happen, in one sentence.

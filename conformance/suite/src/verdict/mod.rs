@@ -86,6 +86,8 @@ pub enum Lack {
     Permission,
     /// A bus on which nobody else uses the device.
     Quiet,
+    /// A device that gets a processor when it needs one.
+    Promptness,
 }
 
 /// The kinds of verdict, for counting and for names.

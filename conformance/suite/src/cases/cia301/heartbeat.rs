@@ -57,6 +57,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
             Breach::new(Service::Heartbeat, duty)
                 .expected(Allowed::Time { least, most: period + tolerance })
                 .found(mean.map_or(Observation::Count(heard.len() as u64), Observation::Time))
+                .over(heard.len().saturating_sub(1) as u64)
         }))
     })
 }

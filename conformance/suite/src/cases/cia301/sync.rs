@@ -73,6 +73,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
         Breach::new(PERIOD, format!("with 1006h = {PERIOD_US} SYNC comes every {PERIOD_TIME} on average"))
             .expected(Allowed::Time { least, most: PERIOD_TIME + tolerance })
             .found(mean.map_or(Observation::Count(heard.len() as u64), Observation::Time))
+            .over(gaps)
     }))
 }
 

@@ -270,6 +270,7 @@ fn event_timer_mean(bench: &mut Bench<'_>) -> Judged {
         Breach::new(TPDO.parameter(5), duty)
             .expected(Allowed::Time { least: Duration::ZERO, most })
             .found(Observation::Time(mean))
+            .over(gaps)
     }))
 }
 

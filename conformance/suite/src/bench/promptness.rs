@@ -1,0 +1,94 @@
+//! How promptly the device answers what costs it nothing: one that gets no processor is late as a whole, and its times say nothing
+//! of its clock.
+
+use super::Bench;
+use super::sdo::DEVICE_TYPE;
+use crate::verdict::Stop;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{self, Request};
+use canvass_traces::{Duration, Timestamp};
+
+/// Reads beside a case, at most.
+const READS: usize = 100;
+
+/// From one read to the next.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// How long the device took to answer reads of an object that does not change.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Promptness {
+    /// The least time in the run.
+    usual: Option<Duration>,
+    /// The longest in the case.
+    longest: Duration,
+}
+
+impl Promptness {
+    fn note(&mut self, took: Duration) {
+        self.usual = Some(self.usual.map_or(took, |usual| usual.min(took)));
+        self.longest = self.longest.max(took);
+    }
+
+    /// A case begins.
+    pub fn begin(&mut self) {
+        self.longest = Duration::ZERO;
+    }
+
+    fn lateness(self) -> Duration {
+        Duration(self.longest.0.saturating_sub(self.usual.unwrap_or_default().0))
+    }
+}
+
+impl Bench<'_> {
+    /// The device has answered a read of its device type, which was asked for then.
+    pub(super) fn note_answer(&mut self, asked: Timestamp) {
+        let took = self.taken_at.since(asked);
+        self.promptness.note(took);
+    }
+
+    /// How long it usually takes to answer.
+    pub(crate) fn usual_answer(&self) -> Duration {
+        self.promptness.usual.unwrap_or_default()
+    }
+
+    /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
+    /// `enough`, or often enough. One that does not answer is not late.
+    pub(crate) fn lateness(&mut self, enough: Duration) -> Duration {
+        if self.promptness.lateness() >= enough {
+            return self.promptness.lateness();
+        }
+        let looked = self.uncancelled(|bench| bench.unjudged(|bench| bench.look_beside(enough)));
+        // A look that ends early has seen what it has seen.
+        drop(looked);
+        self.promptness.lateness()
+    }
+
+    fn look_beside(&mut self, enough: Duration) -> Result<(), Stop> {
+        if !self.answers()? {
+            // Stopped, for example.
+            self.prepare()?;
+        }
+        for _ in 0..READS {
+            if self.promptness.lateness() >= enough || !self.read_beside()? {
+                break;
+            }
+            self.wait_for(PAUSE, |_| None::<()>)?;
+        }
+        Ok(())
+    }
+
+    fn read_beside(&mut self) -> Result<bool, Stop> {
+        self.drain()?;
+        self.wait_for_quiet()?;
+        let response = sdo::RESPONSE_BASE + u16::from(self.node().raw());
+        let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(self.node().raw()));
+        let sent = self.send(&request)?;
+        let is_response = |cob_id| cob_id == Some(response);
+        let answered =
+            self.wait_for(self.timing().sdo_response, |record| is_response(record.frame.cob_id()).then_some(()))?;
+        if answered.is_some() {
+            self.note_answer(sent.at);
+        }
+        Ok(answered.is_some())
+    }
+}

@@ -1,0 +1,173 @@
+//! A device that gets no processor now and then: it is late with everything, and none of its times fails. A device whose timers are
+//! wrong fails all the same, whether it is late or not.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_analyzer::NodeId;
+use canvass_bus::{Bus, Machine, SimulatedBus};
+use canvass_device::models::Model;
+use canvass_device::{Device, Fault, Faults, Firmware};
+use canvass_suite::bench::{Bench, Options, Target};
+use canvass_suite::catalogue::{Selector, select};
+use canvass_suite::runner::{CaseReport, Plan, RunEvent, run};
+use canvass_suite::touch::Touch;
+use canvass_suite::verdict::{Kind, Lack};
+use canvass_traces::{Duration, Frame, Record, Timestamp};
+use std::collections::VecDeque;
+use std::sync::atomic::AtomicBool;
+
+/// A machine that is suspended again and again: what comes or is due meanwhile is served when it goes on.
+struct Starved {
+    machine: Device,
+    frames: VecDeque<Frame>,
+    /// From one stall to the next, all different.
+    stalls: Stalls,
+    stall: (Timestamp, Timestamp),
+}
+
+/// Where stalls begin and how long they are, by chance that is always the same.
+struct Stalls {
+    state: u64,
+    longest: Duration,
+}
+
+impl Stalls {
+    fn next(&mut self, after: Timestamp) -> (Timestamp, Timestamp) {
+        self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let chance = self.state >> 40;
+        let begins = after + Duration::from_millis(20 + chance % 180);
+        (begins, begins + Duration(self.longest.0 * (chance % 8 + 1) / 8))
+    }
+}
+
+impl Starved {
+    fn new(machine: Device, longest_ms: u64) -> Self {
+        let mut stalls = Stalls { state: 1, longest: Duration::from_millis(longest_ms) };
+        let stall = stalls.next(Timestamp::ZERO);
+        Self { machine, frames: VecDeque::new(), stalls, stall }
+    }
+
+    /// Until when it is suspended, if it is.
+    fn suspended(&mut self, now: Timestamp) -> Option<Timestamp> {
+        while self.stall.1 <= now {
+            self.stall = self.stalls.next(self.stall.1);
+        }
+        (self.stall.0 <= now).then_some(self.stall.1)
+    }
+
+    fn go_on(&mut self, now: Timestamp) {
+        for frame in std::mem::take(&mut self.frames) {
+            self.machine.handle(now, &frame);
+        }
+    }
+}
+
+impl Machine for Starved {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        self.frames.push_back(*frame);
+        if self.suspended(now).is_none() {
+            self.go_on(now);
+        }
+    }
+
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        if self.suspended(now).is_some() { None } else { self.machine.poll_transmit(now) }
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        // What is due in a stall, or came in it, is made up for at its end.
+        let (begins, ends) = self.stall;
+        let due = self.machine.poll_timeout().unwrap_or(Timestamp::MAX);
+        Some(if due >= begins || !self.frames.is_empty() { ends } else { due })
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        if self.suspended(now).is_none() {
+            self.go_on(now);
+            if self.machine.poll_timeout().is_some_and(|due| due <= now) {
+                self.machine.handle_timeout(now);
+            }
+        }
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.machine.bit_rate()
+    }
+
+    fn withdraws(&self, pending: &Frame) -> bool {
+        self.machine.withdraws(pending)
+    }
+}
+
+fn tested(firmware: impl Into<Firmware>, longest_ms: u64, selectors: &[&str]) -> Vec<CaseReport> {
+    let (firmware, model) = (firmware.into(), Model::by_id("reference-301").unwrap());
+    let node = NodeId::new(63).unwrap();
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    bus.attach(Box::new(Starved::new(Device::new(model, Some(node), firmware, 0), longest_ms)));
+    let booted = Timestamp::ZERO + Duration::from_secs(6);
+    while bus.receive(booted).unwrap().is_some() {}
+    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
+    let selectors: Vec<Selector> = selectors.iter().map(|text| text.parse().unwrap()).collect();
+    let (target, cases) = (Target::with_firmware(model, node, firmware), select(&selectors).unwrap());
+    let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let mut reports = Vec::new();
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+    // Of a single case that could not be judged the verdict tells.
+    let _ = run(&mut bench, &plan, &mut |event| {
+        if let RunEvent::CaseFinished(report) = event {
+            reports.push((*report).clone());
+        }
+    });
+    reports
+}
+
+fn ending(reports: &[CaseReport], kind: Kind) -> Vec<String> {
+    let ending = reports.iter().filter(|report| report.verdict.kind() == kind);
+    ending.map(|report| format!("{}: {}", report.case.id, report.verdict.reason().unwrap_or_default())).collect()
+}
+
+#[test]
+fn a_starved_device_fails_nothing() {
+    for longest in [8, 40, 120, 250] {
+        let reports = tested(Faults::NONE, longest, &[]);
+        assert_eq!(ending(&reports, Kind::Fail), Vec::<String>::new(), "stalls of up to {longest} ms");
+        let undecided = ending(&reports, Kind::Inconclusive);
+        println!("stalls of up to {longest} ms: {} of {}: {undecided:#?}", undecided.len(), reports.len());
+        assert!(undecided.len() * 50 <= reports.len(), "stalls of up to {longest} ms: {undecided:#?}");
+    }
+}
+
+/// Timers that are wrong are found on a device that answers promptly, and on one that is late by less than they are.
+#[test]
+fn wrong_timers_are_found() {
+    for (fault, case) in [
+        (Fault::EventTimerDoubled, "301/tpdo/event-timer"),
+        (Fault::EventTimerOffByOne, "301/tpdo/event-timer-mean"),
+        (Fault::HeartbeatPeriodDoubled, "301/heartbeat/period"),
+        (Fault::SyncPeriodDoubled, "301/sync/period"),
+        (Fault::HeartbeatTimerRounded, "301/heartbeat/extremes"),
+        (Fault::HeartbeatWrongState, "301/heartbeat/state"),
+        (Fault::RpdoDeadlineNotRestarted, "301/rpdo/deadline-kept"),
+    ] {
+        // A tick too many is less than what a stall of 25 ms makes of 50 periods.
+        let stalls: &[u64] = if fault == Fault::EventTimerOffByOne { &[0, 8] } else { &[0, 8, 25] };
+        for &longest in stalls {
+            let reports = tested(fault, longest, &[case]);
+            assert_eq!(ending(&reports, Kind::Fail).len(), 1, "{fault:?}, {longest} ms: {:?}", reports[0].verdict);
+        }
+    }
+}
+
+/// What a starved device is excused for says so, and with what it was compared.
+#[test]
+fn lateness_is_told() {
+    let reports = tested(Faults::NONE, 250, &["301"]);
+    let mut reasons = reports.iter().filter_map(|report| report.verdict.reason());
+    let reason = reasons.find(|reason| reason.lack == Lack::Promptness).unwrap();
+    assert_eq!(reason.duty, "the device keeps up");
+    assert!(reason.actual.starts_with("the device was late as a whole: a read beside the case"), "{reason}");
+    let tried = reports.iter().flat_map(|report| &report.notes).filter(|note| note.contains("late as a whole"));
+    assert!(tried.count() > 0, "tried again");
+}
