@@ -1,11 +1,10 @@
 //! What a section is about, by its name.
 
-use super::lexer::canonical;
-use crate::identity::Multiplexer;
+use super::names::canonical;
 
 /// The kinds of sections that CiA 306 defines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum SectionName {
+pub(in crate::dictionary) enum SectionName {
     FileInfo,
     DeviceInfo,
     DeviceCommissioning,
@@ -32,7 +31,7 @@ pub(super) enum SectionName {
 
 /// The sections of one module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum ModulePart {
+pub(in crate::dictionary) enum ModulePart {
     Info,
     Comments,
     FixedObjects,
@@ -65,8 +64,7 @@ impl SectionName {
         if let Some(standard) = Self::parse_standard(name) {
             return standard;
         }
-        let name = canonical(name);
-        match name.as_str() {
+        match &*canonical(name) {
             "fileinfo" => Self::FileInfo,
             "deviceinfo" => Self::DeviceInfo,
             // The standard writes one m; the field writes both.
@@ -90,15 +88,6 @@ pub(in crate::dictionary) fn standard_section_name(name: &str) -> Option<String>
     match SectionName::parse(name) {
         SectionName::Object(index) => Some(format!("{index:04X}")),
         SectionName::Sub(index, sub) => Some(format!("{index:04X}sub{sub:X}")),
-        _ => None,
-    }
-}
-
-/// What a section of an object or an entry is about, and whether it is an entry.
-pub(in crate::dictionary) fn address_of_section(name: &str) -> Option<(Multiplexer, bool)> {
-    match SectionName::parse(name) {
-        SectionName::Object(index) => Some((Multiplexer::new(index, 0), false)),
-        SectionName::Sub(index, sub) => Some((Multiplexer::new(index, sub), true)),
         _ => None,
     }
 }
