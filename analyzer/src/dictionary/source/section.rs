@@ -195,6 +195,6 @@ impl<'s> Field<'s> {
 
     /// Where a problem of its name stands.
     pub fn place_of_name(self) -> Place<'s> {
-        Place { spot: Spot::Exact(self.part.name), ..self.place() }
+        Place { spot: self.part.spot_of_name(), ..self.place() }
     }
 }

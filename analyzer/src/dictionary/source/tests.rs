@@ -98,6 +98,21 @@ fn elements_and_attributes_stand_where_they_are() {
     assert_eq!(of_b.iter().map(|(.., written)| *written).collect::<Vec<_>>(), ["1", "2 > 1", "&lt;"]);
 }
 
+/// What has neither value nor name is marked as a line.
+#[test]
+fn each_place_shows_something() {
+    let source = Source::of_text("[a]\nname=value\nname=\n=value\n=\n");
+    let section = source.section("a").unwrap();
+    let shown = |place: Place<'_>| match place.spot {
+        Spot::Exact(span) => source.get(span).to_owned(),
+        _ => format!("line {}", place.line),
+    };
+    let values: Vec<_> = section.all_fields().map(|field| shown(field.place())).collect();
+    assert_eq!(values, ["value", "name", "value", "line 5"]);
+    let names: Vec<_> = section.all_fields().map(|field| shown(field.place_of_name())).collect();
+    assert_eq!(names, ["name", "name", "line 4", "line 5"]);
+}
+
 /// Of many fields, too, the first of a name counts.
 #[test]
 fn the_first_of_many_fields_counts() {

@@ -165,6 +165,11 @@ impl<'t> Builder<'t> {
 impl FieldPart {
     /// Where a problem of the field is shown: at its value, or at its name where it has none.
     pub const fn spot(&self) -> Spot {
-        Spot::Exact(if self.value.is_empty() { self.name } else { self.value })
+        if self.value.is_empty() { self.spot_of_name() } else { Spot::Exact(self.value) }
+    }
+
+    /// Where a problem of its name is shown: at the name, or at the line where it has none.
+    pub const fn spot_of_name(&self) -> Spot {
+        if self.name.is_empty() { Spot::Line } else { Spot::Exact(self.name) }
     }
 }
