@@ -144,7 +144,7 @@ fn places_are_those_of_the_text() {
         let checked = check(text.as_bytes(), Some(NAME)).unwrap();
         for finding in &checked.findings {
             let lines: Vec<&str> = text.split('\n').collect();
-            let marked = checked.text.get(finding.span.clone()).unwrap();
+            let marked = checked.source.text.get(finding.span.clone()).unwrap();
             if finding.line > 0 {
                 let line = lines[finding.line as usize - 1];
                 let begin: String = line.chars().skip(finding.column as usize - 1).collect();

@@ -134,7 +134,7 @@ fn understood(bytes: &[u8]) -> Vec<Object> {
         let mut same = Object::new(object.index.0, object.name.clone(), object.code);
         for entry in object.entries() {
             let mut entry = entry.clone();
-            entry.line = 0;
+            (entry.line, entry.section) = (0, None);
             same.insert(entry);
         }
         same

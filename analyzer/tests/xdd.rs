@@ -2,7 +2,10 @@
 //! references to parameters of the application process.
 
 use canvass_analyzer::dictionary::eds::DescriptionError;
-use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, xdd};
+use canvass_analyzer::dictionary::source::Source;
+use canvass_analyzer::dictionary::{
+    Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, check, xdd,
+};
 use canvass_analyzer::{Index, Multiplexer, NodeId};
 use proptest::prelude::*;
 
@@ -76,7 +79,7 @@ fn attributes_are_the_same_in_any_case() {
     assert_eq!(dummies.get(&5), Some(&true));
     let unkept = read_with(known, &format!("{commissioning} />"));
     let text = ATTRIBUTES.replacen(known, &format!("{commissioning} />"), 1);
-    assert!(!unkept.unkept(text.as_bytes()).iter().any(|loss| loss.to_string().contains("nodeID")));
+    assert!(!unkept.unkept(&Source::of_text(text)).iter().any(|loss| loss.to_string().contains("nodeID")));
 }
 
 /// The attributes as the schema of CiA 311 has them.
@@ -140,6 +143,36 @@ fn problems_name_line_element_and_attribute() {
     }
 }
 
+/// What is marked of an object in XML, for each rule that it breaks.
+fn marked(object: &str) -> Vec<(&'static str, String)> {
+    let text = format!("<CANopenObjectList><a note='1 > 0'/>{object}</CANopenObjectList>");
+    let checked = check::check(text.as_bytes(), None).unwrap();
+    let findings = checked.findings.iter().filter(|finding| finding.problem.rule.id.starts_with("xdd/"));
+    findings.map(|finding| (finding.problem.rule.id, text[finding.span.clone()].to_owned())).collect()
+}
+
+#[test]
+fn an_attribute_is_marked_exactly() {
+    let one = |rule, text: &str| vec![(rule, text.to_owned())];
+    let object = "<CANopenObject name='Speed' index='2000' objectType='7' dataType='0006' accessType='rw'/>";
+    assert_eq!(marked(object), []);
+    let damaged = object.replace("'0006'", "'0xZ'");
+    assert_eq!(marked(&damaged)[..1], one("xdd/number/prefix", "0xZ"));
+    // After a > in an earlier value, and in another line.
+    let damaged = object.replace("Speed", "n > 1000").replace("'7'", "'3'").replace("index", "\n\tindex");
+    assert_eq!(marked(&damaged), one("xdd/object/object-type", "3"));
+    // Not the value of another attribute whose text looks like it.
+    let damaged = object.replace("Speed", " accessType=\"rw\"").replace("'rw'", "\"maybe\"");
+    assert_eq!(marked(&damaged), one("xdd/object/access", "maybe"));
+    // The second of two, and not that of an element before it.
+    let damaged = object.replace("/>", " name='Other'/>");
+    assert_eq!(marked(&damaged), one("xdd/element/attribute-twice", "Other"));
+    assert_eq!(marked(&object.repeat(2)), one("xdd/object/twice", "2000"));
+    // Its own start tag where it is missing.
+    let damaged = object.replace(" accessType='rw'", "");
+    assert_eq!(marked(&damaged), one("xdd/object/access-missing", &damaged));
+}
+
 #[test]
 fn a_file_that_breaks_off_is_read_up_to_there() {
     let (text, _) = ATTRIBUTES.split_at(ATTRIBUTES.find("index=\"6040\"").unwrap());
@@ -177,14 +210,14 @@ fn neither_entities_nor_depth_nor_width_do_harm() {
     assert!(!read(&wide).unwrap().problems.is_empty());
 }
 
-fn check(bytes: &[u8]) -> Result<(), TestCaseError> {
+fn reads(bytes: &[u8]) -> Result<(), TestCaseError> {
     xdd::read(bytes).map_or(Ok(()), |description| harmless::check(&description))
 }
 
 proptest! {
     #[test]
     fn random_bytes_do_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
-        check(&bytes)?;
+        reads(&bytes)?;
     }
 
     #[test]
@@ -201,6 +234,6 @@ proptest! {
                 _ => drop(bytes.drain(place..(place + usize::from(byte)).min(bytes.len() - 1))),
             }
         }
-        check(&bytes)?;
+        reads(&bytes)?;
     }
 }

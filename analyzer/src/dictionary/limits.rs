@@ -1,7 +1,8 @@
 //! The limits of an entry: they leave room for a value, and its values are between them.
 
 use super::object::{Entry, Setting};
-use super::problem::{Place, Problems};
+use super::place::Place;
+use super::problem::Problems;
 use super::rules;
 
 /// What a format calls the fields.

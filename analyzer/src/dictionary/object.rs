@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::data_type::DataType;
+use super::place::SectionId;
 use super::value::Value;
 use crate::identity::{Index, Multiplexer, NodeId, SubIndex};
 
@@ -188,6 +189,8 @@ pub struct Entry {
     pub flags: ObjectFlags,
     /// The line of the file where the entry begins; 0 if it stands in none (`CompactSubObj`).
     pub line: u32,
+    /// Its section or element in the file.
+    pub section: Option<SectionId>,
 }
 
 impl Entry {
@@ -206,6 +209,7 @@ impl Entry {
             denotation: None,
             flags: ObjectFlags::default(),
             line: 0,
+            section: None,
         }
     }
 
@@ -242,13 +246,15 @@ pub struct Object {
     pub code: ObjectCode,
     /// The line of the file where the object begins; 0 if it stands in none (`CompactPDO`).
     pub line: u32,
+    /// Its section or element in the file.
+    pub section: Option<SectionId>,
     entries: Vec<Entry>,
 }
 
 impl Object {
     /// An object without entries.
     pub fn new(index: u16, name: impl Into<String>, code: ObjectCode) -> Self {
-        Self { index: Index(index), name: name.into(), code, line: 0, entries: Vec::new() }
+        Self { index: Index(index), name: name.into(), code, line: 0, section: None, entries: Vec::new() }
     }
 
     /// An entry takes some hundred bytes: room for as many as there are.

@@ -1,5 +1,6 @@
 //! What was wrong in a device description, with the place.
 
+use super::place::{Place, Spot};
 use super::rules::{ProblemKind, Rule, Severity, text};
 use std::fmt;
 
@@ -14,6 +15,8 @@ pub struct EdsProblem {
     pub section: String,
     /// The field, or attribute of an XDD; empty if it concerns none.
     pub field: String,
+    /// Where it is in the source.
+    pub spot: Spot,
     /// What the standard expects there.
     pub expected: &'static str,
     /// What was found instead.
@@ -49,17 +52,9 @@ impl fmt::Display for EdsProblem {
 }
 
 /// Collects problems, up to a bound: a hostile file could have one in every line.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Problems {
     list: Vec<EdsProblem>,
-}
-
-/// The place of a problem.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place<'a> {
-    pub line: u32,
-    pub section: &'a str,
-    pub field: &'a str,
 }
 
 impl Problems {
@@ -71,10 +66,7 @@ impl Problems {
     pub(super) fn report(&mut self, place: Place<'_>, rule: &'static Rule, expected: &'static str, found: &str) {
         let (place, rule, expected, found) = match self.list.len() {
             ..Self::MOST => (place, rule, expected, found),
-            Self::MOST => {
-                let place = Place { line: place.line, ..Place::default() };
-                (place, &text::TOO_MUCH, "fewer problems", "more problems than are listed")
-            }
+            Self::MOST => (Place::line(place.line), &text::TOO_MUCH, "fewer problems", "more problems than are listed"),
             _ => return,
         };
         let cut = |text: &str| text.chars().take(Self::LONGEST).collect();
@@ -83,6 +75,7 @@ impl Problems {
             line: place.line,
             section: cut(place.section),
             field: cut(place.field),
+            spot: place.spot,
             expected,
             found: cut(found),
         });
@@ -91,11 +84,6 @@ impl Problems {
     /// The first breach of a rule.
     pub(super) fn first_of(&self, rule: &Rule) -> Option<&EdsProblem> {
         self.list.iter().find(|problem| problem.rule == rule)
-    }
-
-    /// How many breaches of a rule were found.
-    pub(super) fn count_of(&self, rule: &Rule) -> usize {
-        self.list.iter().filter(|problem| problem.rule == rule).count()
     }
 
     /// All problems, by line.

@@ -52,7 +52,7 @@ pub struct LocatedEdit {
 impl CheckedFile {
     /// What was found in a file, as far as it is `wanted`.
     pub fn new(name: &str, checked: &Checked<'_>, wanted: impl Fn(&Finding) -> bool) -> Self {
-        let source = checked.source();
+        let source = &checked.source;
         let located = |finding: &Finding| {
             let (end_line, end_column) = if finding.line == 0 { (0, 0) } else { source.position(finding.span.end) };
             let edits = finding.fix.iter().flat_map(|fix| &fix.edits);

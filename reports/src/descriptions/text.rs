@@ -4,7 +4,7 @@ use super::{CheckedFile, Counts, Located};
 use crate::escape::printable;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use canvass_analyzer::dictionary::Severity;
-use canvass_analyzer::dictionary::check::Source;
+use canvass_analyzer::dictionary::source::Source;
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -3,8 +3,9 @@
 use super::document::{Document, Units};
 use crate::commands::eds::found::Beside;
 use canvass_analyzer::dictionary::Severity;
-use canvass_analyzer::dictionary::check::{Finding, Folder, apply_fixes, check_in};
+use canvass_analyzer::dictionary::check::{Checked, Finding, Folder, apply_fixes, check_source};
 use canvass_analyzer::dictionary::editor::{self, Symbol};
+use canvass_analyzer::dictionary::source::Source;
 use lsp_types::request::{
     CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition,
     HoverRequest, References, Request as _,
@@ -44,15 +45,15 @@ impl Answers<'_> {
             }
             GotoDefinition::METHOD => answer(params, |asked: GotoDefinitionParams| {
                 let at = self.at(asked.text_document_position_params.position);
-                to_string(&editor::definition(self.text(), at).map(|range| self.location(&range)))
+                to_string(&editor::definition(self.source(), at).map(|range| self.location(&range)))
             }),
             References::METHOD => answer(params, |asked: ReferenceParams| {
                 let at = self.at(asked.text_document_position.position);
-                let found = editor::references(self.text(), at);
+                let found = editor::references(self.source(), at);
                 to_string(&found.iter().map(|range| self.location(range)).collect::<Vec<_>>())
             }),
             DocumentSymbolRequest::METHOD => to_string(
-                &editor::outline(self.text()).into_iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>(),
+                &editor::outline(self.source()).into_iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>(),
             ),
             CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
             CodeActionResolveRequest::METHOD => answer(params, |offered: CodeAction| self.resolved(offered)),
@@ -80,17 +81,23 @@ impl Answers<'_> {
 
     /// What the file does not itself leave so.
     fn open(&self) -> impl Iterator<Item = &Finding> {
-        let found = self.document.findings(|text| self.check(text));
-        found.iter().filter(|finding| finding.waived.is_none())
+        self.checked().open()
     }
 
-    fn check(&self, text: &str) -> Vec<Finding> {
+    fn checked(&self) -> &Checked<'static> {
+        self.document.checked(|source| self.check(source))
+    }
+
+    fn source(&self) -> &Source<'static> {
+        &self.checked().source
+    }
+
+    fn check(&self, source: Source<'static>) -> Checked<'static> {
         let path = self.path();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
         let folder = path.parent().filter(|folder| folder.is_dir()).map(|folder| Beside(folder.to_owned()));
         let beside = folder.as_ref().map(|folder| folder as &dyn Folder);
-        let checked = check_in(text.as_bytes(), name.as_deref(), beside);
-        checked.map_or_else(|_| Vec::new(), |checked| checked.findings)
+        check_source(source, name.as_deref(), beside)
     }
 
     /// Where the file is, as far as its address is one of files.
@@ -125,7 +132,7 @@ impl Answers<'_> {
     }
 
     fn hover(&self, position: Position) -> Answer {
-        let shown = editor::hover(self.text(), self.at(position));
+        let shown = editor::hover(self.source(), self.at(position));
         to_string(&shown.map(|hover| Hover {
             contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: hover.text }),
             range: Some(self.document.range(&hover.range, self.units)),
@@ -133,7 +140,7 @@ impl Answers<'_> {
     }
 
     fn completion(&self, position: Position) -> Answer {
-        let found = editor::complete(self.text(), self.at(position));
+        let found = editor::complete(self.source(), self.at(position));
         let item = |(order, found): (usize, editor::Completion)| CompletionItem {
             label: found.label.clone(),
             kind: Some(CompletionItemKind::FIELD),

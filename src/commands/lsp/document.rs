@@ -1,7 +1,7 @@
 //! An open file, and places in it as the protocol counts them.
 
-use canvass_analyzer::dictionary::check::Finding;
-use canvass_analyzer::dictionary::eds::LARGEST_FILE;
+use canvass_analyzer::dictionary::check::Checked;
+use canvass_analyzer::dictionary::source::{LARGEST_FILE, Source};
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
 use std::cell::OnceCell;
 
@@ -11,8 +11,8 @@ pub struct Document {
     pub version: i32,
     /// Where each line begins.
     starts: Vec<usize>,
-    /// What a check finds in the text, since it has changed.
-    findings: OnceCell<Vec<Finding>>,
+    /// The text with what a check finds in it, since it has changed.
+    checked: OnceCell<Checked<'static>>,
 }
 
 /// In what the characters of a position are counted.
@@ -47,7 +47,7 @@ impl Units {
 
 impl Document {
     pub fn new(text: String, version: i32) -> Self {
-        let mut document = Self { text, version, starts: Vec::new(), findings: OnceCell::new() };
+        let mut document = Self { text, version, starts: Vec::new(), checked: OnceCell::new() };
         document.find_lines();
         document
     }
@@ -79,12 +79,12 @@ impl Document {
             self.find_lines();
         }
         self.version = version;
-        self.findings.take();
+        self.checked.take();
     }
 
-    /// What a check finds, which is made once of a text.
-    pub fn findings(&self, check: impl FnOnce(&str) -> Vec<Finding>) -> &[Finding] {
-        self.findings.get_or_init(|| check(&self.text))
+    /// The text as it is checked, once.
+    pub fn checked(&self, check: impl FnOnce(Source<'static>) -> Checked<'static>) -> &Checked<'static> {
+        self.checked.get_or_init(|| check(Source::of_text(self.text.clone())))
     }
 
     /// The byte of a position; the end of its line or of the text where it is beyond.

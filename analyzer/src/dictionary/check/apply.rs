@@ -1,8 +1,8 @@
 //! Fixes a file: applies what fixes its findings, and looks again until nothing is left that can be fixed.
 
 use super::{Finding, check};
-use crate::dictionary::eds::DescriptionError;
 use crate::dictionary::rules::{Rule, text as rules};
+use crate::dictionary::source::{DescriptionError, Encoding};
 
 /// Each pass fixes what does not overlap; a list that misses many objects takes a pass for each.
 const MOST_PASSES: usize = 1000;
@@ -33,7 +33,8 @@ pub fn apply_fixes(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Fi
 /// The file after one pass; `None` if there is nothing to do.
 fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedFile>, DescriptionError> {
     let checked = check(bytes, None)?;
-    let mut encoding = Encoding::of(bytes);
+    let mut encoding = checked.source.encoding;
+    let old = &checked.source.text;
     let mut edits = Vec::new();
     let mut rules = Vec::new();
     for finding in checked.open().filter(|finding| wanted(finding)) {
@@ -56,58 +57,13 @@ fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedF
         return Ok(None);
     }
     edits.sort_by_key(|edit| edit.range.start);
-    let mut text = String::with_capacity(checked.text.len() + 256);
+    let mut text = String::with_capacity(old.len() + 256);
     let mut at = 0;
     for edit in &edits {
-        text.push_str(checked.text.get(at..edit.range.start).unwrap_or_default());
+        text.push_str(old.get(at..edit.range.start).unwrap_or_default());
         text.push_str(&edit.text);
         at = edit.range.end;
     }
-    text.push_str(checked.text.get(at..).unwrap_or_default());
+    text.push_str(old.get(at..).unwrap_or_default());
     Ok(encoding.encode(&text).filter(|next| next != bytes).map(|bytes| FixedFile { bytes, rules }))
-}
-
-/// How the characters of a file are written.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Encoding {
-    Utf8,
-    Utf8WithMark,
-    Utf16LowFirst,
-    Utf16HighFirst,
-    Latin1,
-}
-
-impl Encoding {
-    /// As the reader tells them apart.
-    pub fn of(bytes: &[u8]) -> Self {
-        match bytes {
-            [0xFF, 0xFE, ..] => Self::Utf16LowFirst,
-            [0xFE, 0xFF, ..] => Self::Utf16HighFirst,
-            [0xEF, 0xBB, 0xBF, ..] => Self::Utf8WithMark,
-            _ if std::str::from_utf8(bytes).is_ok() => Self::Utf8,
-            _ => Self::Latin1,
-        }
-    }
-
-    /// Whether a text that was read of these bytes would be written as them.
-    pub fn keeps(self, text: &str, bytes: &[u8]) -> bool {
-        match self {
-            Self::Utf8 => text.as_bytes() == bytes,
-            other => other.encode(text).is_some_and(|written| written == bytes),
-        }
-    }
-
-    /// The bytes of a text; `None` if it has characters that are not in Latin-1.
-    pub fn encode(self, text: &str) -> Option<Vec<u8>> {
-        let units = |mark: [u8; 2], bytes: fn(u16) -> [u8; 2]| {
-            mark.into_iter().chain(text.encode_utf16().flat_map(bytes)).collect::<Vec<u8>>()
-        };
-        Some(match self {
-            Self::Utf8 => text.as_bytes().to_vec(),
-            Self::Utf8WithMark => [b"\xEF\xBB\xBF", text.as_bytes()].concat(),
-            Self::Utf16LowFirst => units([0xFF, 0xFE], u16::to_le_bytes),
-            Self::Utf16HighFirst => units([0xFE, 0xFF], u16::to_be_bytes),
-            Self::Latin1 => text.chars().map(|character| u8::try_from(character).ok()).collect::<Option<_>>()?,
-        })
-    }
 }

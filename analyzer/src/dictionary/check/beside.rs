@@ -1,10 +1,11 @@
 //! What a DCF names beside itself: files to download, and the EDS that it was made of.
 
-use super::source::Source;
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::difference::{Difference, compare};
-use crate::dictionary::problem::{EdsProblem, Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::{EdsProblem, Problems};
 use crate::dictionary::rules::file as rules;
+use crate::dictionary::source::{FieldName, Section, Source};
 
 /// The folder of the file that is checked.
 pub trait Folder {
@@ -30,17 +31,10 @@ fn is_plain(name: &str) -> bool {
 }
 
 fn downloads(source: &Source<'_>, folder: &dyn Folder, problems: &mut Problems) {
-    let mut section = String::new();
-    for line in 1..=source.lines() {
-        if source.is_section(line) {
-            section = source.get(&source.line(line)).trim_matches(['[', ']']).to_owned();
-            continue;
-        }
-        let Some(field) = source.field(line) else { continue };
-        let (name, value) = (source.get(&field.name), source.get(&field.value));
-        if name.eq_ignore_ascii_case("DownloadFile") && is_plain(value) && !folder.has(value) {
-            let place = Place { line, section: &section, field: name };
-            problems.report(place, &rules::DOWNLOAD, "a file beside the DCF", value);
+    let fields = source.elements().flat_map(Section::all_fields);
+    for field in fields.filter(|field| field.known() == Some(FieldName::DownloadFile)) {
+        if is_plain(field.value()) && !folder.has(field.value()) {
+            problems.report(field.place(), &rules::DOWNLOAD, "a file beside the DCF", field.value());
         }
     }
 }
@@ -54,7 +48,7 @@ fn other_eds(description: &DeviceDescription, folder: &dyn Folder, problems: &mu
     let more = differences.len() - 1;
     let and = if more == 0 { String::new() } else { format!(", and {more} more") };
     let found = format!("{} {}: {}{and}", first.subject, first.name, first.kind.title());
-    let place = Place { line: 0, section: "FileInfo", field: "LastEDS" };
+    let place = Place { section: "FileInfo", field: "LastEDS", ..Place::default() };
     problems.report(place, &rules::OTHER_EDS, "a DCF that describes the device as its EDS does", &found);
 }
 

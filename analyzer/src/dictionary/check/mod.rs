@@ -5,30 +5,25 @@
 mod apply;
 mod beside;
 mod fix;
-mod locate;
-mod source;
 mod waiver;
 
 pub use apply::{FixedFile, apply_fixes};
 pub use beside::Folder;
 pub use fix::{Edit, Fix};
-use source::Lines;
-pub use source::{FieldSpans, Source};
 
 use super::Severity;
 use super::description::DeviceDescription;
-use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
-use super::problem::{EdsProblem, Place, Problems};
+use super::place::{Place, Span};
+use super::problem::{EdsProblem, Problems};
+use super::source::{DescriptionError, Source};
 use super::{consistency, rules};
-use std::borrow::Cow;
 use std::ops::Range;
 
 /// What was found in one file.
 #[derive(Debug)]
 pub struct Checked<'a> {
     /// The text of the file, in which the places are.
-    pub text: Cow<'a, str>,
-    lines: Lines,
+    pub source: Source<'a>,
     /// What was read of it.
     pub description: Result<DeviceDescription, DescriptionError>,
     /// Everything that was found, in the order of the file; what concerns no line comes first.
@@ -60,11 +55,6 @@ impl Finding {
 }
 
 impl Checked<'_> {
-    /// The text by its lines.
-    pub fn source(&self) -> Source<'_> {
-        Source { text: &self.text, lines: Cow::Borrowed(&self.lines) }
-    }
-
     /// What the file does not itself say to leave so.
     pub fn open(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.waived.is_none())
@@ -88,36 +78,40 @@ pub fn check_in<'a>(
     name: Option<&str>,
     folder: Option<&dyn Folder>,
 ) -> Result<Checked<'a>, DescriptionError> {
-    if bytes.len() > LARGEST_FILE {
-        return Err(DescriptionError::TooLarge { found: bytes.len() });
+    Ok(check_source(Source::read(bytes)?, name, folder))
+}
+
+/// The same of a file that is read.
+pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&dyn Folder>) -> Checked<'a> {
+    let description = DeviceDescription::of(&source);
+    let mut problems = Vec::new();
+    if let Ok(read) = &description {
+        problems.clone_from(&read.problems);
+        problems.extend(consistency::check(read));
+        problems.extend(name.and_then(|name| other_name(read, name)));
+        problems.extend(folder.into_iter().flat_map(|folder| beside::check(read, &source, folder)));
     }
-    let text = decode_text(bytes, &mut Problems::default());
-    let description = DeviceDescription::read(bytes);
-    let source = Source::new(&text);
-    let mut problems = match &description {
-        Ok(read) => {
-            let mut problems = read.problems.clone();
-            problems.extend(consistency::check(read));
-            problems.extend(name.and_then(|name| other_name(read, name)));
-            problems.extend(folder.into_iter().flat_map(|folder| beside::check(read, &source, folder)));
-            problems
-        }
-        Err(_) => Vec::new(),
-    };
     problems.sort_by_key(|problem| problem.line);
-    let waivers = waiver::read(&source);
-    let mut findings: Vec<Finding> = problems.into_iter().map(|problem| locate::locate(problem, &source)).collect();
+    let mut findings: Vec<Finding> = problems.into_iter().map(|problem| located(problem, &source)).collect();
     findings.sort_by_key(|finding| (finding.line, finding.column));
-    // What can't be written back as it was read is not fixed.
-    let is_fixable = apply::Encoding::of(bytes).keeps(&text, bytes);
+    let waivers = waiver::read(&source);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
-        if is_fixable && let Ok(read) = &description {
+        // What can't be written back as it was read is not fixed.
+        if source.is_exact()
+            && let Ok(read) = &description
+        {
             finding.fix = fix::of(finding, &source, read);
         }
     }
-    let lines = source.into_lines();
-    Ok(Checked { text, lines, description, findings })
+    Checked { source, description, findings }
+}
+
+/// The problem with its place.
+fn located(problem: EdsProblem, source: &Source<'_>) -> Finding {
+    let span = source.place(&problem).map(Span::range);
+    let (line, column) = span.as_ref().map_or((0, 0), |span| source.position(span.start));
+    Finding { problem, line, column, span: span.unwrap_or(0..0), fix: None, waived: None }
 }
 
 /// `FileName` is the name of the file, in any case.
@@ -128,7 +122,7 @@ fn other_name(description: &DeviceDescription, name: &str) -> Option<EdsProblem>
     }
     let mut problems = Problems::default();
     // The line is found by the section and the field.
-    let place = Place { line: 0, section: "FileInfo", field: "FileName" };
+    let place = Place { section: "FileInfo", field: "FileName", ..Place::default() };
     problems.report(place, &rules::file::NAME, "the name of the file", said);
     problems.into_sorted().pop()
 }

@@ -4,7 +4,8 @@
 //! line and holds for the whole file.
 
 use super::Finding;
-use super::source::Source;
+use crate::dictionary::place::Span;
+use crate::dictionary::source::{Section, Source};
 use std::ops::RangeInclusive;
 
 /// One such comment.
@@ -22,32 +23,22 @@ impl Waiver<'_> {
 }
 
 /// All such comments of a file.
-pub(super) fn read<'a>(source: &Source<'a>) -> Vec<Waiver<'a>> {
-    const MARK: &str = "canvass: allow ";
-    if !source.text.contains(MARK) {
-        return Vec::new();
-    }
-    let mut waivers = Vec::new();
-    let mut header = 0;
-    for line in 1..=source.lines() {
-        let text = source.get(&source.line(line));
-        if !source.is_xml() && text.starts_with('[') {
-            header = line;
-        }
-        let comment = if source.is_xml() {
-            text.strip_prefix("<!--").map(|text| text.trim_end_matches("-->"))
-        } else {
-            text.strip_prefix(';')
+pub(super) fn read<'s>(source: &'s Source<'_>) -> Vec<Waiver<'s>> {
+    let waiver = |comment: Span| {
+        let text = source.get(comment);
+        let inside = match text.strip_prefix("<!--") {
+            // A line of its own, so that nobody overlooks it.
+            Some(inside) if source.line(source.position(comment.range().start).0) == comment => {
+                inside.strip_suffix("-->")
+            }
+            _ => text.strip_prefix(';'),
         };
-        let Some(waived) = comment.and_then(|text| text.trim().strip_prefix(MARK)) else { continue };
-        let lines = match header {
-            0 => 0..=u32::MAX,
-            _ => header..=source.section_lines(header).last().unwrap_or(header),
-        };
+        let waived = inside?.trim().strip_prefix("canvass: allow ")?;
         let (rules, reason) = split(waived.trim());
-        waivers.push(Waiver { rules, lines, reason: reason.to_owned() });
-    }
-    waivers
+        let section = source.section_at(comment.range().start);
+        Some(Waiver { rules, lines: section.map_or(0..=u32::MAX, Section::lines), reason: reason.to_owned() })
+    };
+    source.comments().filter_map(waiver).collect()
 }
 
 /// The ids, with commas between them, and what follows.

@@ -1,7 +1,7 @@
 //! Objects that every device has, objects that go together, and the ranges of standard objects.
 
 use super::Check;
-use crate::dictionary::problem::Place;
+use crate::dictionary::place::Place;
 use crate::dictionary::rules::{Rule, standard as rules};
 use crate::identity::{Index, Multiplexer};
 use crate::object;
@@ -54,7 +54,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     for (index, rule) in MANDATORY {
         if check.object(Index(index)).is_none() {
             let section = format!("{index:04X}");
-            let place = Place { line: 0, section: &section, field: "" };
+            let place = Place { section: &section, ..Place::default() };
             check.problems.report(place, rule, "an object that every device has", "none");
         }
     }

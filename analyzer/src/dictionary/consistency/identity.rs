@@ -4,7 +4,7 @@ use super::{Check, elements};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::names::object_name;
 use crate::dictionary::object::{ObjectCode, Setting};
-use crate::dictionary::problem::Place;
+use crate::dictionary::place::Place;
 use crate::dictionary::rules;
 use crate::dictionary::value::Value;
 use crate::identity::{Index, Multiplexer};
@@ -39,7 +39,7 @@ fn error_control(check: &mut Check<'_>) {
     let (heartbeat, guarding) =
         (has(object::PRODUCER_HEARTBEAT_TIME), has(object::GUARD_TIME) && has(object::LIFE_TIME_FACTOR));
     if !heartbeat && !guarding {
-        let place = Place { line: 0, section: "1017", field: "" };
+        let place = Place { section: "1017", ..Place::default() };
         let expected = "producer heartbeat time, or guard time and life time factor";
         check.problems.report(place, &rules::file::ERROR_CONTROL, expected, "none");
     }

@@ -13,7 +13,8 @@ mod standard;
 
 use super::description::DeviceDescription;
 use super::object::{Object, Setting};
-use super::problem::{EdsProblem, Place, Problems};
+use super::place::{Place, SectionId, Spot};
+use super::problem::{EdsProblem, Problems};
 use super::rules::Rule;
 use crate::identity::{Index, Multiplexer, SubIndex};
 
@@ -41,19 +42,21 @@ impl<'a> Check<'a> {
     fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let object = self.object(at.index);
         let entry = object.and_then(|object| object.entry(at.sub));
-        let line = entry.map(|entry| entry.line).or(object.map(|object| object.line)).unwrap_or(0);
+        let place =
+            entry.map(|entry| (entry.line, entry.section)).or(object.map(|object| (object.line, object.section)));
+        let (line, origin) = place.unwrap_or_default();
         let single = object.is_none_or(|object| object.code.is_single());
         let section = match single {
             true => format!("{:04X}", at.index.0),
             false => format!("{:04X}sub{:X}", at.index.0, at.sub.0),
         };
-        self.problems.report(Place { line, section: &section, field }, rule, expected, found);
+        self.problems.report(place_in(line, origin, &section, field), rule, expected, found);
     }
 
     /// Reports what is wrong with an object as a whole, in its own section.
     fn report_object(&mut self, of: &Object, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let section = format!("{:04X}", of.index.0);
-        self.problems.report(Place { line: of.line, section: &section, field }, rule, expected, found);
+        self.problems.report(place_in(of.line, of.section, &section, field), rule, expected, found);
     }
 
     fn object(&self, index: Index) -> Option<&'a Object> {
@@ -84,6 +87,11 @@ impl<'a> Check<'a> {
         let range = Index(first)..=Index(last);
         self.description.dictionary.objects().iter().filter(move |object| range.contains(&object.index))
     }
+}
+
+/// The place of a field of a section or element.
+fn place_in<'p>(line: u32, origin: Option<SectionId>, section: &'p str, field: &'p str) -> Place<'p> {
+    Place { line, section, field, spot: origin.map_or(Spot::Line, Spot::Section) }
 }
 
 /// The entries after the count in sub-index 0.

@@ -6,8 +6,9 @@ mod prepare;
 mod tests;
 
 use super::description::DeviceDescription;
-use super::eds::{self, DescriptionError};
+use super::eds;
 use super::loss::Loss;
+use super::source::{DescriptionError, Source};
 use super::xdd;
 use std::fmt;
 
@@ -82,8 +83,9 @@ pub struct Converted {
 
 /// The description in that file as one of another format. `file_name` is what the new file is called.
 pub fn convert(bytes: &[u8], form: Form, file_name: Option<&str>) -> Result<Converted, ConvertError> {
-    let mut description = DeviceDescription::read(bytes)?;
-    let mut losses = description.unkept(bytes);
+    let source = Source::read(bytes)?;
+    let mut description = DeviceDescription::of(&source)?;
+    let mut losses = description.unkept(&source);
     if let Some(name) = file_name {
         name.clone_into(&mut description.file.name);
     }

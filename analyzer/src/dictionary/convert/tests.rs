@@ -68,10 +68,10 @@ fn meaning(mut description: DeviceDescription) -> DeviceDescription {
 
 fn without_lines(object: &Object) -> Object {
     let mut plain = object.clone();
-    plain.line = 0;
+    (plain.line, plain.section) = (0, None);
     for entry in object.entries() {
         let mut entry = entry.clone();
-        entry.line = 0;
+        (entry.line, entry.section) = (0, None);
         entry.denotation = entry.denotation.filter(|text| !text.is_empty());
         plain.insert(entry);
     }

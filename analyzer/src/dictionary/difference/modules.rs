@@ -73,10 +73,10 @@ fn content(mut module: Module) -> Module {
 }
 
 fn without_lines(object: &mut Object) {
-    object.line = 0;
+    (object.line, object.section) = (0, None);
     let entries: Vec<_> = object.entries().to_vec();
     for mut entry in entries {
-        entry.line = 0;
+        (entry.line, entry.section) = (0, None);
         object.insert(entry);
     }
 }

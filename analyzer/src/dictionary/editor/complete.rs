@@ -2,11 +2,11 @@
 
 use super::hover::profile;
 use super::keys::{self, Key};
-use super::layout::{Section, section_at, sections};
-use crate::dictionary::check::Source;
+use super::navigate::sections;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::names::{StandardObject, standard_object};
 use crate::dictionary::object::ObjectCode;
+use crate::dictionary::source::{Field, Section, Source};
 use crate::identity::Index;
 use std::ops::Range;
 
@@ -24,29 +24,27 @@ pub struct Completion {
 }
 
 /// What may stand at that place, what is most likely first.
-pub fn complete(text: &str, at: usize) -> Vec<Completion> {
-    let source = Source::new(text);
-    let sections = sections(&source);
+pub fn complete(source: &Source<'_>, at: usize) -> Vec<Completion> {
     let (line, _) = source.position(at);
     let whole = source.whole_line(line);
-    let before = text.get(whole.start..at).unwrap_or_default();
+    let before = source.text.get(whole.start..at).unwrap_or_default();
     if before.trim_start().starts_with('[') {
         let start = whole.start + before.len() - before.trim_start().len();
-        let end = source.trimmed(whole).end.max(at);
-        return objects(&source, &sections, start..end);
+        let end = source.trimmed(whole).range().end.max(at);
+        return objects(source, start..end);
     }
-    let Some(section) = section_at(&sections, at) else { return Vec::new() };
-    let known = keys::of(&source, section);
+    let Some(section) = source.section_at(at) else { return Vec::new() };
+    let known = keys::of(section);
     match before.split_once('=') {
-        Some((name, value)) => values(known, name.trim(), at - value.len()..source.trimmed(whole).end.max(at)),
-        None => fields(&source, section, known, at - before.trim_start().len()..at),
+        Some((name, value)) => values(known, name.trim(), at - value.len()..source.trimmed(whole).range().end.max(at)),
+        None => fields(source, section, known, at - before.trim_start().len()..at),
     }
 }
 
 /// The fields that the section has not yet.
-fn fields(source: &Source<'_>, section: &Section, known: &[Key], range: Range<usize>) -> Vec<Completion> {
-    let typed = source.get(&range);
-    let there: Vec<&str> = section.fields(source).map(|field| source.get(&field.name)).collect();
+fn fields(source: &Source<'_>, section: Section<'_>, known: &[Key], range: Range<usize>) -> Vec<Completion> {
+    let typed = source.text.get(range.clone()).unwrap_or_default();
+    let there: Vec<&str> = section.all_fields().map(Field::name).collect();
     let is_missing = |key: &&Key| !there.iter().any(|name| name.eq_ignore_ascii_case(key.name));
     let fits = |key: &&Key| key.name.get(..typed.len()).is_some_and(|start| start.eq_ignore_ascii_case(typed));
     known
@@ -83,12 +81,12 @@ fn values(known: &[Key], name: &str, range: Range<usize>) -> Vec<Completion> {
 }
 
 /// The objects of the standards that are not described yet, each with its section and those of its entries.
-fn objects(source: &Source<'_>, sections: &[Section], range: Range<usize>) -> Vec<Completion> {
-    let profile = profile(source, sections);
-    let typed = source.get(&range).trim_matches(['[', ']']).to_ascii_uppercase();
+fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
+    let profile = profile(source);
+    let typed = source.text.get(range.clone()).unwrap_or_default().trim_matches(['[', ']']).to_ascii_uppercase();
     // The name that is being written is no section yet.
-    let others = sections.iter().filter(|section| !range.contains(&section.name.start));
-    let there: Vec<u16> = others.filter_map(|section| Some(section.address(source)?.0.index.0)).collect();
+    let others = sections(source).filter(|section| !range.contains(&section.name_span().range().start));
+    let there: Vec<u16> = others.filter_map(|section| Some(section.address()?.0.index.0)).collect();
     let mut found = Vec::new();
     for index in (0x1000..=0x1FFF).chain(0x6000..=0x67FF) {
         let label = format!("{index:04X}");

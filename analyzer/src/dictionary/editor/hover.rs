@@ -1,10 +1,10 @@
 //! What stands under the cursor.
 
 use super::keys;
-use super::layout::{Section, address_of_value, section_at, sections};
-use crate::dictionary::check::Source;
+use super::navigate::{address_of_value, sections};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::names::{ENCODER_PROFILE, object_name};
+use crate::dictionary::source::{Field, FieldName, Source};
 use crate::identity::Multiplexer;
 use std::ops::Range;
 
@@ -18,36 +18,37 @@ pub struct Hover {
 }
 
 /// What is known of what stands there: an object by the standards' names, a field by CiA 306, a data type by its name.
-pub fn hover(text: &str, at: usize) -> Option<Hover> {
-    let source = Source::new(text);
-    let sections = sections(&source);
-    let section = section_at(&sections, at)?;
-    if at <= section.name.end {
-        let (address, is_entry) = section.address(&source)?;
-        let shown = object(address, is_entry, section.value(&source, "ParameterName"), profile(&source, &sections));
-        return Some(Hover { text: shown, range: section.name.clone() });
+pub fn hover(source: &Source<'_>, at: usize) -> Option<Hover> {
+    let section = source.section_at(at)?;
+    if section.name_span().range().end >= at {
+        let (address, is_entry) = section.address()?;
+        let own = section.field(FieldName::ParameterName).map(Field::value);
+        return Some(Hover {
+            text: object(address, is_entry, own, profile(source)),
+            range: section.name_span().range(),
+        });
     }
-    let field = section.fields(&source).find(|field| (field.name.start..=field.value.end).contains(&at))?;
-    let (name, value) = (source.get(&field.name), source.get(&field.value));
-    if at <= field.name.end {
-        let key = keys::of(&source, section).iter().find(|key| key.name.eq_ignore_ascii_case(name))?;
-        return Some(Hover { text: format!("**{}**: {}", key.name, key.meaning), range: field.name });
+    let field = section.field_at(at)?;
+    if at <= field.name_span().range().end {
+        let key = keys::of(section).iter().find(|key| key.name.eq_ignore_ascii_case(field.name()))?;
+        return Some(Hover { text: format!("**{}**: {}", key.name, key.meaning), range: field.name_span().range() });
     }
-    let text = if name.eq_ignore_ascii_case("DataType") {
+    let value = field.value();
+    let text = if field.known() == Some(FieldName::DataType) {
         let index = address_of_value(value, false)?.index.0;
         format!("{index:04X}h: **{}**", DataType(index).name()?)
     } else {
         let mapped = address_of_value(value, true).or_else(|| address_of_value(value, false))?;
-        let is_entry = value.trim().len() > 6;
-        let described = |section: &&Section| section.address(&source).is_some_and(|(found, _)| found == mapped);
-        let own = sections.iter().find(described).and_then(|section| section.value(&source, "ParameterName"));
-        let name = object(mapped, is_entry, own, profile(&source, &sections));
-        match u8::from_str_radix(value.trim().get(8..).unwrap_or_default(), 16) {
+        let is_entry = value.len() > 6;
+        let described = sections(source).find(|section| section.address().is_some_and(|(found, _)| found == mapped));
+        let own = described.and_then(|section| section.field(FieldName::ParameterName)).map(Field::value);
+        let name = object(mapped, is_entry, own, profile(source));
+        match u8::from_str_radix(value.get(8..).unwrap_or_default(), 16) {
             Ok(bits) if is_entry => format!("{name}\n\nmapped with {bits} bits"),
             _ => name,
         }
     };
-    Some(Hover { text, range: field.value })
+    Some(Hover { text, range: field.value_span().range() })
 }
 
 /// `**1018h:01** Vendor-ID`, with the standard's name, its type and its access where these are fixed.
@@ -75,10 +76,10 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
 }
 
 /// The device profile: the low word of 1000h as it is described. Names of encoders where it is theirs.
-pub(super) fn profile(source: &Source<'_>, sections: &[Section]) -> Option<u16> {
+pub(super) fn profile(source: &Source<'_>) -> Option<u16> {
     let device_type = Multiplexer::new(crate::object::DEVICE_TYPE, 0);
-    let section = sections.iter().find(|section| section.address(source) == Some((device_type, false)))?;
-    let value = section.value(source, "DefaultValue")?.trim();
+    let section = sections(source).find(|section| section.address() == Some((device_type, false)))?;
+    let value = section.field(FieldName::DefaultValue)?.value();
     let number = match value.strip_prefix("0x").or_else(|| value.strip_prefix("0X")) {
         Some(digits) => u32::from_str_radix(digits, 16).ok()?,
         None => value.parse().ok()?,

@@ -1,8 +1,7 @@
 //! The fields of each kind of section, with what CiA 306 says of them in our words.
 
-use super::layout::Section;
-use crate::dictionary::check::Source;
 use crate::dictionary::data_type::DataType;
+use crate::dictionary::source::{Section, SectionName};
 
 /// A field.
 #[derive(Clone, Copy, Debug)]
@@ -104,14 +103,12 @@ const COMMISSIONING: &[Key] = &[
 ];
 
 /// The fields that a section may have.
-pub fn of(source: &Source<'_>, section: &Section) -> &'static [Key] {
-    if section.address(source).is_some() {
-        return OBJECT;
-    }
-    match source.get(&section.name).to_ascii_lowercase().as_str() {
-        "fileinfo" => FILE_INFO,
-        "deviceinfo" => DEVICE_INFO,
-        "devicecomissioning" | "devicecommissioning" => COMMISSIONING,
+pub fn of(section: Section<'_>) -> &'static [Key] {
+    match section.about() {
+        SectionName::Object(_) | SectionName::Sub(..) => OBJECT,
+        SectionName::FileInfo => FILE_INFO,
+        SectionName::DeviceInfo => DEVICE_INFO,
+        SectionName::DeviceCommissioning => COMMISSIONING,
         _ => &[],
     }
 }

@@ -4,7 +4,6 @@
 mod complete;
 mod hover;
 mod keys;
-mod layout;
 mod navigate;
 mod outline;
 

@@ -1,7 +1,7 @@
 //! The outline: sections in the order of the file, entries below their objects.
 
-use super::layout::sections;
-use crate::dictionary::check::Source;
+use super::navigate::sections;
+use crate::dictionary::source::{Field, FieldName, Source};
 use std::ops::Range;
 
 /// A section in the outline.
@@ -22,16 +22,17 @@ pub struct Symbol {
 }
 
 /// The sections of a text.
-pub fn outline(text: &str) -> Vec<Symbol> {
-    let source = Source::new(text);
+pub fn outline(source: &Source<'_>) -> Vec<Symbol> {
     let mut all: Vec<(Option<u16>, Symbol)> = Vec::new();
-    for section in sections(&source) {
-        let address = section.address(&source);
+    for section in sections(source) {
+        let address = section.address();
+        let (name, whole) = (section.name_span().range(), section.whole().range());
+        let detail = section.field(FieldName::ParameterName).map(Field::value);
         let symbol = Symbol {
-            name: source.get(&section.name).to_owned(),
-            detail: section.value(&source, "ParameterName").unwrap_or_default().to_owned(),
-            whole: section.whole.start..source.trimmed(section.whole.clone()).end.max(section.name.end),
-            selected: section.name.clone(),
+            name: section.name().to_owned(),
+            detail: detail.unwrap_or_default().to_owned(),
+            whole: whole.start..source.trimmed(whole).range().end.max(name.end),
+            selected: name,
             is_object: address.is_some(),
             entries: Vec::new(),
         };

@@ -1,6 +1,7 @@
 //! A file as one writes it.
 
 use super::*;
+use crate::dictionary::source::Source;
 
 const TEXT: &str = "\
 [DeviceInfo]
@@ -42,7 +43,7 @@ fn at(what: &str, more: usize) -> usize {
 
 #[test]
 fn entries_stand_below_their_objects() {
-    let all = outline(TEXT);
+    let all = outline(&Source::of_text(TEXT));
     let names: Vec<_> = all.iter().map(|symbol| (symbol.name.as_str(), symbol.entries.len())).collect();
     let expected = [("DeviceInfo", 0), ("OptionalObjects", 0), ("1000", 0), ("1018", 1), ("1A00", 1), ("6004", 0)];
     assert_eq!(names, expected);
@@ -54,7 +55,8 @@ fn entries_stand_below_their_objects() {
 
 #[test]
 fn what_stands_under_the_cursor() {
-    let shown = |what: &str, more| hover(TEXT, at(what, more)).map(|hover| hover.text).unwrap_or_default();
+    let shown =
+        |what: &str, more| hover(&Source::of_text(TEXT), at(what, more)).map(|hover| hover.text).unwrap_or_default();
     assert!(
         shown("[1018sub1]", 3).contains("CiA 301 7.5.2.21: Identity object, Vendor-ID"),
         "{}",
@@ -65,17 +67,18 @@ fn what_stands_under_the_cursor() {
     assert!(mapped.contains("6004h:00") && mapped.contains("Position") && mapped.contains("32 bits"), "{mapped}");
     assert!(mapped.contains("CiA 406"), "1000h says that it is an encoder: {mapped}");
     assert!(shown("LSS_Supported", 2).contains("LSS"));
-    assert_eq!(hover(TEXT, at("Example", 2)), None);
+    assert_eq!(hover(&Source::of_text(TEXT), at("Example", 2)), None);
 }
 
 #[test]
 fn from_a_name_to_its_section_and_back() {
-    let goes = |what: &str, more| definition(TEXT, at(what, more)).map(|range| &TEXT[range]);
+    let goes = |what: &str, more| definition(&Source::of_text(TEXT), at(what, more)).map(|range| &TEXT[range]);
     assert_eq!(goes("1=0x1018", 5), Some("1018"));
     assert_eq!(goes("0x60040020", 5), Some("6004"));
     assert_eq!(goes("[1018sub1]", 3), Some("1018sub1"));
     assert_eq!(goes("DataType=0x0007", 12), None, "a data type is no object of the file");
-    let named: Vec<_> = references(TEXT, at("[6004]", 2)).into_iter().map(|range| &TEXT[range]).collect();
+    let named: Vec<_> =
+        references(&Source::of_text(TEXT), at("[6004]", 2)).into_iter().map(|range| &TEXT[range]).collect();
     assert_eq!(named, ["0x60040020", "6004"]);
 }
 
@@ -83,7 +86,7 @@ fn from_a_name_to_its_section_and_back() {
 fn what_may_come_next() {
     let labels = |text: &str| -> Vec<String> {
         let at = text.find('|').unwrap();
-        complete(&text.replace('|', ""), at).into_iter().map(|found| found.label).collect()
+        complete(&Source::of_text(text.replace('|', "")), at).into_iter().map(|found| found.label).collect()
     };
     let fields = labels("[1000]\nParameterName=x\nD|\n[1001]\n");
     assert_eq!(fields, ["DataType", "DefaultValue", "Denotation"]);
@@ -96,7 +99,7 @@ fn what_may_come_next() {
     );
     let text = "[1000]\n[1018]\n[1A|";
     assert_eq!(labels(text), ["[1A00]"], "of many of a kind the first that is missing");
-    let made = complete("[1017", 5).remove(0);
+    let made = complete(&Source::of_text("[1017"), 5).remove(0);
     assert!(made.text.contains("DataType=0x0006") && made.text.starts_with("[1017]\n"), "{}", made.text);
 }
 
@@ -105,11 +108,12 @@ proptest::proptest! {
     #[test]
     fn any_text_and_any_place(text in "(\\[|\\]|=|0x1018|sub|1A00|DefaultValue|é|\r?\n| |;|[a-z0-9]){0,40}", at in 0usize..200) {
         let at = (0..=text.len()).rev().find(|&place| place <= at && text.is_char_boundary(place)).unwrap_or(0);
+        let source = Source::of_text(text.as_str());
         let is_in = |range: &std::ops::Range<usize>| text.get(range.clone()).is_some();
-        proptest::prop_assert!(hover(&text, at).is_none_or(|hover| is_in(&hover.range)));
-        proptest::prop_assert!(definition(&text, at).is_none_or(|range| is_in(&range)));
-        proptest::prop_assert!(references(&text, at).iter().all(is_in));
-        proptest::prop_assert!(complete(&text, at).iter().all(|found| is_in(&found.range)));
-        proptest::prop_assert!(outline(&text).iter().all(|symbol| is_in(&symbol.whole) && is_in(&symbol.selected)));
+        proptest::prop_assert!(hover(&source, at).is_none_or(|hover| is_in(&hover.range)));
+        proptest::prop_assert!(definition(&source, at).is_none_or(|range| is_in(&range)));
+        proptest::prop_assert!(references(&source, at).iter().all(is_in));
+        proptest::prop_assert!(complete(&source, at).iter().all(|found| is_in(&found.range)));
+        proptest::prop_assert!(outline(&source).iter().all(|symbol| is_in(&symbol.whole) && is_in(&symbol.selected)));
     }
 }

@@ -1,26 +1,20 @@
 //! What CiA 306 lets a file leave out: `CompactSubObj` for arrays, `CompactPDO` for PDO parameters.
 
-use super::field_name::FieldName;
 use super::fields::{Fields, setting};
-use super::lexer::Document;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::description::DeviceInfo;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, Setting};
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::rules;
+use crate::dictionary::source::{FieldName, Source};
 use crate::dictionary::value::Value;
 use crate::identity::{Index, SubIndex};
 use crate::object;
 
 /// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` tell
 /// what differs.
-pub(super) fn expand(
-    object: &mut Object,
-    template: &Entry,
-    count: u8,
-    document: &Document<'_>,
-    problems: &mut Problems,
-) {
+pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &Source<'_>, problems: &mut Problems) {
     let mut number_of_entries = Entry::new(0, "NrOfObjects", DataType::UNSIGNED8, Access::Ro);
     number_of_entries.default = Some(Setting::Fixed(Value::Unsigned(count.into())));
     object.insert(number_of_entries);
@@ -28,19 +22,19 @@ pub(super) fn expand(
         let name = format!("{}{sub}", template.name);
         object.insert(Entry { sub: SubIndex(sub), name, ..template.clone() });
     }
-    let is_dcf = ["DeviceComissioning", "DeviceCommissioning"].iter().any(|name| document.section(name).is_some());
-    for (sub, text, _) in beside(object.index, "Name", count, document, problems) {
+    let is_dcf = ["DeviceComissioning", "DeviceCommissioning"].iter().any(|name| source.section(name).is_some());
+    for (sub, text, _) in beside(object.index, "Name", count, source, problems) {
         if let Some(entry) = object.entry_mut(SubIndex(sub)) {
             entry.name = text.to_owned();
         }
     }
-    for (sub, text, place) in beside(object.index, "Value", count, document, problems) {
+    for (sub, text, place) in beside(object.index, "Value", count, source, problems) {
         let value = setting(text, template.data_type, place, problems);
         if let Some(entry) = object.entry_mut(SubIndex(sub)) {
             *(if is_dcf { &mut entry.configured } else { &mut entry.default }) = value;
         }
     }
-    for (sub, text, _) in beside(object.index, "Denotation", count, document, problems) {
+    for (sub, text, _) in beside(object.index, "Denotation", count, source, problems) {
         if let Some(entry) = object.entry_mut(SubIndex(sub)) {
             entry.denotation = Some(text.to_owned());
         }
@@ -52,21 +46,20 @@ fn beside<'d>(
     index: Index,
     kind: &str,
     count: u8,
-    document: &'d Document<'_>,
+    source: &'d Source<'_>,
     problems: &mut Problems,
 ) -> Vec<(u8, &'d str, Place<'d>)> {
-    let Some(section) = document.section(&format!("{:04X}{kind}", index.0)) else { return Vec::new() };
+    let Some(section) = source.section(&format!("{:04X}{kind}", index.0)) else { return Vec::new() };
     let mut found = Vec::new();
-    for field in &section.fields {
-        if field.name.eq_ignore_ascii_case(FieldName::NrOfEntries.text()) {
+    for field in section.fields() {
+        if field.name().eq_ignore_ascii_case(FieldName::NrOfEntries.text()) {
             continue;
         }
-        let place = Place { line: field.line, section: section.name, field: field.name };
-        match field.name.parse().ok().filter(|sub| (1..=count).contains(sub)) {
-            Some(sub) => found.push((sub, field.value, place)),
+        match field.name().parse().ok().filter(|sub| (1..=count).contains(sub)) {
+            Some(sub) => found.push((sub, field.value(), field.place())),
             None => {
                 let expected = "a sub-index from 1 to CompactSubObj";
-                problems.report(place, &rules::list::BESIDE_KEY, expected, field.name);
+                problems.report(field.place_of_name(), &rules::list::BESIDE_KEY, expected, field.name());
             }
         }
     }

@@ -1,17 +1,17 @@
 //! Reads single fields: texts, numbers, flags, and values of a data type.
 
-use super::field_name::FieldName;
-use super::lexer::{Field, Section};
 use super::number;
 use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::object::Setting;
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::rules::{self, Rule, number as number_rules};
+use crate::dictionary::source::{Field, FieldName, Section};
 use crate::dictionary::value::{DaysAndMilliseconds, Value};
 
 /// The fields of one section, with where problems go.
 pub(super) struct Fields<'s, 'p> {
-    pub section: &'s Section<'s>,
+    pub section: Section<'s>,
     pub problems: &'p mut Problems,
 }
 
@@ -28,7 +28,7 @@ impl<'s> Fields<'s, '_> {
 
     /// The text of a field that may be missing.
     pub fn optional_text(&self, field: FieldName) -> Option<&'s str> {
-        self.section.field(field).map(|field| field.value)
+        self.section.field(field).map(|field| field.value())
     }
 
     /// The text of a field, empty if it is missing.
@@ -39,33 +39,32 @@ impl<'s> Fields<'s, '_> {
     /// A number from 0 to `most`, in any of the allowed forms; `None` if the field is missing, empty or wrong.
     pub fn number(&mut self, field: FieldName, most: u32) -> Option<u32> {
         let found = self.section.field(field)?;
-        number_in(found.value, most, self.place(&found, field.text()), self.problems)
+        number_in(found.value(), most, self.place(found, field.text()), self.problems)
     }
 
     /// 0 or 1; missing or wrong is `false`.
     pub fn flag(&mut self, field: FieldName) -> bool {
         let found = self.section.field(field);
-        found.is_some_and(|found| flag_in(found.value, self.place(&found, field.text()), self.problems))
+        found.is_some_and(|found| flag_in(found.value(), self.place(found, field.text()), self.problems))
     }
 
     /// A value of that data type, or a formula; `None` if the field is missing, empty or wrong.
     pub fn setting(&mut self, field: FieldName, data_type: DataType) -> Option<Setting> {
         let found = self.section.field(field)?;
-        setting(found.value, data_type, self.place(&found, field.text()), self.problems)
+        setting(found.value(), data_type, self.place(found, field.text()), self.problems)
     }
 
     /// The place of a field that is there.
-    fn place(&self, found: &Field<'s>, field: &'s str) -> Place<'s> {
-        Place { line: found.line, section: self.section.name, field }
+    fn place(&self, found: Field<'s>, field: &'s str) -> Place<'s> {
+        Place { field, ..found.place() }
     }
 
     /// Reports fields that the section should not have.
-    pub fn check_known(&mut self, known: impl Fn(&Field<'_>) -> bool) {
-        for field in &self.section.fields {
+    pub fn check_known(&mut self, known: impl Fn(Field<'_>) -> bool) {
+        for field in self.section.fields() {
             if !known(field) {
-                let place = Place { line: field.line, section: self.section.name, field: field.name };
                 let expected = "a field that CiA 306 defines here";
-                self.problems.report(place, &rules::field::UNKNOWN, expected, field.name);
+                self.problems.report(field.place_of_name(), &rules::field::UNKNOWN, expected, field.name());
             }
         }
     }

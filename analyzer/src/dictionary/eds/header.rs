@@ -1,12 +1,12 @@
 //! `FileInfo`, `DeviceInfo`, `DummyUsage`, `Comments` and `DeviceComissioning`.
 
-use super::field_name::FieldName;
 use super::fields::{Fields, flag_in};
-use super::lexer::{Document, Field, Section, canonical};
 use crate::dictionary::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo};
 use crate::dictionary::moment::{is_eds_date, is_eds_time};
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::rules::{self, Rule};
+use crate::dictionary::source::{Field, FieldName, Section, Source, canonical};
 use crate::identity::NodeId;
 use std::collections::BTreeMap;
 
@@ -100,9 +100,9 @@ const COMMISSIONING: [FieldName; 9] = [
     FieldName::LssSerialNumber,
 ];
 
-pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileInfo {
+pub(super) fn file_info(section: Section<'_>, problems: &mut Problems) -> FileInfo {
     let mut fields = Fields { section, problems };
-    fields.check_known(|field| field.known.is_some_and(|field| FILE_INFO.contains(&field)));
+    fields.check_known(|field| field.known().is_some_and(|field| FILE_INFO.contains(&field)));
     for field in [FieldName::CreationDate, FieldName::ModificationDate] {
         check_form(&mut fields, field, is_eds_date, &rules::file::DATE, "a date as mm-dd-yyyy");
     }
@@ -142,16 +142,16 @@ fn check_present(fields: &mut Fields<'_, '_>, names: &[FieldName]) {
 }
 
 /// The standard writes `DeviceComissioning`, with one m.
-pub(super) fn check_spelling(section: &Section<'_>, problems: &mut Problems) {
-    if canonical(section.name) != "devicecomissioning" {
+pub(super) fn check_spelling(section: Section<'_>, problems: &mut Problems) {
+    if canonical(section.name()) != "devicecomissioning" {
         let expected = "DeviceComissioning, with one m";
-        problems.report(section.place(), &rules::file::COMMISSIONING, expected, section.name);
+        problems.report(section.place(), &rules::file::COMMISSIONING, expected, section.name());
     }
 }
 
 /// Only a DCF names the EDS that it was made from.
-pub(super) fn check_last_eds(document: &Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
-    let Some(section) = document.section("FileInfo") else { return };
+pub(super) fn check_last_eds(source: &Source<'_>, description: &DeviceDescription, problems: &mut Problems) {
+    let Some(section) = source.section("FileInfo") else { return };
     if let (Some(last), false) = (&description.file.last_eds, description.is_configuration()) {
         problems.report(section.place_of(FieldName::LastEds), &rules::file::LAST_EDS, "LastEDS in a DCF only", last);
     }
@@ -171,7 +171,7 @@ fn check_form(
     }
 }
 
-pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> DeviceInfo {
+pub(super) fn device_info(section: Section<'_>, problems: &mut Problems) -> DeviceInfo {
     let mut fields = Fields { section, problems };
     fields.check_known(is_device_info);
     check_present(&mut fields, &EACH_DEVICE_INFO);
@@ -206,10 +206,10 @@ pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> Dev
 }
 
 /// Whether `DeviceInfo` has that field; bit rates also with zeros before them.
-pub(super) fn is_device_info(field: &Field<'_>) -> bool {
-    match field.known {
+pub(super) fn is_device_info(field: Field<'_>) -> bool {
+    match field.known() {
         Some(known) => DEVICE_INFO.contains(&known) || BIT_RATE_FIELDS.contains(&known),
-        None => bit_rate_of(&canonical(field.name)).is_some(),
+        None => bit_rate_of(&canonical(field.name())).is_some(),
     }
 }
 
@@ -218,9 +218,9 @@ fn bit_rate_of(field: &str) -> Option<u16> {
     BIT_RATES.contains(&rate).then_some(rate)
 }
 
-pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> Commissioning {
+pub(super) fn commissioning(section: Section<'_>, problems: &mut Problems) -> Commissioning {
     let mut fields = Fields { section, problems };
-    fields.check_known(|field| field.known.is_some_and(|field| COMMISSIONING.contains(&field)));
+    fields.check_known(|field| field.known().is_some_and(|field| COMMISSIONING.contains(&field)));
     let number = fields.number(FieldName::NodeId, u32::MAX);
     let node_id = number.and_then(|number| NodeId::new(u8::try_from(number).ok()?));
     if let (Some(number), None) = (number, node_id) {
@@ -246,21 +246,20 @@ pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> C
     }
 }
 
-pub(super) fn dummy_usage(section: &Section<'_>, problems: &mut Problems) -> BTreeMap<u16, bool> {
+pub(super) fn dummy_usage(section: Section<'_>, problems: &mut Problems) -> BTreeMap<u16, bool> {
     let mut dummies = BTreeMap::new();
-    for field in &section.fields {
-        let place = Place { line: field.line, section: section.name, field: field.name };
-        let name = canonical(field.name);
+    for field in section.fields() {
+        let name = canonical(field.name());
         let digits = name.strip_prefix("dummy").filter(|digits| digits.len() == 4);
         let digits = digits.filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
         // The four digits are the index of the data type.
         match digits.and_then(|digits| u16::from_str_radix(digits, 16).ok()) {
             Some(index) => {
-                dummies.insert(index, flag_in(field.value, place, problems));
+                dummies.insert(index, flag_in(field.value(), field.place(), problems));
             }
             None => {
                 let expected = "Dummy and the four digits of a data type";
-                problems.report(place, &rules::file::DUMMY, expected, field.name);
+                problems.report(field.place_of_name(), &rules::file::DUMMY, expected, field.name());
             }
         }
     }
@@ -268,16 +267,16 @@ pub(super) fn dummy_usage(section: &Section<'_>, problems: &mut Problems) -> BTr
 }
 
 /// The fields `Line1`, `Line2`… in the order of the file. `Lines` should be their number.
-pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<String> {
-    let is_line = |field: &Field<'_>| {
-        let name = canonical(field.name);
+pub(super) fn comments(section: Section<'_>, problems: &mut Problems) -> Vec<String> {
+    let is_line = |field: Field<'_>| {
+        let name = canonical(field.name());
         let number = name.strip_prefix("line").unwrap_or_default();
         !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
     };
-    let lines = section.fields.iter().filter(|field| is_line(field)).map(|field| field.value.to_owned());
+    let lines = section.fields().filter(|field| is_line(*field)).map(|field| field.value().to_owned());
     let lines: Vec<String> = lines.collect();
     let mut fields = Fields { section, problems };
-    fields.check_known(|field| field.known == Some(FieldName::Lines) || is_line(field));
+    fields.check_known(|field| field.known() == Some(FieldName::Lines) || is_line(field));
     let announced = fields.number(FieldName::Lines, u32::MAX).unwrap_or(0);
     if announced as usize != lines.len() {
         let found = format!("{} lines", lines.len());
@@ -287,7 +286,7 @@ pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<St
 }
 
 /// Reports required sections that are missing.
-pub(super) fn check_sections(document: &Document<'_>, problems: &mut Problems) {
+pub(super) fn check_sections(source: &Source<'_>, problems: &mut Problems) {
     let required = [
         "FileInfo",
         "DeviceInfo",
@@ -298,8 +297,8 @@ pub(super) fn check_sections(document: &Document<'_>, problems: &mut Problems) {
         "ManufacturerObjects",
     ];
     for name in required {
-        if document.section(name).is_none() {
-            let place = Place { line: 0, section: name, field: "" };
+        if source.section(name).is_none() {
+            let place = Place { section: name, ..Place::default() };
             problems.report(place, &rules::section::MISSING, "a section of this name", "none");
         }
     }

@@ -4,29 +4,19 @@
 //! errors is worth more than none.
 
 mod compact;
-mod field_name;
 mod fields;
 mod header;
-mod lexer;
-mod lines;
 mod lists;
 mod modules;
 pub(super) mod number;
 mod objects;
-mod section_name;
-mod text;
 mod unkept;
 mod write;
 
 use crate::object;
-use field_name::FieldName;
 pub(super) use fields::setting;
-pub(super) use lexer::is_same;
 pub(super) use lists::list_of;
 pub(super) use objects::access_of_habit;
-use section_name::SectionName;
-pub(super) use section_name::{address_of_section, standard_section_name};
-pub(super) use text::decode as decode_text;
 pub(super) use unkept::unkept;
 pub(super) use write::text_of;
 pub use write::write;
@@ -34,37 +24,8 @@ pub use write::write;
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};
 use super::problem::Problems;
 use super::rules;
-
-/// A file with more bytes is no device description: the largest ones of modular devices have some megabytes.
-pub const LARGEST_FILE: usize = 16 << 20;
-
-/// Why a file could not be read at all.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DescriptionError {
-    /// The file is larger than [`LARGEST_FILE`].
-    #[error("expected a device description of at most {LARGEST_FILE} bytes, found {found}")]
-    TooLarge {
-        /// Its length in bytes.
-        found: usize,
-    },
-    /// There is no section at all.
-    #[error("expected the sections of an EDS such as [FileInfo] or [1000], found none")]
-    NoSections,
-    /// The file is XML, but not a CANopen device description.
-    #[error("expected a CANopen XDD with a CANopenObjectList, found {found}")]
-    NotCanopen {
-        /// What was found.
-        found: String,
-    },
-    /// The file is XML that ends, because of an error in it, before its first object.
-    #[error("line {line}: expected well-formed XML with a CANopenObjectList, found {found}")]
-    Malformed {
-        /// The line, from 1.
-        line: u32,
-        /// What the reader of XML says of it.
-        found: String,
-    },
-}
+pub use super::source::{DescriptionError, LARGEST_FILE};
+use super::source::{FieldName, Format, SectionName, Source};
 
 /// Reads an EDS or DCF.
 ///
@@ -81,28 +42,28 @@ pub enum DescriptionError {
 /// # Ok::<(), eds::DescriptionError>(())
 /// ```
 pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
-    if bytes.len() > LARGEST_FILE {
-        return Err(DescriptionError::TooLarge { found: bytes.len() });
-    }
-    let mut problems = Problems::default();
-    let text = text::decode(bytes, &mut problems);
-    let document = lexer::read(&text, &mut problems);
-    if document.sections.iter().all(|section| section.about == SectionName::Unknown) {
+    describe(&Source::read_as(Format::Ini, bytes)?)
+}
+
+/// What an EDS or DCF says.
+pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, DescriptionError> {
+    if source.sections().all(|section| section.about() == SectionName::Unknown) {
         return Err(DescriptionError::NoSections);
     }
-    let mut description = describe(&document, &mut problems);
+    let mut problems = source.problems();
+    let mut description = described(source, &mut problems);
     description.problems = problems.into_sorted();
     Ok(description)
 }
 
-fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDescription {
+fn described(source: &Source<'_>, problems: &mut Problems) -> DeviceDescription {
     let mut description = DeviceDescription {
         file: FileInfo { eds_version: "3.0".to_owned(), ..FileInfo::default() },
         ..DeviceDescription::default()
     };
-    header::check_sections(document, problems);
-    for section in &document.sections {
-        match section.about {
+    header::check_sections(source, problems);
+    for section in source.sections() {
+        match section.about() {
             SectionName::FileInfo => description.file = header::file_info(section, problems),
             SectionName::DeviceInfo => description.device = header::device_info(section, problems),
             SectionName::DummyUsage => description.dummy_usage = header::dummy_usage(section, problems),
@@ -113,25 +74,25 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
             }
             SectionName::Unknown => {
                 let expected = "a section that CiA 306 defines";
-                problems.report(section.place(), &rules::section::UNKNOWN, expected, section.name);
+                problems.report(section.place(), &rules::section::UNKNOWN, expected, section.name());
             }
             _ => {}
         }
     }
-    description.dictionary = objects::read(document, problems);
-    description.lists = lists::read(document, &description.dictionary, problems);
-    lists::check_links(document, &description.dictionary, problems);
-    header::check_last_eds(document, &description, problems);
-    description.modules = modules::read(document, problems);
-    description.connected_modules = modules::connected(document, problems);
+    description.dictionary = objects::read(source, problems);
+    description.lists = lists::read(source, &description.dictionary, problems);
+    lists::check_links(source, &description.dictionary, problems);
+    header::check_last_eds(source, &description, problems);
+    description.modules = modules::read(source, problems);
+    description.connected_modules = modules::connected(source, problems);
     compact::add_pdos(&description.device, &mut description.dictionary);
-    check_pdo_counts(document, &description, problems);
+    check_pdo_counts(source, &description, problems);
     description
 }
 
 /// `NrOfRXPDO` and `NrOfTXPDO` are the numbers of 14xxh and 18xxh objects.
-fn check_pdo_counts(document: &lexer::Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
-    let Some(section) = document.section("DeviceInfo") else { return };
+fn check_pdo_counts(source: &Source<'_>, description: &DeviceDescription, problems: &mut Problems) {
+    let Some(section) = source.section("DeviceInfo") else { return };
     let DeviceInfo { rpdos, tpdos, .. } = description.device;
     for (field, first, announced) in [
         (FieldName::NrOfRxPdo, object::RPDO_COMMUNICATION_PARAMETER, rpdos),

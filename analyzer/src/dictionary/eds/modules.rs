@@ -2,17 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::field_name::FieldName;
 use super::fields::Fields;
-use super::lexer::{Document, Section};
 use super::lists::numbered;
 use super::objects::{self, Parts};
-use super::section_name::{ModulePart, SectionName};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::description::{Module, SubExtension};
 use crate::dictionary::object::{Object, ObjectCode};
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::rules;
+use crate::dictionary::source::{FieldName, ModulePart, Section, SectionName, Source};
 
 /// The fields of `MxModuleInfo`.
 pub(super) const INFO_FIELDS: [FieldName; 4] =
@@ -26,16 +25,16 @@ const fn is_extension_field(field: FieldName) -> bool {
 /// The sections of one module.
 #[derive(Default)]
 struct ModuleParts<'d> {
-    info: Option<&'d Section<'d>>,
+    info: Option<Section<'d>>,
     fixed: BTreeMap<u16, Parts<'d>>,
-    extensions: BTreeMap<u16, &'d Section<'d>>,
+    extensions: BTreeMap<u16, Section<'d>>,
 }
 
-/// All modules of the document.
-pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> Vec<Module> {
+/// All modules of the source.
+pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> Vec<Module> {
     let mut modules: BTreeMap<u16, ModuleParts<'_>> = BTreeMap::new();
-    for section in &document.sections {
-        let SectionName::Module(number, part) = section.about else { continue };
+    for section in source.sections() {
+        let SectionName::Module(number, part) = section.about() else { continue };
         let module = modules.entry(number).or_default();
         match part {
             ModulePart::Info => module.info = Some(section),
@@ -52,41 +51,41 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> Vec<Modu
             ModulePart::Comments => {}
         }
     }
-    check_numbers(document, &modules, problems);
-    modules.into_iter().map(|(number, parts)| module(number, &parts, document, problems)).collect()
+    check_numbers(source, &modules, problems);
+    modules.into_iter().map(|(number, parts)| module(number, &parts, source, problems)).collect()
 }
 
 /// The modules that a DCF plugs in.
-pub(super) fn connected(document: &Document<'_>, problems: &mut Problems) -> Vec<u16> {
-    let section = document.section("ConnectedModules");
+pub(super) fn connected(source: &Source<'_>, problems: &mut Problems) -> Vec<u16> {
+    let section = source.section("ConnectedModules");
     section.map_or_else(Vec::new, |section| {
         numbered(section, FieldName::NrOfEntries, problems).into_iter().map(|(number, _)| number).collect()
     })
 }
 
-fn check_list(section: &Section<'_>, problems: &mut Problems) {
+fn check_list(section: Section<'_>, problems: &mut Problems) {
     numbered(section, FieldName::NrOfEntries, problems);
 }
 
 /// Modules are numbered from 1 to `NrOfEntries`, and each has a `MxModuleInfo`.
-fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_>>, problems: &mut Problems) {
-    let supported = document.section("SupportedModules");
+fn check_numbers(source: &Source<'_>, modules: &BTreeMap<u16, ModuleParts<'_>>, problems: &mut Problems) {
+    let supported = source.section("SupportedModules");
     if let Some(section) = supported {
         let mut fields = Fields { section, problems };
-        fields.check_known(|field| field.known == Some(FieldName::NrOfEntries));
+        fields.check_known(|field| field.known() == Some(FieldName::NrOfEntries));
         let announced = fields.number(FieldName::NrOfEntries, 0xFFFF).unwrap_or(0) as usize;
         if announced != modules.len() {
             let found = format!("{} modules", modules.len());
             fields.report(FieldName::NrOfEntries, &rules::module::COUNT, "the number of modules", &found);
         }
     } else if !modules.is_empty() {
-        let place = Place { line: 0, section: "SupportedModules", field: "" };
+        let place = Place { section: "SupportedModules", ..Place::default() };
         let expected = "a section of this name beside the modules";
         problems.report(place, &rules::module::SECTION, expected, "none");
     }
     for (position, (&number, parts)) in modules.iter().enumerate() {
         let section = format!("M{number}ModuleInfo");
-        let place = Place { line: parts.info.map_or(0, |section| section.line), section: &section, field: "" };
+        let place = Place { section: &section, ..Place::line(parts.info.map_or(0, Section::line)) };
         if parts.info.is_none() {
             let expected = "a section of this name for each module";
             problems.report(place, &rules::module::SECTION, expected, "none");
@@ -98,18 +97,18 @@ fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_
     }
 }
 
-fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problems: &mut Problems) -> Module {
+fn module(number: u16, parts: &ModuleParts<'_>, source: &Source<'_>, problems: &mut Problems) -> Module {
     let mut module = Module { number, ..Module::default() };
     if let Some(section) = parts.info {
         let mut fields = Fields { section, problems };
-        fields.check_known(|field| field.known.is_some_and(|field| INFO_FIELDS.contains(&field)));
+        fields.check_known(|field| field.known().is_some_and(|field| INFO_FIELDS.contains(&field)));
         module.product_name = fields.text(FieldName::ProductName).to_owned();
         module.product_version = fields.number(FieldName::ProductVersion, u32::MAX);
         module.product_revision = fields.number(FieldName::ProductRevision, u32::MAX);
         module.order_code = fields.text(FieldName::OrderCode).to_owned();
     }
     for (&index, parts) in &parts.fixed {
-        module.fixed_objects.push(objects::object(index, parts, document, problems));
+        module.fixed_objects.push(objects::object(index, parts, source, problems));
     }
     for (&index, &section) in &parts.extensions {
         module.extensions.push(extension(index, section, problems));
@@ -117,11 +116,11 @@ fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problem
     module
 }
 
-fn extension(index: u16, section: &Section<'_>, problems: &mut Problems) -> SubExtension {
+fn extension(index: u16, section: Section<'_>, problems: &mut Problems) -> SubExtension {
     let mut fields = Fields { section, problems };
-    fields.check_known(|field| field.known.is_some_and(is_extension_field));
+    fields.check_known(|field| field.known().is_some_and(is_extension_field));
     let mut template = Object::new(index, objects::name(&mut fields), ObjectCode::ARRAY);
-    template.line = section.line;
+    (template.line, template.section) = (section.line(), Some(section.id));
     objects::object_code(&mut fields);
     template.insert(objects::entry(&mut fields, 1, DataType(0)));
     // `Count` may be two numbers: with `;` between them the second tells how many bits share one sub-index.

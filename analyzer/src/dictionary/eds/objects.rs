@@ -4,15 +4,14 @@ use crate::object;
 use std::collections::{BTreeMap, btree_map};
 
 use super::compact;
-use super::field_name::FieldName;
 use super::fields::Fields;
-use super::lexer::{Document, Section, canonical};
-use super::section_name::SectionName;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::limits;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::rules;
+use crate::dictionary::source::{FieldName, Section, SectionName, Source, canonical};
 use crate::identity::SubIndex;
 
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
@@ -52,15 +51,15 @@ pub(super) const fn is_kept(field: FieldName) -> bool {
 /// The sections of one object.
 #[derive(Default)]
 pub(super) struct Parts<'d> {
-    pub head: Option<&'d Section<'d>>,
-    pub subs: BTreeMap<u8, &'d Section<'d>>,
+    pub head: Option<Section<'d>>,
+    pub subs: BTreeMap<u8, Section<'d>>,
 }
 
-/// All objects of the document.
-pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDictionary {
+/// All objects of the source.
+pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> ObjectDictionary {
     let mut parts: BTreeMap<u16, Parts<'_>> = BTreeMap::new();
-    for section in &document.sections {
-        match section.about {
+    for section in source.sections() {
+        match section.about() {
             SectionName::Object(index) => {
                 check_spelling(section, problems);
                 add_head(parts.entry(index).or_default(), section, problems);
@@ -69,7 +68,7 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
                 check_spelling(section, problems);
                 add_sub(parts.entry(index).or_default(), sub, section, problems);
             }
-            SectionName::Beside(_) if canonical(section.name).starts_with("0x") => {
+            SectionName::Beside(_) if canonical(section.name()).starts_with("0x") => {
                 report_spelling(section, problems);
             }
             _ => {}
@@ -78,11 +77,10 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
     let mut left = MOST_ENTRIES;
     let mut objects = Vec::new();
     for (index, parts) in parts {
-        let object = object(index, &parts, document, problems);
+        let object = object(index, &parts, source, problems);
         let Some(rest) = left.checked_sub(object.entries().len()) else {
-            let place = Place { line: object.line, ..Place::default() };
             let expected = "at most 200000 entries; the rest is left out";
-            problems.report(place, &rules::text::TOO_MUCH, expected, &object.index.to_string());
+            problems.report(Place::line(object.line), &rules::text::TOO_MUCH, expected, &object.index.to_string());
             break;
         };
         left = rest;
@@ -92,19 +90,19 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
 }
 
 /// Reports a section name such as `[0x1018]` or `[1018sub01]`, which other tools may not find.
-fn check_spelling(section: &Section<'_>, problems: &mut Problems) {
-    if !section.is_standard {
+fn check_spelling(section: Section<'_>, problems: &mut Problems) {
+    if !section.is_standard() {
         report_spelling(section, problems);
     }
 }
 
-fn report_spelling(section: &Section<'_>, problems: &mut Problems) {
+fn report_spelling(section: Section<'_>, problems: &mut Problems) {
     let expected = "hexadecimal digits without prefix or leading zeros, as in [1018sub1]";
-    problems.report(section.place(), &rules::section::SPELLING, expected, section.name);
+    problems.report(section.place(), &rules::section::SPELLING, expected, section.name());
 }
 
 /// `[1018]` and `[0x1018]` are the same object.
-pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, problems: &mut Problems) {
+pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: Section<'d>, problems: &mut Problems) {
     if parts.head.is_some() {
         report_second(section, problems);
     } else {
@@ -113,7 +111,7 @@ pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, prob
 }
 
 /// `[1018sub1]` and `[1018sub01]` are the same entry.
-pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'d>, problems: &mut Problems) {
+pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: Section<'d>, problems: &mut Problems) {
     match parts.subs.entry(sub) {
         btree_map::Entry::Occupied(_) => report_second(section, problems),
         btree_map::Entry::Vacant(vacant) => {
@@ -122,16 +120,16 @@ pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'
     }
 }
 
-fn report_second(section: &Section<'_>, problems: &mut Problems) {
+fn report_second(section: Section<'_>, problems: &mut Problems) {
     let expected = "a section once; the first counts";
-    problems.report(section.place(), &rules::section::TWICE, expected, section.name);
+    problems.report(section.place(), &rules::section::TWICE, expected, section.name());
 }
 
 /// The object that these sections describe.
-pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, problems: &mut Problems) -> Object {
+pub(super) fn object(index: u16, parts: &Parts<'_>, source: &Source<'_>, problems: &mut Problems) -> Object {
     let Some(head) = parts.head else { return headless(index, parts, problems) };
     let mut fields = Fields { section: head, problems };
-    fields.check_known(|field| field.known.is_some_and(is_object_field));
+    fields.check_known(|field| field.known().is_some_and(is_object_field));
     let mut code = object_code(&mut fields);
     let compact = fields.number(FieldName::CompactSubObj, 0xFE).unwrap_or(0) as u8;
     if !parts.subs.is_empty() && code.is_single() {
@@ -140,11 +138,11 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
         code = ObjectCode::RECORD;
     }
     let mut object = Object::new(index, name(&mut fields), code);
-    object.line = head.line;
+    (object.line, object.section) = (head.line(), Some(head.id));
     object.expect_entries(parts.subs.len().max(1));
     if compact > 0 {
         let template = entry(&mut fields, 0, DataType(0));
-        compact::expand(&mut object, &template, compact, document, problems);
+        compact::expand(&mut object, &template, compact, source, problems);
     } else if parts.subs.is_empty() {
         if !code.is_single() {
             let expected = "sub-indexes of an ARRAY or RECORD";
@@ -166,9 +164,9 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
 fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
     let mut object = Object::new(index, String::new(), ObjectCode::RECORD);
     if let Some((_, section)) = parts.subs.first_key_value() {
-        object.line = section.line;
+        (object.line, object.section) = (section.line(), Some(section.id));
         let expected = "a section of the object itself";
-        problems.report(section.place(), &rules::section::HEAD_MISSING, expected, section.name);
+        problems.report(section.place(), &rules::section::HEAD_MISSING, expected, section.name());
     }
     add_subs(&mut object, parts, problems);
     object
@@ -177,7 +175,7 @@ fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
 fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
-        fields.check_known(|field| field.known.is_some_and(is_entry_field));
+        fields.check_known(|field| field.known().is_some_and(is_entry_field));
         object_code(&mut fields);
         // Many leave the name of the count away.
         if sub != 0 || !fields.text(FieldName::ParameterName).is_empty() {
@@ -216,7 +214,7 @@ pub(super) fn name<'s>(fields: &mut Fields<'s, '_>) -> &'s str {
 pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType) -> Entry {
     let data_type = data_type(fields, default_type);
     let mut entry = Entry::new(sub, fields.text(FieldName::ParameterName), data_type, access(fields, data_type));
-    entry.line = fields.section.line;
+    (entry.line, entry.section) = (fields.section.line(), Some(fields.section.id));
     entry.pdo_mappable = fields.flag(FieldName::PdoMapping);
     entry.default = fields.setting(FieldName::DefaultValue, data_type);
     entry.low_limit = fields.setting(FieldName::LowLimit, data_type);
@@ -233,7 +231,7 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
 }
 
 /// The place of a field of these names.
-fn place<'s>(section: &'s Section<'s>, name: &'static str) -> Place<'s> {
+fn place<'s>(section: Section<'s>, name: &'static str) -> Place<'s> {
     FieldName::parse(name).map_or(section.place(), |field| section.place_of(field))
 }
 

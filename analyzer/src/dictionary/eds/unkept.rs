@@ -1,15 +1,12 @@
 //! What stands in an EDS or DCF that a description does not hold.
 
-use super::field_name::FieldName;
-use super::lexer::{self, Document, Field, Section, canonical};
+use super::header;
 use super::modules::INFO_FIELDS;
 use super::objects::is_kept;
-use super::section_name::{ModulePart, SectionName};
-use super::{header, text};
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::loss::{Loss, Losses};
 use crate::dictionary::object::{Entry, Object};
-use crate::dictionary::problem::Problems;
+use crate::dictionary::source::{Field, FieldName, ModulePart, Section, SectionName, Source, canonical};
 use crate::identity::{Index, SubIndex};
 
 /// Whether that field of an object with sub-indexes is kept.
@@ -37,41 +34,33 @@ const UNKEPT_DEVICE_INFO: [FieldName; 3] =
     [FieldName::CanopenSafetySupported, FieldName::ExtendedBootUpMaster, FieldName::ExtendedBootUpSlave];
 
 /// Everything that is in the file and not in the description that was read from it, by line.
-pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8]) -> Vec<Loss> {
-    let mut problems = Problems::default();
-    let text = text::decode(bytes, &mut problems);
-    let document = lexer::read(&text, &mut problems);
+pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &Source<'_>) -> Vec<Loss> {
     let mut losses = Losses::default();
     losses.unread(&description.problems);
-    comments(&text, &mut losses);
-    for section in &document.sections {
-        self::section(section, &document, description, &mut losses);
+    let mut comments = source.comments();
+    if let Some(first) = comments.next() {
+        let line = source.position(first.range().start).0;
+        losses.unkept(line, "a comment", source.get(first), 1 + comments.count());
+    }
+    for section in source.sections() {
+        self::section(section, source, description, &mut losses);
     }
     losses.0.sort_by_key(|loss| loss.line);
     losses.0
 }
 
-/// Comment lines, all together.
-fn comments(text: &str, losses: &mut Losses) {
-    let is_comment = |line: &str| [";", "#", "//"].iter().any(|mark| line.trim_start().starts_with(mark));
-    let mut comments = (1..).zip(text.lines()).filter(|(_, line)| is_comment(line));
-    if let Some((line, first)) = comments.next() {
-        losses.unkept(line, "a comment", first.trim(), 1 + comments.count());
-    }
-}
-
-fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceDescription, losses: &mut Losses) {
+fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescription, losses: &mut Losses) {
     let each = |losses: &mut Losses, kept: &dyn Fn(FieldName) -> bool| {
-        fields(section, losses, |field| field.known.is_some_and(kept));
+        fields(section, losses, |field| field.known().is_some_and(kept));
     };
-    match section.about {
+    match section.about() {
         SectionName::FileInfo => each(losses, &|field| header::FILE_INFO.contains(&field)),
         SectionName::DeviceInfo => {
             let is_unkept = |known: FieldName| UNKEPT_DEVICE_INFO.contains(&known);
-            fields(section, losses, |field| header::is_device_info(field) && !field.known.is_some_and(is_unkept));
+            fields(section, losses, |field| header::is_device_info(field) && !field.known().is_some_and(is_unkept));
         }
         SectionName::DeviceCommissioning => each(losses, &|field| COMMISSIONING.contains(&field)),
-        SectionName::Comments => fields(section, losses, |field| canonical(field.name).starts_with("line")),
+        SectionName::Comments => fields(section, losses, |field| canonical(field.name()).starts_with("line")),
         SectionName::Object(index) => {
             let object = description.dictionary.object(Index(index));
             head(section, object, losses);
@@ -82,9 +71,9 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
         }
         SectionName::Beside(index) => {
             // Only what stands beside an object of compact form is used.
-            let head = document.section(&format!("{index:04X}"));
+            let head = source.section(&format!("{index:04X}"));
             let is_used = head.is_some_and(|head| head.field(FieldName::CompactSubObj).is_some())
-                && !canonical(section.name).ends_with("objectlinks");
+                && !canonical(section.name()).ends_with("objectlinks");
             if !is_used {
                 whole(section, losses);
             }
@@ -112,33 +101,33 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
 }
 
 /// An object, which is an entry if it has no sub-indexes.
-fn head(section: &Section<'_>, object: Option<&Object>, losses: &mut Losses) {
+fn head(section: Section<'_>, object: Option<&Object>, losses: &mut Losses) {
     match object {
         Some(object) if object.code.is_single() => entry(section, object.entries().first(), losses),
         Some(object) if section.field(FieldName::CompactSubObj).is_some() || object.entries().len() == 1 => {
             entry(section, object.entries().last(), losses);
         }
-        _ => fields(section, losses, |field| field.known.is_some_and(is_head)),
+        _ => fields(section, losses, |field| field.known().is_some_and(is_head)),
     }
 }
 
-fn entry(section: &Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
+fn entry(section: Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
     let is_without_value = entry.is_some_and(|entry| entry.data_type.class().is_none());
     let is_kept = |field| (is_kept(field) || is_head(field)) && !(is_value(field) && is_without_value);
-    fields(section, losses, |field| field.known.is_some_and(is_kept));
+    fields(section, losses, |field| field.known().is_some_and(is_kept));
 }
 
 /// The fields that are not blank and not kept.
-fn fields(section: &Section<'_>, losses: &mut Losses, kept: impl Fn(&Field<'_>) -> bool) {
-    for field in &section.fields {
-        if !field.value.is_empty() && !kept(field) {
-            losses.unkept(field.line, format!("[{}] {}", section.name, field.name), field.value, 1);
+fn fields(section: Section<'_>, losses: &mut Losses, kept: impl Fn(Field<'_>) -> bool) {
+    for field in section.fields() {
+        if !field.value().is_empty() && !kept(field) {
+            losses.unkept(field.line(), format!("[{}] {}", section.name(), field.name()), field.value(), 1);
         }
     }
 }
 
-fn whole(section: &Section<'_>, losses: &mut Losses) {
-    if !section.fields.is_empty() {
-        losses.unkept(section.line, format!("[{}]", section.name), "", 1);
+fn whole(section: Section<'_>, losses: &mut Losses) {
+    if section.fields().next().is_some() {
+        losses.unkept(section.line(), format!("[{}]", section.name()), "", 1);
     }
 }

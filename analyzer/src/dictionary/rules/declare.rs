@@ -1,9 +1,11 @@
 //! How a rule is declared.
 
-/// Declares the rules of a family, and their list:
+/// Declares the rules of a family, and their list, with how the files of their examples end:
 ///
 /// ```text
 /// rules! {
+///     "eds";
+///
 ///     /// the title: what is wrong
 ///     ///
 ///     /// What the rule asks, and why.
@@ -11,14 +13,14 @@
 ///     /// # What to do
 ///     ///
 ///     /// How to fix it.
-///     COUNT: Warning Count, "eds/list/count", "CiA 306" "4.5" Known,
-///         fails "[MandatoryObjects]\nSupportedObjects=9\n...",
-///         passes "[MandatoryObjects]\nSupportedObjects=3\n...";
+///     COUNT: Warning Count, "eds/list/count", "CiA 306" "4.5" Known;
 /// }
 /// ```
+///
+/// The examples of this rule are `fails.eds` and `passes.eds` in `tests/rules/eds/list/count`.
 macro_rules! rules {
-    ($($(#[doc = $doc:literal])+ $name:ident: $severity:ident $kind:ident, $id:literal,
-        $standard:literal $($section:literal)? $confidence:ident, fails $fails:literal, passes $passes:literal;)+) => {
+    ($ending:literal; $($(#[doc = $doc:literal])+ $name:ident: $severity:ident $kind:ident, $id:literal,
+        $standard:literal $($section:literal)? $confidence:ident;)+) => {
         $($(#[doc = $doc])+
         pub static $name: $crate::dictionary::rules::Rule = $crate::dictionary::rules::Rule {
             id: $id,
@@ -29,8 +31,8 @@ macro_rules! rules {
                 section: $crate::dictionary::rules::declare::section!($($section)?),
                 confidence: $crate::clause::Confidence::$confidence,
             },
-            fails: $fails,
-            passes: $passes,
+            fails: $crate::dictionary::rules::declare::example!($id, "fails.", $ending),
+            passes: $crate::dictionary::rules::declare::example!($id, "passes.", $ending),
             doc: concat!($($doc, "\n"),+),
         };)+
 
@@ -47,4 +49,10 @@ macro_rules! section {
     };
 }
 
-pub(super) use {rules, section};
+macro_rules! example {
+    ($id:literal, $name:literal, $ending:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rules/", $id, "/", $name, $ending)).trim_ascii_end()
+    };
+}
+
+pub(super) use {example, rules, section};

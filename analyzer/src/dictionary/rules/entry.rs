@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// ObjectType is none that CiA 301 defines, or does not go with the sub-indexes
     ///
     /// It is 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY) or 9 (RECORD); only ARRAY, RECORD and
@@ -11,9 +13,7 @@ rules! {
     /// # What to do
     ///
     /// Write `ObjectType=0x7` for a single value, `0x8` for entries of one type, `0x9` for others.
-    OBJECT_TYPE: Error Value, "eds/entry/object-type", "CiA 301" "7.4.3" Cited,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x3\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    OBJECT_TYPE: Error Value, "eds/entry/object-type", "CiA 301" "7.4.3" Cited;
 
     /// a VAR has sub-indexes
     ///
@@ -22,9 +22,7 @@ rules! {
     /// # What to do
     ///
     /// Write `ObjectType=0x8` for entries of one type, `0x9` for others.
-    SUBS_OF_VAR: Warning Value, "eds/entry/subs-of-var", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x7\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+    SUBS_OF_VAR: Warning Value, "eds/entry/subs-of-var", "CiA 306" Unknown;
 
     /// DataType is none that CiA 301 defines
     ///
@@ -34,9 +32,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the data type: it is an index, and so hexadecimal.
-    DATA_TYPE: Error Value, "eds/entry/data-type", "CiA 301" "7.4.7.1" Cited,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0017\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0";
+    DATA_TYPE: Error Value, "eds/entry/data-type", "CiA 301" "7.4.7.1" Cited;
 
     /// AccessType is none that CiA 306 defines
     ///
@@ -45,9 +41,7 @@ rules! {
     /// # What to do
     ///
     /// Write one of these.
-    ACCESS: Error Value, "eds/entry/access", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=maybe\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    ACCESS: Error Value, "eds/entry/access", "CiA 306" Unknown;
 
     /// AccessType is written in another way
     ///
@@ -56,9 +50,7 @@ rules! {
     /// # What to do
     ///
     /// Write one of these.
-    ACCESS_FORM: Warning Value, "eds/entry/access-form", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=r/w\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    ACCESS_FORM: Warning Value, "eds/entry/access-form", "CiA 306" Unknown;
 
     /// LowLimit is above HighLimit
     ///
@@ -67,9 +59,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the limits.
-    LIMITS: Error Range, "eds/entry/limits", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=9\nHighLimit=3\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=3\nHighLimit=9\nPDOMapping=0";
+    LIMITS: Error Range, "eds/entry/limits", "CiA 306" Unknown;
 
     /// a limit does not fit the data type
     ///
@@ -78,9 +68,7 @@ rules! {
     /// # What to do
     ///
     /// Write the highest number of the data type, or none.
-    LIMIT_RANGE: Warning Range, "eds/entry/limit-range", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nHighLimit=65536\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nHighLimit=65535\nPDOMapping=0";
+    LIMIT_RANGE: Warning Range, "eds/entry/limit-range", "CiA 306" Unknown;
 
     /// a value lies outside its limits
     ///
@@ -89,9 +77,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the value or the limits.
-    BEYOND_LIMITS: Warning Range, "eds/entry/beyond-limits", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nLowLimit=3\nHighLimit=9\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=5\nLowLimit=3\nHighLimit=9\nPDOMapping=0";
+    BEYOND_LIMITS: Warning Range, "eds/entry/beyond-limits", "CiA 306" Unknown;
 
     /// ObjFlags has bits that CiA 306 does not define
     ///
@@ -100,9 +86,7 @@ rules! {
     /// # What to do
     ///
     /// Write 0, 1, 2 or 3.
-    FLAGS: Hint Value, "eds/entry/flags", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\nObjFlags=8",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\nObjFlags=1";
+    FLAGS: Hint Value, "eds/entry/flags", "CiA 306" Unknown;
 
     /// the default of a VISIBLE_STRING has characters that are not visible
     ///
@@ -111,9 +95,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the text.
-    STRING: Hint Value, "eds/entry/visible-string", "CiA 301" "7.1.6.3" Cited,
-        fails "[2FF0]\nParameterName=Name\nObjectType=0x7\nDataType=0x0009\nAccessType=ro\nDefaultValue=Z\u{E4}hler\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Name\nObjectType=0x7\nDataType=0x0009\nAccessType=ro\nDefaultValue=Zaehler\nPDOMapping=0";
+    STRING: Hint Value, "eds/entry/visible-string", "CiA 301" "7.1.6.3" Cited;
 
     /// sub-index 0 of an ARRAY or RECORD is not UNSIGNED8
     ///
@@ -122,9 +104,7 @@ rules! {
     /// # What to do
     ///
     /// Write `DataType=0x0005` for sub-index 0.
-    SUB_0: Warning Value, "eds/entry/sub-0-type", "CiA 301" "7.4.7.2" Cited,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+    SUB_0: Warning Value, "eds/entry/sub-0-type", "CiA 301" "7.4.7.2" Cited;
 
     /// the elements of an ARRAY have different data types
     ///
@@ -133,9 +113,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the data type, or make the object a RECORD (`ObjectType=0x9`).
-    ARRAY_TYPE: Warning Value, "eds/entry/array-type", "CiA 301" "7.4.3" Cited,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=3\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x9\nSubNumber=3\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0";
+    ARRAY_TYPE: Warning Value, "eds/entry/array-type", "CiA 301" "7.4.3" Cited;
 
     /// an ARRAY has a gap in its sub-indexes
     ///
@@ -144,7 +122,5 @@ rules! {
     /// # What to do
     ///
     /// Describe the sub-indexes that are missing, or make the object a RECORD.
-    ARRAY_GAP: Hint Count, "eds/entry/array-gap", "CiA 301" "7.4.3" Cited,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    ARRAY_GAP: Hint Count, "eds/entry/array-gap", "CiA 301" "7.4.3" Cited;
 }

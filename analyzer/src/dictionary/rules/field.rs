@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// a field stands in its section twice, with two values
     ///
     /// Which of the two counts differs between tools; strict ones refuse the file.
@@ -10,8 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the one that is not meant.
-    TWICE: Error DuplicateField, "eds/field/twice", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nLSS_Supported=1\nLSS_Supported=0\n...", passes "[DeviceInfo]\nLSS_Supported=1\n...";
+    TWICE: Error DuplicateField, "eds/field/twice", "CiA 306" Unknown;
 
     /// a field stands in its section twice, with the same value
     ///
@@ -20,8 +21,7 @@ rules! {
     /// # What to do
     ///
     /// Remove one of the two.
-    REPEATED: Warning DuplicateField, "eds/field/repeated", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nLSS_Supported=1\nLSS_Supported=1\n...", passes "[DeviceInfo]\nLSS_Supported=1\n...";
+    REPEATED: Warning DuplicateField, "eds/field/repeated", "CiA 306" Unknown;
 
     /// a field is not one that CiA 306 defines in its section
     ///
@@ -30,8 +30,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the name if another field is meant.
-    UNKNOWN: Hint UnknownField, "eds/field/unknown", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nColour=red\n...", passes "[DeviceInfo]\nOrderCode=red\n...";
+    UNKNOWN: Hint UnknownField, "eds/field/unknown", "CiA 306" Unknown;
 
     /// an object or entry has no name
     ///
@@ -40,9 +39,7 @@ rules! {
     /// # What to do
     ///
     /// Give it a name.
-    NAME_MISSING: Warning MissingField, "eds/field/name-missing", "CiA 306" Unknown,
-        fails "[2FF0]\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    NAME_MISSING: Warning MissingField, "eds/field/name-missing", "CiA 306" Unknown;
 
     /// a name stands in quotes
     ///
@@ -51,9 +48,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the quotes.
-    NAME_QUOTED: Hint Value, "eds/field/name-quoted", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=\"Setting\"\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    NAME_QUOTED: Hint Value, "eds/field/name-quoted", "CiA 306" Unknown;
 
     /// two objects, or two entries of an object, have the same name
     ///
@@ -63,9 +58,7 @@ rules! {
     /// # What to do
     ///
     /// Give each a name of its own, for example with a number.
-    NAME_TWICE: Hint Value, "eds/field/name-twice", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Same setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF1]\nParameterName=Same setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=First setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF1]\nParameterName=Second setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    NAME_TWICE: Hint Value, "eds/field/name-twice", "CiA 306" Unknown;
 
     /// a name has more than 241 characters
     ///
@@ -74,9 +67,7 @@ rules! {
     /// # What to do
     ///
     /// Shorten the name.
-    NAME_LONG: Warning Value, "eds/field/name-too-long", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    NAME_LONG: Warning Value, "eds/field/name-too-long", "CiA 306" Unknown;
 
     /// ObjectType is missing
     ///
@@ -85,9 +76,7 @@ rules! {
     /// # What to do
     ///
     /// Write `ObjectType=0x7`.
-    OBJECT_TYPE_MISSING: Hint MissingField, "eds/field/object-type-missing", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    OBJECT_TYPE_MISSING: Hint MissingField, "eds/field/object-type-missing", "CiA 306" Unknown;
 
     /// DataType is missing
     ///
@@ -96,9 +85,7 @@ rules! {
     /// # What to do
     ///
     /// Give the index of the data type, such as `DataType=0x0007` for UNSIGNED32.
-    DATA_TYPE_MISSING: Error MissingField, "eds/field/data-type-missing", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    DATA_TYPE_MISSING: Error MissingField, "eds/field/data-type-missing", "CiA 306" Unknown;
 
     /// AccessType is missing
     ///
@@ -107,9 +94,7 @@ rules! {
     /// # What to do
     ///
     /// Say const, ro, wo, rw, rwr or rww.
-    ACCESS_MISSING: Warning MissingField, "eds/field/access-missing", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    ACCESS_MISSING: Warning MissingField, "eds/field/access-missing", "CiA 306" Unknown;
 
     /// a flag is neither 0 nor 1
     ///
@@ -118,8 +103,7 @@ rules! {
     /// # What to do
     ///
     /// Write 0 or 1.
-    FLAG: Warning Value, "eds/field/flag", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nSimpleBootUpSlave=2\n...", passes "[DeviceInfo]\nSimpleBootUpSlave=1\n...";
+    FLAG: Warning Value, "eds/field/flag", "CiA 306" Unknown;
 
     /// a number is outside the range of its field
     ///
@@ -128,6 +112,5 @@ rules! {
     /// # What to do
     ///
     /// Correct the number.
-    RANGE: Error Value, "eds/field/range", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nGranularity=65\n...", passes "[DeviceInfo]\nGranularity=8\n...";
+    RANGE: Error Value, "eds/field/range", "CiA 306" Unknown;
 }

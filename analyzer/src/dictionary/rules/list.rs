@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// the count of a list is not the number of its entries
     ///
     /// Tools read as many entries as the count says: the rest of the objects is lost, or entries are missed.
@@ -10,9 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number of entries that follow.
-    COUNT: Warning Count, "eds/list/count", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=7\n1=0x1000\n2=0x1001\n3=0x1018",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    COUNT: Warning Count, "eds/list/count", "CiA 306" Unknown;
 
     /// the entries of a list are not numbered from 1 without a gap
     ///
@@ -21,9 +21,7 @@ rules! {
     /// # What to do
     ///
     /// Number the entries from 1.
-    GAP: Warning Count, "eds/list/gap", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n4=0x1018",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    GAP: Warning Count, "eds/list/gap", "CiA 306" Unknown;
 
     /// the entries of a list are not in the order of their numbers
     ///
@@ -32,9 +30,7 @@ rules! {
     /// # What to do
     ///
     /// Sort the entries.
-    ORDER: Hint List, "eds/list/order", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=3\n2=0x1001\n1=0x1000\n3=0x1018",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    ORDER: Hint List, "eds/list/order", "CiA 306" Unknown;
 
     /// a field of a list has no number as its name
     ///
@@ -43,9 +39,7 @@ rules! {
     /// # What to do
     ///
     /// Write the next number before the `=`.
-    KEY: Warning Value, "eds/list/key", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\nthird=0x1018",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    KEY: Warning Value, "eds/list/key", "CiA 306" Unknown;
 
     /// an object is listed twice
     ///
@@ -54,9 +48,7 @@ rules! {
     /// # What to do
     ///
     /// Remove one of the entries, and renumber the rest.
-    TWICE: Warning List, "eds/list/twice", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=4\n1=0x1000\n2=0x1001\n3=0x1018\n4=0x1000",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    TWICE: Warning List, "eds/list/twice", "CiA 306" Unknown;
 
     /// an object is listed, but not described
     ///
@@ -65,9 +57,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the object, or take it off the list.
-    UNDESCRIBED: Error List, "eds/list/undescribed", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=4\n1=0x1000\n2=0x1001\n3=0x1018\n4=0x1FEE",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    UNDESCRIBED: Error List, "eds/list/undescribed", "CiA 306" Unknown;
 
     /// an object is described, but not listed
     ///
@@ -76,9 +66,7 @@ rules! {
     /// # What to do
     ///
     /// Add it to the list of its kind.
-    UNLISTED: Warning List, "eds/list/unlisted", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0] removed";
+    UNLISTED: Warning List, "eds/list/unlisted", "CiA 306" Unknown;
 
     /// an object is in the wrong list
     ///
@@ -88,9 +76,7 @@ rules! {
     /// # What to do
     ///
     /// Move it to the list of its kind.
-    WRONG: Warning List, "eds/list/wrong", "CiA 306" Unknown,
-        fails "[MandatoryObjects]\nSupportedObjects=4\n1=0x1000\n2=0x1001\n3=0x1018\n4=0x1017\n[1017]\nParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nPDOMapping=0",
-        passes "[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n2=0x1001\n3=0x1018";
+    WRONG: Warning List, "eds/list/wrong", "CiA 306" Unknown;
 
     /// SubNumber is not the number of sub-indexes
     ///
@@ -99,9 +85,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number of sections of this object's sub-indexes, sub-index 0 included.
-    SUB_NUMBER: Warning Count, "eds/list/sub-number", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=5\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+    SUB_NUMBER: Warning Count, "eds/list/sub-number", "CiA 306" Unknown;
 
     /// sub-index 0 is not the highest sub-index
     ///
@@ -110,9 +94,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the default of sub-index 0, or describe the sub-indexes that are missing.
-    HIGHEST: Warning Count, "eds/list/highest-sub-index", "CiA 301" "7.4.7.2" Cited,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=7\nPDOMapping=0\n[2FF0sub1]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[2FF0sub1]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    HIGHEST: Warning Count, "eds/list/highest-sub-index", "CiA 301" "7.4.7.2" Cited;
 
     /// NrOfEntries is not the number of names or values
     ///
@@ -121,9 +103,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number of entries that follow.
-    BESIDE: Warning Count, "eds/list/entries", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nCompactSubObj=2\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0Name]\nNrOfEntries=2\n1=First",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nCompactSubObj=2\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0Name]\nNrOfEntries=1\n1=First";
+    BESIDE: Warning Count, "eds/list/entries", "CiA 306" Unknown;
 
     /// a name or value is for a sub-index that the short form does not make
     ///
@@ -132,9 +112,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the sub-index, or CompactSubObj.
-    BESIDE_KEY: Warning Value, "eds/list/entry-key", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nCompactSubObj=2\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0Name]\nNrOfEntries=1\n3=Third",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nCompactSubObj=2\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0Name]\nNrOfEntries=1\n2=Second";
+    BESIDE_KEY: Warning Value, "eds/list/entry-key", "CiA 306" Unknown;
 
     /// a link leads to an object that is not described
     ///
@@ -143,7 +121,5 @@ rules! {
     /// # What to do
     ///
     /// Correct the index, or describe the object.
-    LINK: Warning List, "eds/list/link", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0ObjectLinks]\nObjectLinks=1\n1=0x2FEE",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0ObjectLinks]\nObjectLinks=1\n1=0x1000";
+    LINK: Warning List, "eds/list/link", "CiA 306" Unknown;
 }

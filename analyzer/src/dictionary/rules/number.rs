@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// a number or value can't be read
     ///
     /// What stands there could not be used: the field has no value.
@@ -10,9 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Write a decimal number, a hexadecimal one with 0x, or a formula such as `$NODEID+0x180`.
-    UNREADABLE: Error Number, "eds/number/unreadable", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=five\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=5\nPDOMapping=0";
+    UNREADABLE: Error Number, "eds/number/unreadable", "CiA 306" Unknown;
 
     /// a number is written in a form that CiA 306 has not
     ///
@@ -22,9 +22,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number in one of these forms.
-    FORM: Warning Number, "eds/number/form", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1Fh\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0x1F\nPDOMapping=0";
+    FORM: Warning Number, "eds/number/form", "CiA 306" Unknown;
 
     /// the node-ID stands after the number in a formula
     ///
@@ -34,9 +32,7 @@ rules! {
     /// # What to do
     ///
     /// Write `$NODEID` first.
-    NODE_ID_BEHIND: Warning Number, "eds/number/node-id-behind", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x180+$NODEID\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x180\nPDOMapping=0";
+    NODE_ID_BEHIND: Warning Number, "eds/number/node-id-behind", "CiA 306" Unknown;
 
     /// a number begins with 0, which makes it octal
     ///
@@ -45,9 +41,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number that is meant without leading 0.
-    OCTAL: Warning Number, "eds/number/octal", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=010\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=10\nPDOMapping=0";
+    OCTAL: Warning Number, "eds/number/octal", "CiA 306" Unknown;
 
     /// a comment stands after a value
     ///
@@ -56,9 +50,7 @@ rules! {
     /// # What to do
     ///
     /// Move the comment into a line of its own.
-    COMMENT: Hint Number, "eds/number/comment", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005 ; UNSIGNED8\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    COMMENT: Hint Number, "eds/number/comment", "CiA 306" Unknown;
 
     /// a number does not fit its data type
     ///
@@ -68,9 +60,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the number or the data type.
-    RANGE: Error Range, "eds/number/range", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=256\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=255\nPDOMapping=0";
+    RANGE: Error Range, "eds/number/range", "CiA 306" Unknown;
 
     /// a number fits its data type only by its bits
     ///
@@ -80,7 +70,5 @@ rules! {
     /// # What to do
     ///
     /// Write the number as its data type has it, or in hexadecimal.
-    WRAPPED: Warning Range, "eds/number/wrapped", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=-1\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0xFF\nPDOMapping=0";
+    WRAPPED: Warning Range, "eds/number/wrapped", "CiA 306" Unknown;
 }

@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// a PDO has only one of its two parameters
     ///
     /// Communication parameter and mapping parameter come in pairs: 1400h with 1600h, 1800h with 1A00h, and so on. A tool
@@ -11,9 +13,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the other one, or remove the one that is there.
-    PAIR: Error Mapping, "eds/pdo/pair", "CiA 301" "7.5.2.37" Cited,
-        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    PAIR: Error Mapping, "eds/pdo/pair", "CiA 301" "7.5.2.37" Cited;
 
     /// the default of a transmission type is reserved
     ///
@@ -22,9 +22,7 @@ rules! {
     /// # What to do
     ///
     /// Choose 0 to 240, 254 or 255; for a TPDO also 252 or 253.
-    TRANSMISSION_TYPE: Warning Value, "eds/pdo/transmission-type", "CiA 301" "7.5.2.37" Cited,
-        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=245\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    TRANSMISSION_TYPE: Warning Value, "eds/pdo/transmission-type", "CiA 301" "7.5.2.37" Cited;
 
     /// a TPDO communication parameter has sub-index 4
     ///
@@ -33,9 +31,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the sub-index.
-    RESERVED_SUB: Hint Standard, "eds/pdo/reserved-sub-index", "CiA 301" "7.5.2.37" Cited,
-        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=4\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=4\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[19FFsub4]\nParameterName=Reserved\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    RESERVED_SUB: Hint Standard, "eds/pdo/reserved-sub-index", "CiA 301" "7.5.2.37" Cited;
 
     /// a mapping counts an entry that has no default
     ///
@@ -45,9 +41,7 @@ rules! {
     /// # What to do
     ///
     /// Give the entry its default, or correct the count.
-    ENTRY_MISSING: Error Mapping, "eds/pdo/entry-missing", "CiA 301" "7.5.2.38" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=3\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=2\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    ENTRY_MISSING: Error Mapping, "eds/pdo/entry-missing", "CiA 301" "7.5.2.38" Cited;
 
     /// a PDO maps an object that is not described
     ///
@@ -56,9 +50,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the index and sub-index, or describe the object.
-    TARGET: Error Mapping, "eds/pdo/target", "CiA 301" "7.5.2.38" Cited,
-        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FEE0008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    TARGET: Error Mapping, "eds/pdo/target", "CiA 301" "7.5.2.38" Cited;
 
     /// a PDO maps an object with PDOMapping=0
     ///
@@ -68,9 +60,7 @@ rules! {
     /// # What to do
     ///
     /// Set PDOMapping=1 for the object, or map another one.
-    NOT_MAPPABLE: Error Mapping, "eds/pdo/not-mappable", "CiA 301" "7.5.2.38" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    NOT_MAPPABLE: Error Mapping, "eds/pdo/not-mappable", "CiA 301" "7.5.2.38" Cited;
 
     /// the access type of a mapped object does not fit the direction of the PDO
     ///
@@ -79,9 +69,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the access type, or map another object.
-    DIRECTION: Warning Mapping, "eds/pdo/direction", "CiA 301" "7.5.2.38" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=rww\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    DIRECTION: Warning Mapping, "eds/pdo/direction", "CiA 301" "7.5.2.38" Cited;
 
     /// the length in a mapping is not that of the mapped object
     ///
@@ -91,9 +79,7 @@ rules! {
     /// # What to do
     ///
     /// Write the length of the object's data type.
-    LENGTH: Error Mapping, "eds/pdo/length", "CiA 301" "7.5.2.38" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00010\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    LENGTH: Error Mapping, "eds/pdo/length", "CiA 301" "7.5.2.38" Cited;
 
     /// an entry that can be read and written may be mapped, and it is not told into which PDO
     ///
@@ -104,9 +90,7 @@ rules! {
     ///
     /// Write rwr for what goes into TPDOs only and rww for what goes into RPDOs only; in XML PDOmapping="TPDO" or "RPDO".
     /// Leave it so if both can carry the entry.
-    EITHER: Hint Mapping, "eds/pdo/either-direction", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=1",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rww\nPDOMapping=1";
+    EITHER: Hint Mapping, "eds/pdo/either-direction", "CiA 306" Unknown;
 
     /// a BOOLEAN is mapped as a whole byte
     ///
@@ -116,9 +100,7 @@ rules! {
     /// # What to do
     ///
     /// Write 1 bit where the device can map single bits; else give the object a type of 8 bits.
-    BOOLEAN: Warning Mapping, "eds/pdo/boolean", "CiA 301" "7.1.4.3" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0001\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0001\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00001\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    BOOLEAN: Warning Mapping, "eds/pdo/boolean", "CiA 301" "7.1.4.3" Cited;
 
     /// a PDO maps a dummy entry that it may not
     ///
@@ -127,9 +109,7 @@ rules! {
     /// # What to do
     ///
     /// Allow the type in DummyUsage, or map another object.
-    DUMMY: Error Mapping, "eds/pdo/dummy", "CiA 301" "7.4.7.1" Cited,
-        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x00050008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[DummyUsage]\nDummy0005=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x00050008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    DUMMY: Error Mapping, "eds/pdo/dummy", "CiA 301" "7.4.7.1" Cited;
 
     /// a mapping goes against Granularity
     ///
@@ -138,9 +118,7 @@ rules! {
     /// # What to do
     ///
     /// Correct Granularity, or the mapping.
-    GRANULARITY: Warning Mapping, "eds/pdo/granularity", "CiA 306" Unknown,
-        fails "[DeviceInfo]\nGranularity=16\n...\n[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[DeviceInfo]\nGranularity=8\n...\n[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    GRANULARITY: Warning Mapping, "eds/pdo/granularity", "CiA 306" Unknown;
 
     /// a PDO maps more than 64 bits
     ///
@@ -149,9 +127,7 @@ rules! {
     /// # What to do
     ///
     /// Map less, or distribute it over two PDOs.
-    TOO_LONG: Error Mapping, "eds/pdo/too-long", "CiA 301" "7.5.2.38" Cited,
-        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=4\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=3\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub3]\nParameterName=Entry 3\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=3\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=2\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+    TOO_LONG: Error Mapping, "eds/pdo/too-long", "CiA 301" "7.5.2.38" Cited;
 
     /// a COB-ID is one that CiA 301 keeps for something else
     ///
@@ -161,9 +137,7 @@ rules! {
     /// # What to do
     ///
     /// Choose a CAN-ID from 181h to 57Fh.
-    RESTRICTED: Error CobId, "eds/cob-id/restricted", "CiA 301" "7.3.5" Cited,
-        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x580\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x380\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    RESTRICTED: Error CobId, "eds/cob-id/restricted", "CiA 301" "7.3.5" Cited;
 
     /// two messages that the device sends have the same COB-ID
     ///
@@ -173,9 +147,7 @@ rules! {
     /// # What to do
     ///
     /// Give each a COB-ID of its own, or switch one off with bit 31.
-    COB_ID_TWICE: Error CobId, "eds/cob-id/twice", "CiA 301" "7.3.5" Known,
-        fails "[19FE]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FEsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FEsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FEsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFE]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFEsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    COB_ID_TWICE: Error CobId, "eds/cob-id/twice", "CiA 301" "7.3.5" Known;
 
     /// the device receives by a COB-ID by which it sends or receives something else, too
     ///
@@ -184,9 +156,7 @@ rules! {
     /// # What to do
     ///
     /// Give each a COB-ID of its own, or switch one off with bit 31. Leave it so if two RPDOs are to take the same message.
-    COB_ID_SHARED: Warning CobId, "eds/cob-id/shared", "CiA 301" "7.3.5" Known,
-        fails "[15FE]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FEsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FEsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[15FEsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[17FE]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[17FEsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    COB_ID_SHARED: Warning CobId, "eds/cob-id/shared", "CiA 301" "7.3.5" Known;
 
     /// a default COB-ID is not that of the predefined connection set
     ///
@@ -196,9 +166,7 @@ rules! {
     /// # What to do
     ///
     /// Write the formula of the predefined connection set, if nothing speaks against it.
-    PREDEFINED: Hint CobId, "eds/cob-id/predefined", "CiA 301" "7.3.3" Cited,
-        fails "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0xA0\nPDOMapping=0",
-        passes "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80\nPDOMapping=0";
+    PREDEFINED: Hint CobId, "eds/cob-id/predefined", "CiA 301" "7.3.3" Cited;
 
     /// the first SDO server has not the COB-IDs of the predefined connection set
     ///
@@ -208,7 +176,5 @@ rules! {
     /// # What to do
     ///
     /// Write $NODEID+0x600 and $NODEID+0x580.
-    FIRST_SERVER: Warning CobId, "eds/cob-id/first-sdo-server", "CiA 301" "7.5.2.33" Cited,
-        fails "[1200]\nParameterName=SDO server parameter\nObjectType=0x9\nSubNumber=3\n[1200sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[1200sub1]\nParameterName=Client to server\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x640\nPDOMapping=0\n[1200sub2]\nParameterName=Server to client\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x580\nPDOMapping=0",
-        passes "[1200]\nParameterName=SDO server parameter\nObjectType=0x9\nSubNumber=3\n[1200sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[1200sub1]\nParameterName=Client to server\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x600\nPDOMapping=0\n[1200sub2]\nParameterName=Server to client\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=$NODEID+0x580\nPDOMapping=0";
+    FIRST_SERVER: Warning CobId, "eds/cob-id/first-sdo-server", "CiA 301" "7.5.2.33" Cited;
 }

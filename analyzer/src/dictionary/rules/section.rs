@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// a section stands in the file twice
     ///
     /// Which of the two counts differs between tools: the first, the last, both together; strict ones refuse the file.
@@ -10,8 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the one that is not meant.
-    TWICE: Error DuplicateSection, "eds/section/twice", "CiA 306" Unknown,
-        fails "[Comments]\nLines=0\n[Comments]\nLines=0", passes "[Comments]\nLines=0";
+    TWICE: Error DuplicateSection, "eds/section/twice", "CiA 306" Unknown;
 
     /// a section that CiA 306 asks for is missing
     ///
@@ -21,8 +22,7 @@ rules! {
     /// # What to do
     ///
     /// Add the section: an empty list has `SupportedObjects=0`, empty comments have `Lines=0`.
-    MISSING: Warning MissingSection, "eds/section/missing", "CiA 306" Unknown,
-        fails "[Comments] removed", passes "[Comments]\nLines=0";
+    MISSING: Warning MissingSection, "eds/section/missing", "CiA 306" Unknown;
 
     /// a section is not one that CiA 306 defines
     ///
@@ -31,8 +31,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the name if another section is meant.
-    UNKNOWN: Hint UnknownSection, "eds/section/unknown", "CiA 306" Unknown,
-        fails "[Firmware]\nBuild=7", passes "[Comments]\nLines=1\nLine1=Build 7";
+    UNKNOWN: Hint UnknownSection, "eds/section/unknown", "CiA 306" Unknown;
 
     /// the index or sub-index in the name of a section is not in the usual form
     ///
@@ -42,9 +41,7 @@ rules! {
     /// # What to do
     ///
     /// Write the name in that form.
-    SPELLING: Warning Line, "eds/section/spelling", "CiA 306" Unknown,
-        fails "[0x2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    SPELLING: Warning Line, "eds/section/spelling", "CiA 306" Unknown;
 
     /// sub-indexes are described without their object
     ///
@@ -53,9 +50,7 @@ rules! {
     /// # What to do
     ///
     /// Add a section such as `[1018]` with ParameterName, ObjectType and SubNumber.
-    HEAD_MISSING: Error MissingSection, "eds/section/object-missing", "CiA 306" Unknown,
-        fails "[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+    HEAD_MISSING: Error MissingSection, "eds/section/object-missing", "CiA 306" Unknown;
 
     /// an ARRAY or RECORD has no sub-indexes
     ///
@@ -64,9 +59,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the sub-indexes, in sections of their own or by CompactSubObj; or say ObjectType=0x7 for a single value.
-    SUBS_MISSING: Error MissingSection, "eds/section/subs-missing", "CiA 306" Unknown,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nCompactSubObj=2\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    SUBS_MISSING: Error MissingSection, "eds/section/subs-missing", "CiA 306" Unknown;
 
     /// an ARRAY or RECORD has no sub-index 0
     ///
@@ -75,7 +68,5 @@ rules! {
     /// # What to do
     ///
     /// Describe sub-index 0.
-    SUB_0_MISSING: Warning MissingSection, "eds/section/sub-0-missing", "CiA 301" "7.4.7.2" Cited,
-        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub1]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[2FF0sub1]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+    SUB_0_MISSING: Warning MissingSection, "eds/section/sub-0-missing", "CiA 301" "7.4.7.2" Cited;
 }

@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// an object of a standard is described as a single value where it has sub-indexes, or the other way round
     ///
     /// Tools that know the standard look for the entries at other sub-indexes.
@@ -10,9 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the object as its standard defines it.
-    OBJECT_CODE: Warning Standard, "eds/standard/object-code", "CiA 301" "7.5.2" Cited,
-        fails "[1015]\nParameterName=Object\nObjectType=0x8\nCompactSubObj=1\nDataType=0x0006\nAccessType=rw\nPDOMapping=0",
-        passes "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    OBJECT_CODE: Warning Standard, "eds/standard/object-code", "CiA 301" "7.5.2" Cited;
 
     /// an object of a standard has the name of another one
     ///
@@ -22,9 +22,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the name, or the index of the section.
-    NAME: Warning Standard, "eds/standard/name", "CiA 301" "7.5.2" Cited,
-        fails "[1017]\nParameterName=Guard time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[1017]\nParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    NAME: Warning Standard, "eds/standard/name", "CiA 301" "7.5.2" Cited;
 
     /// an object of a standard has another data type
     ///
@@ -34,9 +32,7 @@ rules! {
     /// # What to do
     ///
     /// Use the data type of the standard. If the device really has another one, that is a fault of the device.
-    DATA_TYPE: Warning Standard, "eds/standard/data-type", "CiA 301" "7.5.2" Cited,
-        fails "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    DATA_TYPE: Warning Standard, "eds/standard/data-type", "CiA 301" "7.5.2" Cited;
 
     /// an object of a standard has another access type
     ///
@@ -45,9 +41,7 @@ rules! {
     /// # What to do
     ///
     /// Use the access type of the standard.
-    ACCESS: Warning Standard, "eds/standard/access", "CiA 301" "7.5.2" Cited,
-        fails "[1001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
-        passes "[1001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=0";
+    ACCESS: Warning Standard, "eds/standard/access", "CiA 301" "7.5.2" Cited;
 
     /// an object that the standard makes writable can't be written
     ///
@@ -56,9 +50,7 @@ rules! {
     /// # What to do
     ///
     /// Nothing, if the device is like that.
-    ACCESS_LESS: Hint Standard, "eds/standard/read-only", "CiA 301" "7.5.2" Cited,
-        fails "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
-        passes "[1015]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    ACCESS_LESS: Hint Standard, "eds/standard/read-only", "CiA 301" "7.5.2" Cited;
 
     /// an object of the communication profile has PDOMapping=1
     ///
@@ -67,9 +59,7 @@ rules! {
     /// # What to do
     ///
     /// Set PDOMapping=0.
-    MAPPING: Hint Standard, "eds/standard/pdo-mapping", "CiA 301" "7.5.2" Cited,
-        fails "[1017]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=1",
-        passes "[1017]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    MAPPING: Hint Standard, "eds/standard/pdo-mapping", "CiA 301" "7.5.2" Cited;
 
     /// the default of a standard object is outside what its standard allows
     ///
@@ -78,9 +68,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the default.
-    RANGE: Warning Standard, "eds/standard/range", "CiA 301" "7.5.2" Cited,
-        fails "[1019]\nParameterName=Object\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=241\nPDOMapping=0",
-        passes "[1019]\nParameterName=Object\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    RANGE: Warning Standard, "eds/standard/range", "CiA 301" "7.5.2" Cited;
 
     /// an object that every device has is missing
     ///
@@ -89,9 +77,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the object.
-    MANDATORY: Warning MissingSection, "eds/standard/mandatory", "CiA 301" "7.5.2" Known,
-        fails "[1000] removed",
-        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0";
+    MANDATORY: Warning MissingSection, "eds/standard/mandatory", "CiA 301" "7.5.2" Known;
 
     /// the identity object is missing
     ///
@@ -100,9 +86,7 @@ rules! {
     /// # What to do
     ///
     /// Describe 1018h, if the device has it.
-    IDENTITY_MISSING: Hint MissingSection, "eds/standard/identity-missing", "CiA 301" "7.5.2.21" Cited,
-        fails "[1018] removed",
-        passes "[1018]\nParameterName=Identity\nObjectType=0x9\nSubNumber=5";
+    IDENTITY_MISSING: Hint MissingSection, "eds/standard/identity-missing", "CiA 301" "7.5.2.21" Cited;
 
     /// an object is there without the one that it belongs to
     ///
@@ -112,9 +96,7 @@ rules! {
     /// # What to do
     ///
     /// Describe the other object, too, or remove this one.
-    COMPANION: Hint Standard, "eds/standard/companion", "CiA 301" "7.5.2" Cited,
-        fails "[1005] removed\n[1007]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
-        passes "[1005]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x80\nPDOMapping=0\n[1007]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+    COMPANION: Hint Standard, "eds/standard/companion", "CiA 301" "7.5.2" Cited;
 
     /// the number of revolutions contradicts the type of the encoder
     ///
@@ -124,9 +106,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the default of 1000h or of 6502h.
-    REVOLUTIONS: Warning Standard, "eds/encoder/revolutions", "CiA 406" Known,
-        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=4096\nPDOMapping=0",
-        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00020196\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=4096\nPDOMapping=0";
+    REVOLUTIONS: Warning Standard, "eds/encoder/revolutions", "CiA 406" Known;
 
     /// the total measuring range is larger than the encoder's resolution
     ///
@@ -136,9 +116,7 @@ rules! {
     /// # What to do
     ///
     /// Correct 6002h, 6501h or 6502h.
-    MEASURING_RANGE: Warning Range, "eds/encoder/measuring-range", "CiA 406" Known,
-        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
-        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
+    MEASURING_RANGE: Warning Range, "eds/encoder/measuring-range", "CiA 406" Known;
 
     /// the measuring units per revolution are more than the encoder's resolution
     ///
@@ -148,9 +126,7 @@ rules! {
     /// # What to do
     ///
     /// Correct 6001h or 6501h.
-    UNITS: Warning Range, "eds/encoder/units-per-revolution", "CiA 406" Known,
-        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
-        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
+    UNITS: Warning Range, "eds/encoder/units-per-revolution", "CiA 406" Known;
 
     /// the preset value lies outside the measuring range
     ///
@@ -160,7 +136,5 @@ rules! {
     /// # What to do
     ///
     /// Correct 6003h or 6002h.
-    PRESET: Warning Range, "eds/encoder/preset", "CiA 406" Known,
-        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0\n[6003]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0",
-        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x1000\nPDOMapping=0\n[6003]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x0FFF\nPDOMapping=0";
+    PRESET: Warning Range, "eds/encoder/preset", "CiA 406" Known;
 }

@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "eds";
+
     /// the file has characters that are not ASCII
     ///
     /// CiA 306 asks for ASCII. Files in the field have UTF-8 and Latin-1, and tools guess differently, so that names of
@@ -11,8 +13,7 @@ rules! {
     /// # What to do
     ///
     /// Write names without accents and special signs.
-    ENCODING: Hint Encoding, "eds/text/encoding", "CiA 306" Unknown,
-        fails "[FileInfo]\nDescription=Z\u{E4}hler\n...", passes "[FileInfo]\nDescription=Zaehler\n...";
+    ENCODING: Hint Encoding, "eds/text/encoding", "CiA 306" Unknown;
 
     /// the file begins with a byte order mark
     ///
@@ -22,8 +23,7 @@ rules! {
     /// # What to do
     ///
     /// Store the file without byte order mark, as ASCII or "UTF-8 without BOM".
-    BYTE_ORDER_MARK: Warning Encoding, "eds/text/byte-order-mark", "CiA 306" Unknown,
-        fails "\u{FEFF}[FileInfo]\n...", passes "[FileInfo]\n...";
+    BYTE_ORDER_MARK: Warning Encoding, "eds/text/byte-order-mark", "CiA 306" Unknown;
 
     /// the file is UTF-16
     ///
@@ -32,8 +32,7 @@ rules! {
     /// # What to do
     ///
     /// Store the file as ASCII.
-    UTF_16: Warning Encoding, "eds/text/utf-16", "CiA 306" Unknown,
-        fails "F\u{0}i\u{0}l\u{0}e\u{0}", passes "File";
+    UTF_16: Warning Encoding, "eds/text/utf-16", "CiA 306" Unknown;
 
     /// lines end in more than one way, or in a carriage return alone
     ///
@@ -42,8 +41,7 @@ rules! {
     /// # What to do
     ///
     /// End all lines in the same way, with CR LF or LF.
-    LINE_ENDS: Hint Encoding, "eds/text/line-ends", "CiA 306" Unknown,
-        fails "[Comments]\r\nLines=0\n...", passes "[Comments]\nLines=0\n...";
+    LINE_ENDS: Hint Encoding, "eds/text/line-ends", "CiA 306" Unknown;
 
     /// the file has control characters
     ///
@@ -53,8 +51,7 @@ rules! {
     /// # What to do
     ///
     /// Remove them.
-    CONTROL: Warning Encoding, "eds/text/control-character", "CiA 306" Unknown,
-        fails "[FileInfo]\nDescription=\u{1B}[2J\n...", passes "[FileInfo]\nDescription=encoder\n...";
+    CONTROL: Warning Encoding, "eds/text/control-character", "CiA 306" Unknown;
 
     /// a line is longer than 255 characters
     ///
@@ -63,9 +60,7 @@ rules! {
     /// # What to do
     ///
     /// Shorten the text.
-    TOO_LONG: Warning Line, "eds/text/line-too-long", "CiA 306" Unknown,
-        fails "[FileInfo]\nDescription=xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx\n...",
-        passes "[FileInfo]\nDescription=x\n...";
+    TOO_LONG: Warning Line, "eds/text/line-too-long", "CiA 306" Unknown;
 
     /// a line is neither section, field nor comment
     ///
@@ -75,8 +70,7 @@ rules! {
     /// # What to do
     ///
     /// Write the missing `=`, or a `;` before a comment.
-    UNREAD: Warning Line, "eds/text/unread", "CiA 306" Unknown,
-        fails "[DummyUsage]\nthe last update was on Monday\n...", passes "[DummyUsage]\n;the last update was on Monday\n...";
+    UNREAD: Warning Line, "eds/text/unread", "CiA 306" Unknown;
 
     /// a comment begins with # or //
     ///
@@ -85,8 +79,7 @@ rules! {
     /// # What to do
     ///
     /// Begin it with `;`.
-    COMMENT: Warning Line, "eds/text/comment", "CiA 306" Unknown,
-        fails "[DummyUsage]\n# none\n...", passes "[DummyUsage]\n; none\n...";
+    COMMENT: Warning Line, "eds/text/comment", "CiA 306" Unknown;
 
     /// a section line is not closed, or something follows its name
     ///
@@ -96,8 +89,7 @@ rules! {
     /// # What to do
     ///
     /// Close the name with `]`, and write anything else in a line of its own.
-    SECTION_LINE: Warning Line, "eds/text/section-line", "CiA 306" Unknown,
-        fails "[Comments\nLines=0", passes "[Comments]\nLines=0";
+    SECTION_LINE: Warning Line, "eds/text/section-line", "CiA 306" Unknown;
 
     /// a merge conflict was left in the file
     ///
@@ -107,9 +99,7 @@ rules! {
     /// # What to do
     ///
     /// Choose one side, and remove the other with the marks.
-    CONFLICT: Error Line, "eds/text/conflict", "CiA 306" Unknown,
-        fails "[FileInfo]\n<<<<<<< HEAD\nFileVersion=1\n=======\nFileVersion=2\n>>>>>>> release\n...",
-        passes "[FileInfo]\nFileVersion=2\n...";
+    CONFLICT: Error Line, "eds/text/conflict", "CiA 306" Unknown;
 
     /// half of the lines can't be read
     ///
@@ -118,8 +108,7 @@ rules! {
     /// # What to do
     ///
     /// Get the file again from its maker.
-    HALF_READ: Error Line, "eds/text/half-read", "CiA 306" Unknown,
-        fails "one\ntwo\nthree\nfour", passes "[FileInfo]\nFileVersion=2";
+    HALF_READ: Error Line, "eds/text/half-read", "CiA 306" Unknown;
 
     /// the file is so large that the rest was left out
     ///
@@ -128,6 +117,5 @@ rules! {
     /// # What to do
     ///
     /// Split the description, or correct the count that makes it so large.
-    TOO_MUCH: Error TooMuch, "eds/text/too-much", "CiA 306" Unknown,
-        fails "a million lines", passes "ten thousand lines";
+    TOO_MUCH: Error TooMuch, "eds/text/too-much", "CiA 306" Unknown;
 }

@@ -3,6 +3,8 @@
 use super::rules;
 
 rules! {
+    "xdd";
+
     /// the file is no well-formed XML
     ///
     /// What follows is not read, by no tool.
@@ -10,9 +12,7 @@ rules! {
     /// # What to do
     ///
     /// Close what is open, and write & as &amp;.
-    MALFORMED: Error Line, "xdd/text/malformed", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\">",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    MALFORMED: Error Line, "xdd/text/malformed", "CiA 311" Unknown;
 
     /// an element has an attribute twice
     ///
@@ -21,9 +21,7 @@ rules! {
     /// # What to do
     ///
     /// Remove one of the two.
-    ATTRIBUTE_TWICE: Warning DuplicateField, "xdd/element/attribute-twice", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" name=\"Other\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    ATTRIBUTE_TWICE: Warning DuplicateField, "xdd/element/attribute-twice", "CiA 311" Unknown;
 
     /// an object or sub-index is described twice
     ///
@@ -32,9 +30,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the one that is not meant.
-    TWICE: Error DuplicateSection, "xdd/object/twice", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/><CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    TWICE: Error DuplicateSection, "xdd/object/twice", "CiA 311" Unknown;
 
     /// a hexadecimal number has a prefix
     ///
@@ -44,9 +40,7 @@ rules! {
     /// # What to do
     ///
     /// Remove the 0x.
-    PREFIX: Warning Number, "xdd/number/prefix", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"0x2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    PREFIX: Warning Number, "xdd/number/prefix", "CiA 311" Unknown;
 
     /// an index, data type or flag is no hexadecimal number, or too large
     ///
@@ -55,9 +49,7 @@ rules! {
     /// # What to do
     ///
     /// Write the hexadecimal digits.
-    NUMBER: Error Number, "xdd/number/unreadable", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"WORD\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    NUMBER: Error Number, "xdd/number/unreadable", "CiA 311" Unknown;
 
     /// an object refers to a parameter that is not there
     ///
@@ -66,9 +58,7 @@ rules! {
     /// # What to do
     ///
     /// Correct the reference, or describe the parameter.
-    REFERENCE: Error Value, "xdd/object/reference", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" uniqueIDRef=\"UID_none\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    REFERENCE: Error Value, "xdd/object/reference", "CiA 311" Unknown;
 
     /// subNumber is not the number of sub-indexes
     ///
@@ -77,9 +67,7 @@ rules! {
     /// # What to do
     ///
     /// Write the number of CANopenSubObject elements.
-    SUB_NUMBER: Warning Count, "xdd/object/sub-number", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Settings\" objectType=\"8\" subNumber=\"3\"><CANopenSubObject subIndex=\"00\" name=\"Highest sub-index\" objectType=\"7\" dataType=\"0005\" accessType=\"ro\" defaultValue=\"0\" PDOmapping=\"no\"/></CANopenObject>",
-        passes "<CANopenObject index=\"2000\" name=\"Settings\" objectType=\"8\" subNumber=\"1\"><CANopenSubObject subIndex=\"00\" name=\"Highest sub-index\" objectType=\"7\" dataType=\"0005\" accessType=\"ro\" defaultValue=\"0\" PDOmapping=\"no\"/></CANopenObject>";
+    SUB_NUMBER: Warning Count, "xdd/object/sub-number", "CiA 311" Unknown;
 
     /// objectType is none that CiA 301 defines
     ///
@@ -88,9 +76,7 @@ rules! {
     /// # What to do
     ///
     /// Write 7 for a single value, 8 for entries of one type, 9 for others.
-    OBJECT_TYPE: Error Value, "xdd/object/object-type", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"3\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    OBJECT_TYPE: Error Value, "xdd/object/object-type", "CiA 311" Unknown;
 
     /// an object has no data type
     ///
@@ -99,9 +85,7 @@ rules! {
     /// # What to do
     ///
     /// Add dataType, or a reference to a parameter that has one.
-    DATA_TYPE_MISSING: Error MissingField, "xdd/object/data-type-missing", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" accessType=\"rw\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    DATA_TYPE_MISSING: Error MissingField, "xdd/object/data-type-missing", "CiA 311" Unknown;
 
     /// accessType is none that CiA 311 defines
     ///
@@ -110,9 +94,7 @@ rules! {
     /// # What to do
     ///
     /// Write one of these.
-    ACCESS: Warning Value, "xdd/object/access", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"maybe\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    ACCESS: Warning Value, "xdd/object/access", "CiA 311" Unknown;
 
     /// accessType is missing
     ///
@@ -121,7 +103,5 @@ rules! {
     /// # What to do
     ///
     /// Say const, ro, wo or rw.
-    ACCESS_DEFAULT: Hint MissingField, "xdd/object/access-missing", "CiA 311" Unknown,
-        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" PDOmapping=\"no\"/>",
-        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+    ACCESS_DEFAULT: Hint MissingField, "xdd/object/access-missing", "CiA 311" Unknown;
 }

@@ -1,6 +1,5 @@
 //! Device descriptions in XML: XDD for a type of device, XDC for one configured device (CiA 311).
 
-mod elements;
 mod objects;
 mod parameters;
 mod unkept;
@@ -12,32 +11,28 @@ pub use write::write;
 
 use std::collections::BTreeMap;
 
-use elements::{Element, Elements};
-
 use super::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, ObjectLists};
-use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
-use super::problem::Problems;
 use super::rules;
+use super::source::{DescriptionError, Format, Section, Source};
 use crate::identity::NodeId;
 
 /// Reads an XDD or XDC.
 pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
-    if bytes.len() > LARGEST_FILE {
-        return Err(DescriptionError::TooLarge { found: bytes.len() });
-    }
-    // Every character set is right here, so what the decoding reports of an EDS is dropped.
-    let text = decode_text(bytes, &mut Problems::default());
-    let mut problems = Problems::default();
-    let elements = elements::read(&text, &mut problems);
-    if elements.named("CANopenObjectList").next().is_none() {
+    describe(&Source::read_as(Format::Xml, bytes)?)
+}
+
+/// What an XDD or XDC says.
+pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, DescriptionError> {
+    let mut problems = source.problems();
+    if source.named("CANopenObjectList").next().is_none() {
         if let Some(problem) = problems.first_of(&rules::xdd::MALFORMED) {
             return Err(DescriptionError::Malformed { line: problem.line, found: problem.found.clone() });
         }
-        let root = elements.named("ProfileBody").last().and_then(|(_, body)| body.attribute("type"));
+        let root = source.named("ProfileBody").last().and_then(|body| body.attribute("type"));
         return Err(DescriptionError::NotCanopen { found: root.unwrap_or("none").to_owned() });
     }
-    let parameters = parameters::read(&elements);
-    let dictionary = objects::read(&elements, &parameters, &mut problems);
+    let parameters = parameters::read(source);
+    let dictionary = objects::read(source, &parameters, &mut problems);
     let mut lists = ObjectLists::default();
     for object in dictionary.objects() {
         let list = match object.index.0 {
@@ -48,10 +43,10 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
         list.push((object.index, object.line));
     }
     Ok(DeviceDescription {
-        file: file_info(&elements),
-        device: device_info(&elements),
-        commissioning: elements.named("deviceCommissioning").next().map(|(_, element)| commissioning(element)),
-        dummy_usage: dummy_usage(&elements),
+        file: file_info(source),
+        device: device_info(source),
+        commissioning: source.named("deviceCommissioning").next().map(commissioning),
+        dummy_usage: dummy_usage(source),
         dictionary,
         lists,
         problems: problems.into_sorted(),
@@ -60,8 +55,8 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
 }
 
 /// From the body that describes the communication: the last one.
-fn file_info(elements: &Elements) -> FileInfo {
-    let Some((_, body)) = elements.named("ProfileBody").last() else { return FileInfo::default() };
+fn file_info(source: &Source<'_>) -> FileInfo {
+    let Some(body) = source.named("ProfileBody").last() else { return FileInfo::default() };
     let text = |name: &str| body.attribute(name).unwrap_or_default().to_owned();
     FileInfo {
         name: text("fileName"),
@@ -74,24 +69,24 @@ fn file_info(elements: &Elements) -> FileInfo {
     }
 }
 
-fn device_info(elements: &Elements) -> DeviceInfo {
-    let text = |name: &str| elements.text(name).unwrap_or_default().to_owned();
+fn device_info(source: &Source<'_>) -> DeviceInfo {
+    let text = |name: &str| source.named(name).map(Section::text).find(|text| !text.is_empty()).unwrap_or_default();
     let feature = |element: &str, name: &str| {
-        elements.named(element).find_map(|(_, element)| element.attribute(name)).map(str::to_owned).unwrap_or_default()
+        source.named(element).find_map(|element| element.attribute(name)).map(str::to_owned).unwrap_or_default()
     };
     let general = |name: &str| feature("CANopenGeneralFeatures", name);
     let number = |name: &str| general(name).parse().unwrap_or(0);
     let mut bit_rates: Vec<u16> =
-        elements.named("supportedBaudRate").filter_map(|(_, element)| kbit(element.attribute("value")?)).collect();
+        source.named("supportedBaudRate").filter_map(|element| kbit(element.attribute("value")?)).collect();
     bit_rates.sort_unstable();
     bit_rates.dedup();
     DeviceInfo {
-        vendor_name: text("vendorName"),
-        vendor_number: elements.text("vendorID").and_then(decimal_or_hexadecimal),
-        product_name: text("productName"),
-        product_number: elements.text("productID").and_then(decimal_or_hexadecimal),
+        vendor_name: text("vendorName").to_owned(),
+        vendor_number: decimal_or_hexadecimal(text("vendorID")),
+        product_name: text("productName").to_owned(),
+        product_number: decimal_or_hexadecimal(text("productID")),
         revision_number: None,
-        order_code: text("orderNumber"),
+        order_code: text("orderNumber").to_owned(),
         bit_rates,
         simple_boot_up_master: is_true(&feature("CANopenMasterFeatures", "bootUpMaster")),
         simple_boot_up_slave: is_true(&general("bootUpSlave")),
@@ -105,7 +100,7 @@ fn device_info(elements: &Elements) -> DeviceInfo {
     }
 }
 
-fn commissioning(element: &Element) -> Commissioning {
+fn commissioning(element: Section<'_>) -> Commissioning {
     let text = |name: &str| element.attribute(name).unwrap_or_default().to_owned();
     Commissioning {
         // The schema of CiA 311 has `NodeID`, other programs write `nodeID`.
@@ -122,8 +117,8 @@ fn commissioning(element: &Element) -> Commissioning {
 }
 
 /// `<dummy entry="Dummy0005=1"/>`
-fn dummy_usage(elements: &Elements) -> BTreeMap<u16, bool> {
-    let entries = elements.named("dummy").filter_map(|(_, element)| element.attribute("entry"));
+fn dummy_usage(source: &Source<'_>) -> BTreeMap<u16, bool> {
+    let entries = source.named("dummy").filter_map(|element| element.attribute("entry"));
     let dummies = entries.filter_map(|entry| {
         let (name, usable) = entry.split_once('=')?;
         let (dummy, index) = name.trim().split_at_checked("Dummy".len())?;

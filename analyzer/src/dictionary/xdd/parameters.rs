@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::elements::{Element, Elements};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::Access;
+use crate::dictionary::source::{Section, Source};
 
 /// A parameter. Values are texts until the data type of the object is known.
 #[derive(Debug, Default)]
@@ -22,23 +22,23 @@ pub(super) struct Parameter<'a> {
 }
 
 /// All parameters, by `uniqueID`.
-pub(super) fn read(elements: &Elements) -> HashMap<&str, Parameter<'_>> {
+pub(super) fn read<'s>(source: &'s Source<'_>) -> HashMap<&'s str, Parameter<'s>> {
     let mut parameters = HashMap::new();
-    for (position, element) in elements.named("parameter") {
+    for element in source.named("parameter") {
         if let Some(id) = element.attribute("uniqueID") {
-            parameters.entry(id).or_insert_with(|| parameter(element, elements.inside(position)));
+            parameters.entry(id).or_insert_with(|| parameter(element));
         }
     }
     parameters
 }
 
-fn parameter<'a>(element: &'a Element, inside: &'a [Element]) -> Parameter<'a> {
-    let named = |name: &str| inside.iter().find(|element| element.name == name);
+fn parameter(element: Section<'_>) -> Parameter<'_> {
+    let named = |name: &str| element.inside().find(|inside| inside.name() == name);
     let value = |name: &str| named(name).and_then(|element| element.attribute("value"));
-    let text = |name: &str| named(name).map(|element| element.text.trim()).filter(|text| !text.is_empty());
+    let text = |name: &str| named(name).map(Section::text).filter(|text| !text.is_empty());
     Parameter {
         label: text("label"),
-        data_type: inside.iter().find_map(|element| simple_type(&element.name)),
+        data_type: element.inside().find_map(|element| simple_type(element.name())),
         // Without the attribute it is read, the default of the schema.
         access: element.attribute("access").map_or(Some(Access::Ro), access),
         is_out_of_reach: element.attribute("access") == Some("noAccess"),

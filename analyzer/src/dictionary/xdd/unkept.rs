@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::elements::{self, Element};
 use crate::dictionary::description::DeviceDescription;
-use crate::dictionary::eds::decode_text;
 use crate::dictionary::loss::{Loss, Losses};
-use crate::dictionary::problem::Problems;
+use crate::dictionary::place::SectionId;
+use crate::dictionary::source::Source;
 
 /// The elements that are read, each with the attributes that are; objects also have [`OF_OBJECTS`].
 const READ: &[(&str, &[&str])] = &[
@@ -121,35 +120,36 @@ const AROUND: &[&str] = &[
 const OF_THE_FORMAT: &str = "ProfileHeader";
 
 /// Everything that is in the file and not in the description that was read from it, each kind of thing once.
-pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8]) -> Vec<Loss> {
-    let text = decode_text(bytes, &mut Problems::default());
-    let elements = elements::read(&text, &mut Problems::default());
+pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &Source<'_>) -> Vec<Loss> {
     let mut seen: BTreeMap<String, (u32, String, usize)> = BTreeMap::new();
     let mut note = |place: String, line: u32, text: &str| {
         seen.entry(place).or_insert_with(|| (line, text.to_owned(), 0)).2 += 1;
     };
-    let mut rest = elements.all();
-    while let Some((element, after)) = rest.split_first() {
-        rest = after;
-        if let Some((_, read)) = READ.iter().find(|(name, _)| *name == element.name) {
-            let is_object = matches!(element.name.as_str(), "CANopenObject" | "CANopenSubObject");
-            for (attribute, value) in element.attributes() {
-                let is_in = |names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(attribute));
+    let mut next = SectionId(0);
+    for element in source.elements() {
+        if element.id < next {
+            continue;
+        }
+        let name = element.name();
+        if let Some((_, read)) = READ.iter().find(|(known, _)| *known == name) {
+            let is_object = matches!(name, "CANopenObject" | "CANopenSubObject");
+            for attribute in element.fields() {
+                let is_in = |names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(attribute.name()));
                 let is_read = is_in(read) || is_object && is_in(OF_OBJECTS);
-                if !is_read && !value.trim().is_empty() {
-                    note(format!("{} {attribute}", element.name), element.line, value);
+                if !is_read && !attribute.value().trim().is_empty() {
+                    note(format!("{name} {}", attribute.name()), element.line(), attribute.value());
                 }
             }
             continue;
         }
-        if AROUND.contains(&element.name.as_str()) {
+        if AROUND.contains(&name) {
             continue;
         }
         // An element that is not known, with everything in it.
-        if element.name != OF_THE_FORMAT && element.has_content(after) {
-            note(element.name.clone(), element.line, element.text.trim());
+        if name != OF_THE_FORMAT && element.has_content() {
+            note(name.to_owned(), element.line(), element.text());
         }
-        rest = element.after(after);
+        next = element.next();
     }
     let mut losses = Losses::default();
     losses.unread(&description.problems);
@@ -158,11 +158,4 @@ pub(in crate::dictionary) fn unkept(description: &DeviceDescription, bytes: &[u8
     }
     losses.0.sort_by_key(|loss| loss.line);
     losses.0
-}
-
-impl Element {
-    /// Whether it says anything: an attribute, a text, or an element in it.
-    fn has_content(&self, after: &[Self]) -> bool {
-        !self.text.trim().is_empty() || self.attributes().next().is_some() || self.after(after).len() < after.len()
-    }
 }

@@ -140,7 +140,7 @@ impl Args {
                 return Ok(None);
             }
         } else if self.format == CheckFormat::Text {
-            let text = text::render(&file, &checked.source(), style);
+            let text = text::render(&file, &checked.source, style);
             unless_closed(output.append(|buffer| buffer.extend_from_slice(text.as_bytes())))?;
         }
         Ok(Some(file))

@@ -2,14 +2,15 @@
 
 use super::{Edit, Fix, Source};
 use crate::dictionary::check::Finding;
-use crate::dictionary::eds::standard_section_name;
 use crate::dictionary::rules;
+use crate::dictionary::source::{FieldName, standard_section_name};
 
 pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let rule = finding.problem.rule;
     let is = |other: &rules::Rule| rule == other;
     let line = source.line(finding.line);
-    let text = source.get(&line);
+    let text = source.get(line);
+    let line = line.range();
     if is(&rules::text::COMMENT) {
         let length = if text.starts_with("//") { 2 } else { 1 };
         return Some(Fix::edits("begin the comment with ;", vec![edit(line.start..line.start + length, ";")]));
@@ -47,22 +48,18 @@ pub(super) fn edit(range: std::ops::Range<usize>, text: impl Into<String>) -> Ed
 pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     let at = source.whole_line(line);
     let end = source.line_end();
-    let is_ended = source.get(&at).ends_with(['\n', '\r']);
+    let is_ended = source.text.get(at.clone()).is_some_and(|line| line.ends_with(['\n', '\r']));
     let text = if is_ended { format!("{text}{end}") } else { format!("{end}{text}") };
     edit(at.end..at.end, text)
 }
 
 /// An object without sub-indexes is a VAR where nothing else is said.
 fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
-    let header = finding.line;
-    let has = |name: &str| {
-        let names = source.section_lines(header).filter_map(|line| source.field(line));
-        names.into_iter().any(|field| source.get(&field.name).eq_ignore_ascii_case(name))
-    };
-    let whole = !has("SubNumber") && !has("CompactSubObj") && has("DataType");
+    let section = source.section_in(finding.line)?;
+    let has = |name| section.field(name).is_some();
+    let whole = !has(FieldName::SubNumber) && !has(FieldName::CompactSubObj) && has(FieldName::DataType);
     let title = "write ObjectType=0x7";
-    (whole && source.is_section(header))
-        .then(|| Fix::edits(title, vec![insert_after(header, "ObjectType=0x7", source)]))
+    whole.then(|| Fix::edits(title, vec![insert_after(finding.line, "ObjectType=0x7", source)]))
 }
 
 /// The data types from BOOLEAN to UNSIGNED32, none of which may stand in a mapping.
@@ -80,7 +77,7 @@ fn section(name: &str, source: &Source<'_>) -> Option<Fix> {
     };
     let end = source.line_end();
     let fields = fields.join(end);
-    let before = match source.text {
+    let before = match &*source.text {
         "" => "",
         text if text.ends_with(['\n', '\r']) => end,
         _ => "\n\n",
@@ -98,7 +95,7 @@ fn line_ends(source: &Source<'_>) -> Fix {
     let mut edits = Vec::new();
     for line in 1..=source.lines() {
         let range = source.whole_line(line);
-        let text = source.get(&range);
+        let text = source.text.get(range.clone()).unwrap_or_default();
         let end = ["\r\n", "\n", "\r"].into_iter().find(|end| text.ends_with(end));
         if let Some(end) = end.filter(|&end| end != wanted) {
             edits.push(edit(range.end - end.len()..range.end, wanted));

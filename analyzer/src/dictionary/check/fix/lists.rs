@@ -1,11 +1,12 @@
 //! Lists and counts.
 
 use super::lines::{edit, insert_after};
-use super::{Edit, Fix, Source};
+use super::{Fix, Source};
 use crate::dictionary::check::Finding;
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::eds::{list_of, number};
 use crate::dictionary::rules;
+use crate::dictionary::source::{Field, Section};
 
 pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let rule = finding.problem.rule;
@@ -41,8 +42,8 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
 
 /// Whether there may be more than the file describes, which nobody knows who only sees the file.
 fn announces_more(finding: &Finding, source: &Source<'_>) -> bool {
-    let announced = source.field(finding.line).map(|field| source.get(&field.value).to_owned());
-    announced.and_then(|text| number::value_of(&text)) > described(finding).map(i128::from)
+    let announced = source.field_in(finding.line).and_then(|field| number::value_of(field.value()));
+    announced > described(finding).map(i128::from)
 }
 
 /// How many there are of what the finding counts.
@@ -53,49 +54,44 @@ fn described(finding: &Finding) -> Option<u32> {
 /// What was found is the number, with what it counts.
 fn count(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let number = described(finding)?;
-    if let Some(field) = source.field(finding.line) {
-        return Some(Fix::replace(field.value, number.to_string()));
+    if let Some(field) = source.field_in(finding.line) {
+        return Some(Fix::replace(field.value_span().range(), number.to_string()));
     }
     let text = format!("{}={number}", finding.problem.field);
     let insertion = insert_after(finding.line, &text, source);
-    source.is_section(finding.line).then(|| Fix::edits(format!("write {text}"), vec![insertion]))
+    source.section_in(finding.line).map(|_| Fix::edits(format!("write {text}"), vec![insertion]))
 }
 
-/// An entry of a list: its number and its line.
-struct Entry {
-    key: u32,
-    line: u32,
+/// The numbered entries of a section, in the order of the file.
+fn entries(section: Section<'_>) -> Vec<(u32, Field<'_>)> {
+    section.all_fields().filter_map(|field| Some((field.name().parse().ok()?, field))).collect()
 }
 
-/// The numbered entries of the section in which that line is, in the order of the file.
-fn entries(line: u32, source: &Source<'_>) -> Option<(u32, Vec<Entry>)> {
-    let header = source.header_of(line)?;
-    let entry = |line| Some(Entry { key: source.get(&source.field(line)?.name).parse().ok()?, line });
-    Some((header, source.section_lines(header).filter_map(entry).collect()))
+/// The entries of the list in which a finding is.
+fn entries_around<'s>(finding: &Finding, source: &'s Source<'_>) -> Option<Vec<(u32, Field<'s>)>> {
+    source.section_at(finding.span.start).map(entries)
 }
 
 /// The entries keep their order, by their numbers.
 fn renumber(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
-    let (_, mut entries) = entries(finding.line, source)?;
-    entries.sort_by_key(|entry| entry.key);
+    let mut entries = entries_around(finding, source)?;
+    entries.sort_by_key(|(key, _)| *key);
     // Which of two entries with the same number is meant is not known.
-    if entries.windows(2).any(|pair| matches!(pair, [one, other] if one.key == other.key)) {
+    if entries.windows(2).any(|pair| matches!(pair, [(one, _), (other, _)] if one == other)) {
         return None;
     }
-    let wrong = (1..).zip(&entries).filter(|(number, entry)| *number != entry.key);
-    let edits: Vec<Edit> = wrong
-        .filter_map(|(number, entry)| Some(edit(source.field(entry.line)?.name, u32::to_string(&number))))
-        .collect();
-    Some(Fix::edits("number the entries from 1", edits))
+    let wrong = (1..).zip(&entries).filter(|(number, (key, _))| number != key);
+    let edits = wrong.map(|(number, (_, field))| edit(field.name_span().range(), u32::to_string(&number)));
+    Some(Fix::edits("number the entries from 1", edits.collect()))
 }
 
 /// The lines stay where they are, with the entries in order.
 fn sort(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
-    let (_, entries) = entries(finding.line, source)?;
-    let mut sorted: Vec<&Entry> = entries.iter().collect();
-    sorted.sort_by_key(|entry| entry.key);
-    let moved = entries.iter().zip(sorted).filter(|(place, entry)| place.line != entry.line);
-    let edits = moved.map(|(place, entry)| edit(source.line(place.line), source.get(&source.line(entry.line))));
+    let entries = entries_around(finding, source)?;
+    let mut sorted = entries.clone();
+    sorted.sort_by_key(|(key, _)| *key);
+    let moved = entries.iter().zip(sorted).filter(|((_, old), (_, new))| old.line() != new.line());
+    let edits = moved.map(|((_, old), (_, new))| edit(old.whole().range(), source.get(new.whole())));
     Some(Fix::edits("sort the entries", edits.collect()))
 }
 
@@ -103,8 +99,8 @@ fn sort(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
 fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let index = finding.problem.found.strip_suffix('h').and_then(|digits| u16::from_str_radix(digits, 16).ok())?;
     let list = list_of(index);
-    let header = source.section(list)?;
-    let (_, entries) = entries(header, source)?;
+    let section = source.section(list)?;
+    let entries = entries(section);
     let listed = [&description.lists.mandatory, &description.lists.optional, &description.lists.manufacturer];
     let times = listed.into_iter().flatten().filter(|(listed, _)| listed.0 == index).count();
     let mut edits = Vec::new();
@@ -113,10 +109,9 @@ fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) 
     }
     // An object that the right list has, too, is only removed from the wrong one.
     if times <= 1 {
-        let key = entries.iter().map(|entry| entry.key).max().unwrap_or(0).checked_add(1)?;
-        let last = entries.iter().map(|entry| entry.line).max();
-        let last = last.or_else(|| source.section_lines(header).rfind(|line| source.field(*line).is_some()));
-        edits.push(insert_after(last.unwrap_or(header), &format!("{key}=0x{index:04X}"), source));
+        let key = entries.iter().map(|(key, _)| *key).max().unwrap_or(0).checked_add(1)?;
+        let last = entries.last().map(|(_, field)| *field).or_else(|| section.all_fields().last());
+        edits.push(insert_after(last.map_or(section.line(), Field::line), &format!("{key}=0x{index:04X}"), source));
     }
     Some(Fix::edits(format!("list {index:04X}h in [{list}]"), edits))
 }

@@ -5,9 +5,9 @@ mod lists;
 mod values;
 
 use super::Finding;
-use super::source::Source;
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::rules;
+use crate::dictionary::source::Source;
 use std::ops::Range;
 
 /// What fixes a finding.

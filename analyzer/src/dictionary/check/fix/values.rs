@@ -9,7 +9,7 @@ use crate::dictionary::rules;
 /// Of an EDS: the finding stands on the value.
 pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let rule = finding.problem.rule;
-    let text = source.get(&finding.span);
+    let text = source.text.get(finding.span.clone())?;
     let is = |other: &rules::Rule| rule == other;
     let fixed = if is(&rules::file::DATE) {
         moment::eds_date(text)?
@@ -29,7 +29,7 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
 
 /// Of XML: digits without prefix.
 pub(super) fn of_xml(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
-    let text = source.get(&finding.span);
+    let text = source.text.get(finding.span.clone())?;
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;
     let is_prefix = finding.problem.rule == &rules::xdd::PREFIX && !digits.is_empty();
     (is_prefix && digits.bytes().all(|digit| digit.is_ascii_hexdigit()))

@@ -3,7 +3,8 @@
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::eds::fields::setting as read;
 use crate::dictionary::object::Setting;
-use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::place::Place;
+use crate::dictionary::problem::Problems;
 use crate::dictionary::value::Value;
 use canvass_traces::hex;
 

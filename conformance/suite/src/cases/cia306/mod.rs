@@ -209,11 +209,11 @@ fn standard(bench: &mut Bench<'_>) -> Judged {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_analyzer::dictionary::{Rule, rules};
+    use canvass_analyzer::dictionary::{Rule, Spot, rules};
 
     fn problem(section: &str, field: &str, rule: &'static Rule) -> EdsProblem {
         let (section, field) = (section.to_owned(), field.to_owned());
-        EdsProblem { rule, line: 7, section, field, expected: "a number", found: "x".to_owned() }
+        EdsProblem { rule, line: 7, section, field, spot: Spot::Line, expected: "a number", found: "x".to_owned() }
     }
 
     fn rule(id: &str) -> &'static Rule {

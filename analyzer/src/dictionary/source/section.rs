@@ -1,0 +1,200 @@
+//! Sections with their fields, and elements with their attributes, as readers see them.
+
+use super::Source;
+use super::field_name::FieldName;
+use super::section_name::SectionName;
+use super::tree::{FieldPart, SectionPart};
+use crate::dictionary::place::{Place, SectionId, Span, Spot};
+use crate::identity::Multiplexer;
+use std::ops::RangeInclusive;
+
+/// A section of an EDS, or an element of an XDD.
+#[derive(Clone, Copy)]
+pub(in crate::dictionary) struct Section<'s> {
+    pub(super) source: &'s Source<'s>,
+    pub(super) part: &'s SectionPart,
+    pub id: SectionId,
+}
+
+/// `name=value` in a section, or an attribute of an element.
+#[derive(Clone, Copy)]
+pub(in crate::dictionary) struct Field<'s> {
+    section: Section<'s>,
+    part: &'s FieldPart,
+    number: u32,
+}
+
+impl<'s> Section<'s> {
+    /// As the file writes it, without brackets or the prefix of a namespace.
+    pub fn name(self) -> &'s str {
+        self.source.get(self.part.name)
+    }
+
+    /// Where its name stands.
+    pub const fn name_span(self) -> Span {
+        self.part.name
+    }
+
+    /// From its beginning to the next section, or to its end tag.
+    pub const fn whole(self) -> Span {
+        self.part.whole
+    }
+
+    pub const fn line(self) -> u32 {
+        self.part.line
+    }
+
+    /// From the line of its name to its last.
+    pub fn lines(self) -> RangeInclusive<u32> {
+        self.part.line..=self.source.position(self.part.whole.range().end.saturating_sub(1)).0
+    }
+
+    pub const fn about(self) -> SectionName {
+        self.part.about
+    }
+
+    /// Whether an object or entry is named as the standard writes it, case and blanks aside.
+    pub const fn is_standard(self) -> bool {
+        self.part.is_standard
+    }
+
+    /// The object or entry that it describes, and whether it is an entry.
+    pub const fn address(self) -> Option<(Multiplexer, bool)> {
+        match self.part.about {
+            SectionName::Object(index) => Some((Multiplexer::new(index, 0), false)),
+            SectionName::Sub(index, sub) => Some((Multiplexer::new(index, sub), true)),
+            _ => None,
+        }
+    }
+
+    /// All its fields, also those that repeat another.
+    pub fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
+        let (first, end) = self.part.fields;
+        let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
+        (first..end).zip(parts).map(move |(number, part)| Field { section: self, part, number })
+    }
+
+    /// Its fields, each name once: the first counts.
+    pub fn fields(self) -> impl Iterator<Item = Field<'s>> + use<'s> {
+        self.all_fields().filter(|field| !field.part.is_repeated)
+    }
+
+    /// The first field of that name.
+    pub fn field(self, name: FieldName) -> Option<Field<'s>> {
+        self.all_fields().find(|field| field.part.known == Some(name))
+    }
+
+    /// The field in whose line a place is, from its name to the end of its value.
+    pub fn field_at(self, at: usize) -> Option<Field<'s>> {
+        self.field_in(self.source.position(at).0).filter(|field| field.whole().touches(at))
+    }
+
+    /// The field in that line.
+    pub(super) fn field_in(self, line: u32) -> Option<Field<'s>> {
+        let (first, end) = self.part.fields;
+        let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
+        let at = parts.binary_search_by_key(&line, |field| field.line).ok()?;
+        Some(Field { section: self, part: parts.get(at)?, number: first + at as u32 })
+    }
+
+    /// Where the section begins.
+    pub fn place(self) -> Place<'s> {
+        let spot = Spot::Exact(self.part.head);
+        Place { line: self.part.line, section: self.name(), field: "", spot }
+    }
+
+    /// Where a field stands, or would stand.
+    pub fn place_of(self, name: FieldName) -> Place<'s> {
+        let place = self.field(name).map_or_else(|| self.place(), Field::place);
+        Place { field: name.text(), ..place }
+    }
+
+    /// An attribute that is there and not blank; in another case too, where there is none in that case.
+    pub fn attribute(self, name: &str) -> Option<&'s str> {
+        Some(self.attribute_field(name)?.value().trim()).filter(|value| !value.is_empty())
+    }
+
+    fn attribute_field(self, name: &str) -> Option<Field<'s>> {
+        let is_exact = |field: &Field<'_>| field.name() == name;
+        let in_any_case = |field: &Field<'_>| field.name().eq_ignore_ascii_case(name);
+        self.all_fields().find(is_exact).or_else(|| self.all_fields().find(in_any_case))
+    }
+
+    /// Where an attribute stands, or would stand.
+    pub fn place_of_attribute<'p>(self, name: &'p str) -> Place<'p>
+    where
+        's: 'p,
+    {
+        let field = self.attribute_field(name);
+        Place { field: name, ..field.map_or_else(|| self.place(), Field::place) }
+    }
+
+    /// The text directly in an element, without blanks around it.
+    pub fn text(self) -> &'s str {
+        self.source.tree.texts.get(&self.id.0).map_or("", |text| text.trim())
+    }
+
+    /// The elements in it, to any depth.
+    pub fn inside(self) -> impl Iterator<Item = Self> + use<'s> {
+        self.source.parts(self.id.0 + 1..self.part.next)
+    }
+
+    /// The first element after it that is not in it.
+    pub const fn next(self) -> SectionId {
+        SectionId(self.part.next)
+    }
+
+    /// Whether it says anything: an attribute, a text, or an element in it.
+    pub fn has_content(self) -> bool {
+        let (first, end) = self.part.fields;
+        !self.text().is_empty() || first < end || self.id.0 + 1 < self.part.next
+    }
+}
+
+impl<'s> Field<'s> {
+    /// As the file writes it, without the prefix of a namespace.
+    pub fn name(self) -> &'s str {
+        self.section.source.get(self.part.name)
+    }
+
+    /// Which one it is, where CiA 306 defines it.
+    pub const fn known(self) -> Option<FieldName> {
+        self.part.known
+    }
+
+    /// Without blanks at both ends; a comment after the value still stands in it. Of an attribute what it says.
+    pub fn value(self) -> &'s str {
+        let source = self.section.source;
+        match source.tree.values.get(&self.number).filter(|_| source.is_xml) {
+            Some(value) => value,
+            None => source.get(self.part.value),
+        }
+    }
+
+    pub const fn line(self) -> u32 {
+        self.part.line
+    }
+
+    pub const fn name_span(self) -> Span {
+        self.part.name
+    }
+
+    pub const fn value_span(self) -> Span {
+        self.part.value
+    }
+
+    /// Name and value, with what is between them.
+    pub const fn whole(self) -> Span {
+        Span { start: self.part.name.start, end: self.part.value.end }
+    }
+
+    /// Where a problem of it stands.
+    pub fn place(self) -> Place<'s> {
+        Place { line: self.part.line, section: self.section.name(), field: self.name(), spot: self.part.spot() }
+    }
+
+    /// Where a problem of its name stands.
+    pub fn place_of_name(self) -> Place<'s> {
+        Place { spot: self.part.spot_of_name(), ..self.place() }
+    }
+}

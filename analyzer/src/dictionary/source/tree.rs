@@ -1,0 +1,175 @@
+//! The tree of a text: sections with fields, or elements with attributes, each with its place.
+
+use super::field_name::FieldName;
+use super::names::{canonical, is_same};
+use super::section_name::SectionName;
+use crate::dictionary::place::{Span, Spot};
+use crate::dictionary::problem::Problems;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// What is in a text, in its order.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    /// Where each line begins.
+    pub lines: Vec<u32>,
+    /// Sections, or elements in the order of their start tags.
+    pub sections: Vec<SectionPart>,
+    /// The fields of all sections, or the attributes of all elements.
+    pub fields: Vec<FieldPart>,
+    pub comments: Vec<Span>,
+    /// The first section of each name.
+    pub by_name: HashMap<SectionIdentity, u32>,
+    /// Values of attributes that are not what stands in the file, by the number of the attribute.
+    pub values: HashMap<u32, String>,
+    /// The texts of elements that have one, by the number of the element.
+    pub texts: HashMap<u32, String>,
+}
+
+/// Most sections have no more fields.
+const FEW: usize = 16;
+
+/// A section, or an element.
+#[derive(Debug)]
+pub(super) struct SectionPart {
+    /// Without brackets; of an element without its prefix.
+    pub name: Span,
+    /// The line of the name; of a start tag its first line.
+    pub head: Span,
+    /// Up to the next section; up to the end tag.
+    pub whole: Span,
+    pub line: u32,
+    /// The first of its fields, and the first that is not its own.
+    pub fields: (u32, u32),
+    /// The first that is neither itself nor inside it.
+    pub next: u32,
+    pub about: SectionName,
+    /// Whether an object or entry is named as the standard writes it, case and blanks aside.
+    pub is_standard: bool,
+    /// Whether it has the name of a section before it.
+    pub is_repeated: bool,
+}
+
+/// A field, or an attribute.
+#[derive(Debug)]
+pub(super) struct FieldPart {
+    /// Of an attribute without its prefix.
+    pub name: Span,
+    /// Without blanks or quotes around it.
+    pub value: Span,
+    /// Its line; of an attribute that of its element.
+    pub line: u32,
+    pub known: Option<FieldName>,
+    /// Whether it has the name of one before it in its section.
+    pub is_repeated: bool,
+}
+
+/// What two sections of the same name have in common. Nearly all are spelled as the standard has it.
+#[derive(Debug, PartialEq, Eq, Hash)]
+pub(super) enum SectionIdentity {
+    Standard(SectionName),
+    /// [`canonical`]
+    Other(String),
+}
+
+impl SectionIdentity {
+    /// With what the section is about.
+    pub fn of(name: &str) -> (SectionName, Self) {
+        match SectionName::parse_standard(name) {
+            Some(about) => (about, Self::Standard(about)),
+            None => {
+                let name = canonical(name);
+                match SectionName::parse_standard(&name) {
+                    Some(about) => (about, Self::Standard(about)),
+                    None => (SectionName::parse(&name), Self::Other(name.into_owned())),
+                }
+            }
+        }
+    }
+}
+
+/// Makes the tree of a text, from its beginning to its end.
+#[derive(Debug)]
+pub(super) struct Builder<'t> {
+    pub text: &'t str,
+    pub tree: Tree,
+    pub problems: Problems,
+    is_xml: bool,
+    /// The fields of the last section by name, once there are more than [`FEW`]: fewer are faster looked through.
+    known: HashMap<Cow<'t, str>, u32>,
+}
+
+impl<'t> Builder<'t> {
+    pub fn new(text: &'t str, is_xml: bool, problems: Problems) -> Self {
+        Self { text, is_xml, problems, tree: Tree::default(), known: HashMap::new() }
+    }
+
+    pub fn get(&self, span: Span) -> &'t str {
+        self.text.get(span.range()).unwrap_or_default()
+    }
+
+    /// Begins a section or element: fields that are added belong to it.
+    pub fn begin(&mut self, section: SectionPart) -> u32 {
+        self.known.clear();
+        self.tree.sections.push(section);
+        self.tree.sections.len() as u32 - 1
+    }
+
+    /// Adds a field to the last section; the first one of the same name there, if there is one.
+    pub fn add(&mut self, field: FieldPart) -> Option<u32> {
+        let section = self.tree.sections.last()?;
+        let first = if section.is_repeated { None } else { self.first_of(section.fields.0, &field) };
+        self.tree.fields.push(FieldPart { is_repeated: first.is_some(), ..field });
+        let end = self.tree.fields.len() as u32;
+        self.tree.sections.last_mut()?.fields.1 = end;
+        first
+    }
+
+    fn first_of(&mut self, start: u32, field: &FieldPart) -> Option<u32> {
+        let fields = self.tree.fields.get(start as usize..).unwrap_or_default();
+        if fields.len() < FEW {
+            return fields.iter().position(|before| self.is_same(before, field)).map(|at| start + at as u32);
+        }
+        if self.known.is_empty() {
+            let firsts = (start..).zip(fields).filter(|(_, before)| !before.is_repeated);
+            self.known = firsts.map(|(number, before)| (self.key(before), number)).collect();
+        }
+        match self.known.entry(self.key(field)) {
+            Entry::Occupied(first) => Some(*first.get()),
+            Entry::Vacant(vacant) => {
+                vacant.insert(start + fields.len() as u32);
+                None
+            }
+        }
+    }
+
+    fn is_same(&self, one: &FieldPart, other: &FieldPart) -> bool {
+        match (one.known, other.known) {
+            (None, None) if self.is_xml => self.get(one.name) == self.get(other.name),
+            (None, None) => is_same(self.get(one.name), self.get(other.name)),
+            (one, other) => one == other,
+        }
+    }
+
+    /// What two fields of the same name have in common.
+    fn key(&self, field: &FieldPart) -> Cow<'t, str> {
+        match field.known {
+            Some(known) => Cow::Borrowed(known.text()),
+            None if self.is_xml => Cow::Borrowed(self.get(field.name)),
+            None => canonical(self.get(field.name)),
+        }
+    }
+}
+
+impl FieldPart {
+    /// Where a problem of the field is shown: at its value, or at its name where it has none.
+    pub const fn spot(&self) -> Spot {
+        if self.value.is_empty() { self.spot_of_name() } else { Spot::Exact(self.value) }
+    }
+
+    /// Where a problem of its name is shown: at the name, or at the line where it has none.
+    pub const fn spot_of_name(&self) -> Spot {
+        if self.name.is_empty() { Spot::Line } else { Spot::Exact(self.name) }
+    }
+}
