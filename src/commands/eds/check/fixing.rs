@@ -38,7 +38,7 @@ pub fn difference(description: &Description, text: &str, wanted: impl Fn(&Findin
     let (before, after) = (format!("a/{}", description.name), format!("b/{}", description.name));
     // Line ends and tabulators would be shown as what they are.
     let plain = |text: &str| text.replace("\r\n", "\n").replace('\r', "\n");
-    let (old, new) = (plain(text), plain(&new.text));
+    let (old, new) = (plain(text), plain(&new.source.text));
     let diff = TextDiff::from_lines(old.as_str(), new.as_str());
     let mut shown = diff.unified_diff().context_radius(2).header(&before, &after).to_string();
     if shown.is_empty() {

@@ -134,7 +134,7 @@ impl Args {
         }
         let file = CheckedFile::new(&description.name, &checked, wanted);
         if self.diff {
-            let diff = fixing::difference(&description, &checked.text, wanted)?;
+            let diff = fixing::difference(&description, &checked.source.text, wanted)?;
             unless_closed(output.append(|buffer| buffer.extend_from_slice(diff.as_bytes())))?;
             if diff.is_empty() {
                 return Ok(None);
