@@ -5,6 +5,7 @@
 //! - [`filter`]: a small language to choose frames.
 //! - [`network`]: what happened on a bus: COB-IDs in use, node states, whole transfers.
 //! - [`findings`]: what was wrong: one rule per file.
+//! - [`profiles`]: what device profiles add, a folder each.
 //! - [`statistics`]: figures of a bus and its nodes.
 
 #![warn(clippy::disallowed_methods)]
@@ -20,6 +21,7 @@ pub mod network;
 mod node_range;
 pub mod object;
 mod per_node;
+pub mod profiles;
 mod room;
 pub mod statistics;
 mod text;

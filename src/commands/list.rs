@@ -203,7 +203,7 @@ fn eds_rules() -> Vec<Value> {
 }
 
 fn properties() -> Vec<Value> {
-    Property::ALL.iter().map(|property| json!({ "id": property.id(), "summary": property.title() })).collect()
+    Property::all().map(|property| json!({ "id": property.id(), "summary": property.title() })).collect()
 }
 
 fn formats() -> Vec<Value> {

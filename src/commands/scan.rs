@@ -240,7 +240,7 @@ fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<N
 
 /// Asks a node who it is.
 fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mut Found) -> Result<(), BusError> {
-    for object in Candidates::OBJECTS {
+    for object in Candidates::objects() {
         if let Outcome::Uploaded(value) = exchange.transfer(node, Transfer::upload(object), patience)? {
             found.shown.insert(object, value);
         }

@@ -2,12 +2,10 @@
 
 use super::annotation::Annotations;
 use super::description::DeviceDescription;
+use super::names;
 use crate::identity::Multiplexer;
 use crate::object::Acting;
 use crate::wire::emcy::{Emcy, EmcyCode};
-
-/// The number of the device profile for encoders in 1000h.
-const ENCODER: u16 = 406;
 
 /// What is known of a device before it has sent anything.
 #[derive(Clone, Debug, Default)]
@@ -41,13 +39,10 @@ pub struct Manual {
 impl Manual {
     /// What an object does when it is written, by this manual, by the standard, by the device profile, or by a description
     /// that refuses to have it downloaded (CiA 306, ObjFlags bit 0). `None`: it is a setting, or only read.
-    ///
-    /// A device whose profile nobody knows may be an encoder: taking a setting for a preset costs nothing, the other way round
-    /// a zero point.
     pub fn acting(&self, at: Multiplexer, description: Option<&DeviceDescription>) -> Option<Acting> {
         let of_maker = || self.acting.iter().find(|known| known.0 == at).map(|known| known.1);
         let profile = description.and_then(DeviceDescription::device_profile);
-        let of_profile = || Acting::of_encoder(at).filter(|_| profile.is_none_or(|profile| profile == ENCODER));
+        let of_profile = || names::acting(at, profile);
         let is_refused = || {
             let entry = description.and_then(|description| description.dictionary.entry(at).ok());
             entry.is_some_and(|entry| entry.flags.refuses_write_on_download()).then_some(Acting::Commands)

@@ -3,8 +3,8 @@
 use super::rule::Definition;
 use std::sync::LazyLock;
 
-/// The families in the order in which they are listed.
-const FAMILIES: [&str; 8] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss", "encoder"];
+/// The families in the order in which they are listed; those of device profiles follow.
+const FAMILIES: [&str; 7] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss"];
 
 /// By family, then by id.
 static RULES: LazyLock<Vec<&'static Definition>> = LazyLock::new(|| {
@@ -13,6 +13,11 @@ static RULES: LazyLock<Vec<&'static Definition>> = LazyLock::new(|| {
     rules.sort_by_key(|rule| (family(rule.metadata.id).unwrap_or(FAMILIES.len()), rule.metadata.id));
     rules
 });
+
+/// Whether a rule is one of a device profile: its findings are about what the device does, not about the bus.
+pub(super) fn is_of_profile(id: &str) -> bool {
+    !FAMILIES.iter().any(|family| id.split('/').next() == Some(family))
+}
 
 /// All rules.
 pub fn all() -> impl Iterator<Item = &'static Definition> {
@@ -50,6 +55,9 @@ mod tests {
                 let is_family = name.strip_suffix('/').is_some_and(|family| FAMILIES.contains(&family));
                 assert!(is_family || find(name).is_some(), "{} leads to {name}", metadata.id);
             }
+            for (cause, effect) in metadata.follows {
+                assert!(find(cause).is_some() && effect.names(metadata.id), "{} follows {cause}", metadata.id);
+            }
         }
     }
 
@@ -67,7 +75,12 @@ mod tests {
                 Make::Capture(make) => drop(make(&Thresholds::default())),
                 Make::Nothing => {}
             }
-            assert!(FAMILIES.iter().any(|family| rule.metadata.id.starts_with(family)), "{}", rule.metadata.id);
+            assert_eq!(
+                is_of_profile(rule.metadata.id),
+                rule.metadata.id.starts_with("encoder/"),
+                "{}",
+                rule.metadata.id
+            );
         }
     }
 }

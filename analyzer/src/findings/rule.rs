@@ -20,6 +20,8 @@ pub struct Metadata {
     pub rank: Rank,
     /// What follows from its findings.
     pub leads_to: &'static [Effect],
+    /// Rules from whose findings its own follow, and when: for a rule of a device profile, which no other rule names.
+    pub follows: &'static [(&'static str, Effect)],
     /// What it finds, in one line.
     pub title: &'static str,
     /// What exactly is found, and what is not.
@@ -50,8 +52,8 @@ inventory::collect!(Definition);
 /// Frames of which only some are worth a rule's while: so that the others cost it nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Also {
-    /// Those with values of an encoder's objects, be it in a TPDO or an SDO transfer.
-    EncoderValues,
+    /// Those with values of objects of a device profile, be it in a TPDO or an SDO transfer.
+    ProfileValues,
     /// TPDOs of whose communication parameters the capture has shown something.
     KnownTpdos,
     /// Those that are about a node which was told to reset itself, and whose boot-up has not come yet.

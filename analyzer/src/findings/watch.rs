@@ -198,7 +198,7 @@ impl BusWatch {
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
         let traits = Traits::default()
-            .with(Also::EncoderValues, !news.operands.is_empty())
+            .with(Also::ProfileValues, !news.operands.is_empty())
             .with(Also::KnownTpdos, news.is_known_tpdo)
             .with(Also::Resetting, resets)
             .with(Also::Returning, news.returned.is_some())

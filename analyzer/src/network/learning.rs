@@ -9,10 +9,10 @@ use super::number::number;
 use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use super::{configured, recognition};
+use crate::dictionary::names::{self, Role};
 use crate::dictionary::{DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::object;
-use crate::object::encoder;
 use crate::wire::pdo::MappingEntry;
 use crate::wire::srdo::{self, Half};
 use crate::{CobId, Multiplexer, NodeId};
@@ -282,9 +282,10 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
     pdos.into_iter().map(|pdo| (pdo, node.mapping(id, pdo))).collect()
 }
 
-/// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
+/// Communication parameters, parameters of device profiles, and what decides the unit of others.
 fn is_learned(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000..=0x1FFF | encoder::CYCLIC_TIMER | encoder::NUMBER_OF_REVOLUTIONS)
+    matches!(object.index.0, 0x1000..=0x1FFF)
+        || names::has_role(object.index, Role::Parameter)
         || is_scaling_parameter(object)
 }
 

@@ -47,7 +47,7 @@ use std::sync::Arc;
 /// use canvass_traces::parse_frame;
 ///
 /// let mut network = Network::new();
-/// // The device type of node 5 is read: an encoder by CiA 406.
+/// // The device type of node 5 is read: its low word is the profile.
 /// network.handle(&parse_frame("605#4000100000000000")?);
 /// let answer = parse_frame("585#4300100096010200")?;
 /// let decoded = network.handle(&answer);

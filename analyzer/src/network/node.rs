@@ -1,6 +1,7 @@
 //! What is known of one node.
 
 use crate::dictionary::Unit;
+use crate::dictionary::names::{self, Role};
 use crate::dictionary::{Access, DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
@@ -10,7 +11,6 @@ use crate::network::layouts::Layouts;
 use crate::network::recognition::{self, Recognition};
 use crate::network::scaling;
 use crate::object;
-use crate::object::encoder;
 use crate::wire::error_control::State;
 use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
@@ -143,15 +143,10 @@ impl Node {
 
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        // Device type, identity and resolution are the device's own: no default changes them.
+        // Device type, identity and what the device is built like are its own: no default changes them.
         self.stored.retain(|object, _| {
-            matches!(
-                object.index.0,
-                object::DEVICE_TYPE
-                    | object::IDENTITY
-                    | encoder::SINGLE_TURN_RESOLUTION
-                    | encoder::PROFILE_AND_SOFTWARE_VERSION
-            )
+            matches!(object.index.0, object::DEVICE_TYPE | object::IDENTITY)
+                || names::has_role(object.index, Role::Constant)
         });
     }
 

@@ -6,10 +6,10 @@
 //! once, they differ in nothing that they show; the first of them stands for all if their PDOs are alike.
 
 use super::number::number;
+use crate::dictionary::names::{Role, has_role, profiles, with_role};
 use crate::dictionary::{KnownDevice, Value};
 use crate::object;
-use crate::object::encoder;
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, SubIndex};
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
@@ -41,21 +41,14 @@ impl Candidates {
 
     /// Whether the value of an object may tell what a node is.
     pub(super) fn want(&self, object: Multiplexer) -> bool {
-        self.0.is_some() && Self::OBJECTS.contains(&object)
+        self.0.is_some() && (OBJECTS.contains(&object) || object.sub.0 == 0 && has_role(object.index, Role::Identity))
     }
 
-    /// The objects that may tell what a node is.
-    pub const OBJECTS: [Multiplexer; 9] = [
-        DEVICE_TYPE,
-        NAME,
-        Multiplexer::new(object::MANUFACTURER_HARDWARE_VERSION, 0),
-        Multiplexer::new(object::MANUFACTURER_SOFTWARE_VERSION, 0),
-        VENDOR,
-        PRODUCT,
-        Multiplexer::new(object::IDENTITY, 3),
-        Multiplexer::new(object::IDENTITY, 4),
-        Multiplexer::new(encoder::PROFILE_AND_SOFTWARE_VERSION, 0),
-    ];
+    /// The objects that may tell what a node is: those of the communication profile, and of all device profiles.
+    pub fn objects() -> impl Iterator<Item = Multiplexer> {
+        let of_profiles = profiles().flat_map(|profile| with_role(profile, Role::Identity));
+        OBJECTS.into_iter().chain(of_profiles.map(|index| Multiplexer { index, sub: SubIndex(0) }))
+    }
 
     /// The models that a node may be that has shown this: nothing contradicts them, and something speaks for them.
     pub fn fitting(&self, shown: &Shown) -> Vec<Arc<str>> {
@@ -69,7 +62,7 @@ impl Candidates {
     }
 }
 
-/// What a node of a model shows when an object is read: one of [`Candidates::OBJECTS`].
+/// What a node of a model shows when an object is read: one of [`Candidates::objects`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Fact {
     /// One of these numbers.
@@ -95,6 +88,18 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 const NAME: Multiplexer = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
 const VENDOR: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
 const PRODUCT: Multiplexer = Multiplexer::new(object::IDENTITY, 2);
+
+/// The objects of the communication profile that may tell what a node is.
+const OBJECTS: [Multiplexer; 8] = [
+    DEVICE_TYPE,
+    NAME,
+    Multiplexer::new(object::MANUFACTURER_HARDWARE_VERSION, 0),
+    Multiplexer::new(object::MANUFACTURER_SOFTWARE_VERSION, 0),
+    VENDOR,
+    PRODUCT,
+    Multiplexer::new(object::IDENTITY, 3),
+    Multiplexer::new(object::IDENTITY, 4),
+];
 
 /// What a node has shown of the objects that tell models apart: their values as they were transferred.
 pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;

@@ -1,7 +1,6 @@
 //! Objects that act when they are written. What they did is not undone by writing the value that they had before, so no tool
 //! puts them back, downloads them as a configuration, or tells its user to write them.
 
-use super::encoder;
 use crate::identity::Multiplexer;
 
 /// What an object does when it is written.
@@ -33,16 +32,6 @@ impl Acting {
             _ => return None,
         })
     }
-
-    /// What an object of the encoder profile does (CiA 406).
-    pub const fn of_encoder(at: Multiplexer) -> Option<Self> {
-        match at.index.0 {
-            encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET | encoder::CHANNEL_PRESET_VALUES => {
-                Some(Self::MovesZeroPoint)
-            }
-            _ => None,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -57,8 +46,5 @@ mod tests {
         assert!(acting.into_iter().all(|index| of(index).is_some()));
         let settings = [0x1002, 0x1005, 0x1012, 0x1014, 0x1017, 0x1020, 0x1029, 0x1600, 0x1F22, 0x1F80, 0x1F81, 0x1F84];
         assert!(settings.into_iter().all(|index| of(index).is_none()));
-        let of = |index| Acting::of_encoder(Multiplexer::new(index, 0));
-        assert!([0x6003, 0x6009, 0x6010].into_iter().all(|index| of(index) == Some(Acting::MovesZeroPoint)));
-        assert!([0x6000, 0x6001, 0x6002, 0x6004, 0x6200].into_iter().all(|index| of(index).is_none()));
     }
 }

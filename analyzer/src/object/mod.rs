@@ -1,7 +1,6 @@
 //! The objects of the communication profile by their names (CiA 301, 7.5.2), as indexes.
 
 mod acting;
-pub mod encoder;
 
 pub use acting::Acting;
 

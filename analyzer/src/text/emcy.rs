@@ -1,7 +1,8 @@
-//! EMCY messages in words: those of CiA 301, and after them those of the device's manual.
+//! EMCY messages in words: those of CiA 301, and after them those of the device's manual, or of its profile.
 
 use super::escaped::Escaped;
 use crate::NodeId;
+use crate::dictionary::names;
 use crate::network::Bus;
 use crate::wire::emcy::Emcy;
 use std::fmt;
@@ -10,16 +11,18 @@ use std::fmt;
 /// synchronisation failure`.
 pub struct EmcyText<'a> {
     emcy: &'a Emcy,
-    /// What the manual of the device says.
+    /// What the manual of the device says, or its profile.
     known: Option<&'a str>,
 }
 
 impl<'a> EmcyText<'a> {
     /// The message of a node of that bus.
     pub fn of(emcy: &'a Emcy, node: NodeId, bus: &'a Bus) -> Self {
-        let device = bus.node(node).and_then(|node| node.device.as_deref());
-        let known = device.and_then(|device| device.manual.emergency(emcy));
-        Self { emcy, known: known.map(|known| &*known.text) }
+        let known = bus.node(node);
+        let device = known.and_then(|node| node.device.as_deref());
+        let by_manual = device.and_then(|device| device.manual.emergency(emcy)).map(|known| &*known.text);
+        let by_profile = || names::known_profile(known?.profile(node)?)?.emergency(emcy.code()?);
+        Self { emcy, known: by_manual.or_else(by_profile) }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Simulated CANopen devices: which there are, what they do, and what a faulty firmware makes of them.
 //!
-//! - [`Device`]: a device without I/O and clock; [`Motion`]: how its shaft moves; [`Memory`]: what survives power-off;
+//! - [`Device`]: a device without I/O and clock; [`Motion`]: how what it measures moves; [`Memory`]: what survives power-off;
 //! - [`models`]: the built-in models and those of a user's own description;
+//! - [`Application`], [`Profile`]: what device profiles add; [`profiles`]: those that there are;
 //! - [`Fault`], [`Faults`]: defects of its firmware;
 //! - [`Liberty`], [`Liberties`]: what the standard leaves free, and firmwares do in their own ways;
 //! - [`Firmware`]: both together;
@@ -17,8 +18,12 @@ mod fault;
 mod firmware;
 mod liberty;
 pub mod models;
+pub mod profiles;
 
-pub use device::{Device, Memory, MemoryError, Motion, MotionError, MotionSpec};
+pub use device::{
+    Application, ApplicationError, ApplicationErrors, Device, Memory, MemoryError, Motion, MotionError, MotionSpec,
+    Parameters, Profile, Registered, Surroundings,
+};
 pub use fault::{Fault, Faults, UnknownFault};
 pub use firmware::Firmware;
 pub use liberty::{Liberties, Liberty, UnknownLiberty};

@@ -1,5 +1,7 @@
 //! What the fuzzer knows of a device before it begins: its dictionary, its services, its values after power-on.
 
+use super::profile::{self, Profile};
+use canvass_analyzer::dictionary::names::{self, Role};
 use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Manual, Value};
 use canvass_analyzer::object::{self, Acting};
 use canvass_analyzer::wire::layer_setting::Dialect;
@@ -23,6 +25,8 @@ pub struct Knowledge {
     /// How long to wait.
     pub patience: Patience,
     entries: Vec<Known>,
+    /// The profiles that it may have.
+    profiles: Vec<&'static dyn Profile>,
     /// The indexes of the communication parameters of its RPDOs.
     pub rpdos: Vec<u16>,
     /// CAN-IDs of frames that come by themselves: of other nodes, of an SDO client of the device, of its application.
@@ -149,6 +153,8 @@ pub struct Known {
     pub persists: bool,
     /// What it does when it is written: no value of it is put back.
     pub acting: Option<Acting>,
+    /// It is the timer that a device profile has for a TPDO.
+    pub is_event_timer: bool,
     /// It can be mapped into a TPDO.
     pub tpdo_mappable: bool,
     /// How many bytes a value of variable length usually has.
@@ -183,6 +189,7 @@ impl Knowledge {
                 .map(|known| known.at.index.0)
                 .collect(),
             bystanders: BTreeSet::new(),
+            profiles: profile::possible(description.and_then(DeviceDescription::device_profile)),
             entries,
         };
         let stores_by_itself = description.is_some_and(stores_by_itself);
@@ -209,6 +216,11 @@ impl Knowledge {
         !self.entries.is_empty()
     }
 
+    /// The profiles that it may have: its own, or all where nobody knows it.
+    pub fn profiles(&self) -> &[&'static dyn Profile] {
+        &self.profiles
+    }
+
     /// All objects, by rising address.
     pub fn entries(&self) -> &[Known] {
         &self.entries
@@ -224,12 +236,12 @@ impl Knowledge {
         self.position(at).and_then(|found| self.entries.get(found))
     }
 
-    /// Whether writing that object moves the zero point of a position or an angle. One that nobody has described may be a preset of
-    /// an encoder.
+    /// Whether writing that object moves the zero point of a position or an angle. A device that nobody has described may have any
+    /// profile.
     pub fn moves_zero_point(&self, at: Multiplexer) -> bool {
         let acting = match self.is_described() {
             true => self.entry(at).and_then(|known| known.acting),
-            false => Acting::of_encoder(at),
+            false => names::acting(at, None),
         };
         acting == Some(Acting::MovesZeroPoint)
     }
@@ -334,6 +346,7 @@ impl Known {
                 && !has_a_life_of_its_own(at),
             persists: false,
             acting: None,
+            is_event_timer: at.sub.0 == 0 && names::has_role(at.index, Role::EventTimer),
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
             usual_length: match entry.start_value(node) {
                 Some(value) => value.encode(entry.data_type).map_or(0, |bytes| bytes.len()),

@@ -1,34 +1,42 @@
 //! What must hold for every device, whatever is sent to it.
 
+use super::profile;
+use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
+use std::sync::LazyLock;
 
 /// Defines the properties: one row each, so that id, title and text can't drift apart.
 macro_rules! properties {
     ($($(#[doc = $doc:literal])+ $variant:ident = $id:literal $title:literal,)*) => {
         /// A property that the fuzzer checks after every frame.
-        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub enum Property {
             $($(#[doc = $doc])+ $variant,)*
+            /// One of a device profile.
+            OfProfile(&'static ProfileProperty),
         }
 
         impl Property {
-            /// All properties, by rising number.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+            /// Those of every device.
+            const OF_EVERY_DEVICE: &'static [Self] = &[$(Self::$variant),*];
 
             /// The stable id.
             pub const fn id(self) -> &'static str {
-                match self { $(Self::$variant => $id,)* }
+                match self { $(Self::$variant => $id,)* Self::OfProfile(property) => property.id }
             }
 
             /// One line.
             pub const fn title(self) -> &'static str {
-                match self { $(Self::$variant => $title,)* }
+                match self { $(Self::$variant => $title,)* Self::OfProfile(property) => property.title }
             }
 
             /// What is demanded, why, and how it is judged.
             pub const fn explanation(self) -> &'static str {
-                match self { $(Self::$variant => concat!($($doc, "\n"),+),)* }
+                match self {
+                    $(Self::$variant => concat!($($doc, "\n"),+),)*
+                    Self::OfProfile(property) => property.explanation,
+                }
             }
         }
     };
@@ -74,12 +82,47 @@ properties! {
     /// After a reset every object that was not stored has the value of power-on again: what a sequence wrote leaves no
     /// trace. Reset node brings all back, reset communication 1000h to 1FFFh.
     Restored = "PROP-14" "a reset brings the values back",
-    /// For every scaling (6000h, 6001h, 6002h) and preset (6003h) that the device has accepted, the position 6004h lies
-    /// in the measuring range: from 0 to 6002h - 1.
-    PositionInRange = "PROP-15" "the position stays in its range",
     /// The device lives: after every sequence the first reset brings it back, with its boot-up message where it has one.
     /// What needs a further reset, or the power switched off and on, had stopped.
     Alive = "PROP-16" "a reset brings the device back",
+}
+
+/// A property that a device profile demands of its devices.
+#[derive(PartialEq, Eq, Hash, Debug)]
+pub struct ProfileProperty {
+    /// The stable id.
+    pub id: &'static str,
+    /// One line.
+    pub title: &'static str,
+    /// What is demanded, why, and how it is judged.
+    pub explanation: &'static str,
+}
+
+impl Property {
+    /// All properties, by id.
+    pub fn all() -> impl Iterator<Item = Self> {
+        static ALL: LazyLock<Vec<Property>> = LazyLock::new(|| {
+            let of_profiles = profile::all().iter().flat_map(|profile| profile.properties());
+            let of_profiles = of_profiles.map(|property| Property::OfProfile(property));
+            let mut all: Vec<_> = Property::OF_EVERY_DEVICE.iter().copied().chain(of_profiles).collect();
+            all.sort_unstable();
+            all
+        });
+        ALL.iter().copied()
+    }
+}
+
+/// By id.
+impl Ord for Property {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.id().cmp(other.id())
+    }
+}
+
+impl PartialOrd for Property {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 impl fmt::Display for Property {
@@ -90,14 +133,14 @@ impl fmt::Display for Property {
 
 /// There is no property of that name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no property is called \"{0}\": there are PROP-01 to PROP-16")]
+#[error("no property is called \"{0}\": `canvass list properties` names them")]
 pub struct UnknownProperty(pub String);
 
 impl FromStr for Property {
     type Err = UnknownProperty;
 
     fn from_str(id: &str) -> Result<Self, UnknownProperty> {
-        let found = Self::ALL.iter().copied().find(|property| property.id().eq_ignore_ascii_case(id));
+        let found = Self::all().find(|property| property.id().eq_ignore_ascii_case(id));
         found.ok_or_else(|| UnknownProperty(id.to_owned()))
     }
 }
@@ -108,7 +151,7 @@ mod tests {
 
     #[test]
     fn ids_are_numbered_and_found() {
-        for (n, &property) in Property::ALL.iter().enumerate() {
+        for (n, property) in Property::all().enumerate() {
             assert_eq!(property.id(), format!("PROP-{:02}", n + 1));
             assert_eq!(property.id().to_lowercase().parse(), Ok(property));
             assert!(!property.explanation().trim().is_empty());

@@ -54,6 +54,11 @@ impl Case {
         !stays_pre_operational.contains(&family) && !["205/", "305/", "306/"].iter().any(|of| family.starts_with(of))
     }
 
+    /// Whether what a simulated device measures has to move while it runs.
+    pub fn needs_motion(&self) -> bool {
+        self.needs.iter().any(|need| need.is_of_moving())
+    }
+
     /// Whether the device may be lost in it, so that it runs after those that can't lose it.
     pub fn can_lose_the_device(&self) -> bool {
         self.touches.iter().any(|touch| touch.can_lose_the_device())

@@ -98,7 +98,7 @@ const TABLE: &[Influence] = &[
             "301/tpdo/sync*",
             "301/rpdo/synchronous",
             "301/state/stopped/sync",
-            "406/tpdo/second-synchronous",
+            "*/tpdo/second-synchronous",
         ],
         preconditions: false,
     },

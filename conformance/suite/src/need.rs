@@ -16,6 +16,7 @@ pub struct Need {
     text: &'static str,
     check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
     fleeting: bool,
+    moving: bool,
     provide: Option<Provide>,
     rescue: Option<Rescue>,
 }
@@ -26,18 +27,25 @@ impl Need {
     /// The check asks the description and the device. Absent is what the description leaves out and what the device
     /// answers as CiA 301 lets one answer that does not have it; any other answer to a right request is returned as the
     /// breach that it is.
-    pub(crate) const fn new(
-        id: &'static str,
-        text: &'static str,
-        check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
-    ) -> Self {
-        Self { id, text, check, fleeting: false, provide: None, rescue: None }
+    pub const fn new(id: &'static str, text: &'static str, check: fn(&mut Bench<'_>) -> Result<Met, Stop>) -> Self {
+        Self { id, text, check, fleeting: false, moving: false, provide: None, rescue: None }
     }
 
     /// What was met before one case may not be met before the next: it is asked for each time.
     #[must_use]
     pub(crate) const fn fleeting(self) -> Self {
         Self { fleeting: true, ..self }
+    }
+
+    /// What a simulated device measures has to move while the case runs.
+    #[must_use]
+    pub(crate) const fn moving(self) -> Self {
+        Self { moving: true, ..self }
+    }
+
+    /// Whether what a simulated device measures has to move.
+    pub(crate) const fn is_of_moving(&self) -> bool {
+        self.moving
     }
 
     /// What the device can have, but does not as delivered, is set up before each case, and put back after it.

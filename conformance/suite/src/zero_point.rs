@@ -12,10 +12,11 @@ const TREMBLE: i64 = 2;
 
 /// The objects by which a device profile shows and moves a zero point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Objects {
+pub struct Objects {
     /// Writing it moves the zero point. It holds the new position if `takes_position`; else 1 makes the position of now 0, and 0
     /// takes that back.
     pub preset: Multiplexer,
+    /// Whether it takes the new position.
     pub takes_position: bool,
     /// The position.
     pub position: Multiplexer,

@@ -9,7 +9,6 @@ use canvass_device::Faults;
 use canvass_device::models::{Deviation as Documented, Model};
 use canvass_device::{Device, Motion};
 use canvass_suite::bench::{Bench, Options, Target};
-use canvass_suite::needs;
 use canvass_suite::runner::run_case;
 use canvass_suite::touch::Touch;
 use canvass_suite::verdict::{Kind, Ruled};
@@ -29,7 +28,7 @@ fn check(id: &str, executed_at_least: usize) {
     for case in catalogue::cases() {
         let mut bus = SimulatedBus::new(model.default_bit_rate());
         // 30 revolutions per minute where the case needs a shaft that turns.
-        let turns = case.requires(&needs::TURNING_SHAFT);
+        let turns = case.needs_motion();
         let motion = Motion::constant(0x4CBA, if turns { 30_000 } else { 0 });
         bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, motion)));
         let mut annotate = |_: &canvass_traces::Record| String::new();

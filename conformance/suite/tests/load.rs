@@ -12,7 +12,6 @@ use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::catalogue;
-use canvass_suite::needs;
 use canvass_suite::runner::{CaseReport, run_case};
 use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Kind;
@@ -69,7 +68,7 @@ fn judged(model: &'static Model, load: u64, crowd: &[(&str, u8)], allow: &[Touch
     let cancel = AtomicBool::new(false);
     let judge = |case: &'static canvass_suite::case::Case| {
         let mut bus = SimulatedBus::new(BIT_RATE);
-        let motion = Motion::constant(0x4CBA, if case.requires(&needs::TURNING_SHAFT) { 30_000 } else { 0 });
+        let motion = Motion::constant(0x4CBA, if case.needs_motion() { 30_000 } else { 0 });
         bus.attach(Box::new(Device::with_motion(model, Some(node), Faults::NONE, 0, motion)));
         for (other, node) in crowd {
             let other = Model::by_id(other).unwrap();

@@ -3,6 +3,7 @@
 use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
+use syn::token::Bracket;
 use syn::{Error, Ident, LitStr, Path, Result};
 
 /// What stands between the parentheses of `#[case(…)]`.
@@ -12,11 +13,25 @@ pub struct Attributes {
     pub section: Option<String>,
     pub confidence: Ident,
     pub level: Ident,
-    pub needs: Vec<Ident>,
+    pub needs: Needs,
     pub touches: Vec<Ident>,
     pub catches: Vec<Ident>,
     pub answers: Vec<Ident>,
     pub cct: Option<LitStr>,
+}
+
+/// `[VisibleState]`, or `super::needs[Turning, VisibleState]` where some stand in a module of their own.
+#[derive(Default)]
+pub struct Needs {
+    pub module: Option<Path>,
+    pub names: Vec<Ident>,
+}
+
+impl Parse for Needs {
+    fn parse(input: ParseStream) -> Result<Self> {
+        let module = if input.peek(Bracket) { None } else { Some(input.call(Path::parse_mod_style)?) };
+        Ok(Self { module, names: list(input, name)? })
+    }
 }
 
 /// The same while it is read.
@@ -26,7 +41,7 @@ struct CaseKeys {
     clause: Option<LitStr>,
     confidence: Option<Ident>,
     level: Option<Ident>,
-    needs: Option<Vec<Ident>>,
+    needs: Option<Needs>,
     touches: Option<Vec<Ident>>,
     catches: Option<Vec<Ident>>,
     answers: Option<Vec<Ident>>,
@@ -51,7 +66,7 @@ impl Keys for CaseKeys {
             "cct" => self.cct.replace(value.parse()?).is_some(),
             "confidence" => self.confidence.replace(name(value)?).is_some(),
             "level" => self.level.replace(name(value)?).is_some(),
-            "needs" => self.needs.replace(list(value, name)?).is_some(),
+            "needs" => self.needs.replace(value.parse()?).is_some(),
             "touches" => self.touches.replace(list(value, name)?).is_some(),
             "answers" => self.answers.replace(list(value, name)?).is_some(),
             "catches" => self.catches.replace(list(value, name)?).is_some(),

@@ -17,26 +17,32 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let name = &function.sig.ident;
     let Attributes { id, standard, section, confidence, level, needs, touches, catches, answers, cct } = attributes;
     let answers = situations(function.block.to_token_stream(), answers);
-    let needs = needs.iter().map(static_of);
+    let of_module = needs.module.iter();
+    let needs = needs.names.iter().map(static_of);
     let section = option(section);
     let cct = option(cct);
     Ok(quote! {
         #function
 
         ::inventory::submit! {
-            crate::case::Case {
+            ::canvass_suite::case::Case {
                 id: #id,
                 requirement: #requirement,
-                clause: crate::clause::Clause {
+                clause: ::canvass_suite::clause::Clause {
                     standard: #standard,
                     section: #section,
-                    confidence: crate::clause::Confidence::#confidence,
+                    confidence: ::canvass_suite::clause::Confidence::#confidence,
                 },
-                level: crate::clause::Level::#level,
-                needs: &[#(&crate::needs::#needs),*],
-                touches: &[#(crate::touch::Touch::#touches),*],
-                catches: &[#(crate::Fault::#catches),*],
-                answers: &[#(crate::situation::Situation::#answers),*],
+                level: ::canvass_suite::clause::Level::#level,
+                needs: {
+                    #[allow(unused_imports)]
+                    use ::canvass_suite::needs::*;
+                    #(use #of_module::*;)*
+                    &[#(&#needs),*]
+                },
+                touches: &[#(::canvass_suite::touch::Touch::#touches),*],
+                catches: &[#(::canvass_suite::Fault::#catches),*],
+                answers: &[#(::canvass_suite::situation::Situation::#answers),*],
                 cct: #cct,
                 run: #name,
             }
@@ -118,7 +124,7 @@ mod tests {
         let item = "/// All.\nfn f(b: &mut Bench) -> Judged { if x { a.refused(Situation::TooLong)? } g(Situation::TooShort, Situation::TooLong) }";
         let attribute = COMPLETE.to_owned() + ", answers = [ReadOnly]";
         let tokens = expanded(&attribute, item).unwrap().replace(' ', "");
-        let row = |name| format!("crate::situation::Situation::{name}");
+        let row = |name| format!("::canvass_suite::situation::Situation::{name}");
         let list = [row("ReadOnly"), row("TooLong"), row("TooShort")].join(",");
         assert!(tokens.contains(&format!("answers:&[{list}]")), "{tokens}");
     }
@@ -127,11 +133,16 @@ mod tests {
     fn a_complete_case_is_registered_with_its_requirement() {
         let tokens = expanded(COMPLETE, FUNCTION).unwrap();
         assert!(tokens.contains(r#"requirement : "Every reset ends in a boot-up.\n\nWhy.""#), "{tokens}");
-        assert!(
-            tokens.contains("Fault :: BootUpMissing") && tokens.contains("crate :: needs :: VISIBLE_STATE"),
-            "{tokens}"
-        );
+        assert!(tokens.contains("Fault :: BootUpMissing") && tokens.contains("& VISIBLE_STATE"), "{tokens}");
         assert!(tokens.contains(r#"section : :: core :: option :: Option :: Some ("7.2")"#), "{tokens}");
+    }
+
+    #[test]
+    fn needs_of_a_module_are_in_scope() {
+        let attribute = COMPLETE.replace("needs = [VisibleState]", "needs = super::needs[VisibleState]");
+        let tokens = expanded(&attribute, FUNCTION).unwrap();
+        assert!(tokens.contains("use super :: needs :: *") && tokens.contains("& VISIBLE_STATE"), "{tokens}");
+        assert!(!expanded(COMPLETE, FUNCTION).unwrap().contains("use super"));
     }
 
     #[test]

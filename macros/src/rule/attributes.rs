@@ -11,6 +11,7 @@ pub struct Attributes {
     pub severity: Ident,
     pub rank: Ident,
     pub leads_to: Option<Expr>,
+    pub follows: Option<Expr>,
     pub services: Services,
     pub also: Vec<Ident>,
     pub of: Of,
@@ -40,6 +41,7 @@ struct RuleKeys {
     severity: Option<Ident>,
     rank: Option<Ident>,
     leads_to: Option<Expr>,
+    follows: Option<Expr>,
     services: Option<Services>,
     also: Option<Vec<Ident>>,
     of: Option<Ident>,
@@ -54,7 +56,7 @@ impl Parse for Attributes {
 
 impl Keys for RuleKeys {
     const ITEM: &str = "rule";
-    const KNOWN: &str = "id, severity, rank, services, also, of and leads_to";
+    const KNOWN: &str = "id, severity, rank, services, also, of, leads_to and follows";
 
     fn read(&mut self, key: &str, value: ParseStream) -> Result<Option<bool>> {
         Ok(Some(match key {
@@ -62,6 +64,7 @@ impl Keys for RuleKeys {
             "severity" => self.severity.replace(value.parse()?).is_some(),
             "rank" => self.rank.replace(value.parse()?).is_some(),
             "leads_to" => self.leads_to.replace(value.parse()?).is_some(),
+            "follows" => self.follows.replace(value.parse()?).is_some(),
             "services" => self.services.replace(services(value)?).is_some(),
             "also" => self.also.replace(one_or_several(value)?).is_some(),
             "of" => self.of.replace(value.parse()?).is_some(),
@@ -91,7 +94,8 @@ impl RuleKeys {
         let severity = Self::required(self.severity, "severity = Error|Warning|Info", whole)?;
         let rank = Self::required(self.rank, "rank = Loss|Restart|Participants|DeviceError|…|Detail", whole)?;
         let also = self.also.unwrap_or_default();
-        Ok(Attributes { id, severity, rank, leads_to: self.leads_to, services, also, of })
+        let (leads_to, follows) = (self.leads_to, self.follows);
+        Ok(Attributes { id, severity, rank, leads_to, follows, services, also, of })
     }
 }
 

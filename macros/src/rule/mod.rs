@@ -18,8 +18,8 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let Doc { title, what, why, advice } = doc(&state.attrs, state.ident.span())?;
     let name = state.ident.clone();
     let fields = begins(&mut state.fields)?;
-    let Attributes { id, severity, rank, leads_to, services, also, of } = attributes;
-    let leads_to = leads_to.map_or_else(|| quote!(&[]), |effects| quote!(#effects));
+    let Attributes { id, severity, rank, leads_to, follows, services, also, of } = attributes;
+    let [leads_to, follows] = [leads_to, follows].map(|list| list.map_or_else(|| quote!(&[]), |list| quote!(#list)));
     let services = match services {
         Services::All => quote!(&crate::message::Service::ALL),
         Services::These(these) => quote!(&[#(crate::message::Service::#these),*]),
@@ -36,11 +36,12 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
 
         impl #name {
             /// What is said of it.
-            pub(in crate::findings) const METADATA: &'static crate::findings::Metadata = &crate::findings::Metadata {
+            pub(crate) const METADATA: &'static crate::findings::Metadata = &crate::findings::Metadata {
                 id: #id,
                 severity: crate::findings::Severity::#severity,
                 rank: crate::findings::Rank::#rank,
                 leads_to: #leads_to,
+                follows: #follows,
                 title: #title,
                 what: #what,
                 why: #why,

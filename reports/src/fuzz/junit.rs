@@ -28,7 +28,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         Some(trouble(run)).filter(|trouble| !trouble.is_empty()).map(|trouble| ("bus_trouble", trouble)),
     );
     suite.add_properties(provenance::junit_properties(&run.provenance));
-    for &property in Property::ALL {
+    for property in Property::all() {
         suite.add_cases(cases(run, property));
     }
     // What was not tried would look as if it had passed.

@@ -29,7 +29,7 @@ pub const DEVICE: Area = Area {
     name: "device",
     package: "canvass-device",
     folder: "conformance/device",
-    sources: "conformance/device/src/device",
+    sources: "conformance/device/src",
     covered: &covered::DEVICE,
 };
 

@@ -5,7 +5,6 @@
 
 mod cob_id;
 mod companions;
-mod encoder;
 mod identity;
 mod naming;
 mod pdo;
@@ -27,19 +26,31 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
     standard::check(&mut check);
     naming::check(&mut check);
     companions::check(&mut check);
-    encoder::check(&mut check);
+    let profile = description.device_profile();
+    let of_profile = inventory::iter::<OfProfile>.into_iter().filter(|of| profile == Some(of.profile));
+    of_profile.for_each(|of| (of.check)(&mut check));
     check.problems.into_sorted()
 }
 
+/// What a device profile asks of the descriptions of its devices; it registers itself.
+pub(crate) struct OfProfile {
+    /// The number of the profile.
+    pub profile: u16,
+    /// Reports what contradicts the profile.
+    pub check: fn(&mut Check<'_>),
+}
+
+inventory::collect!(OfProfile);
+
 /// The description under check, and what was found.
-struct Check<'a> {
-    description: &'a DeviceDescription,
+pub(crate) struct Check<'a> {
+    pub description: &'a DeviceDescription,
     problems: Problems,
 }
 
 impl<'a> Check<'a> {
     /// Reports a problem of an entry, or of its object where the entry is missing.
-    fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
+    pub fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let object = self.object(at.index);
         let entry = object.and_then(|object| object.entry(at.sub));
         let place =
@@ -64,7 +75,7 @@ impl<'a> Check<'a> {
     }
 
     /// The default at that address as a number, where it has one that needs no node-ID.
-    fn default(&self, index: u16, sub: u8) -> Option<u64> {
+    pub fn default(&self, index: u16, sub: u8) -> Option<u64> {
         let entry = self.description.dictionary.entry(Multiplexer::new(index, sub)).ok()?;
         u64::try_from(entry.default.as_ref().and_then(Setting::fixed)?.as_number()?).ok()
     }

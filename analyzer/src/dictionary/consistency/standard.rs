@@ -1,4 +1,4 @@
-//! Object codes, data types and access types that differ from CiA 301, 302 and 406.
+//! Object codes, data types and access types that differ from CiA 301, 302 and the device profile.
 
 use super::Check;
 use crate::dictionary::names::object_name;

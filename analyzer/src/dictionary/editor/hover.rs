@@ -3,7 +3,7 @@
 use super::keys;
 use super::navigate::{address_of_value, sections};
 use crate::dictionary::data_type::DataType;
-use crate::dictionary::names::{ENCODER_PROFILE, object_name};
+use crate::dictionary::names::{is_profile, object_name};
 use crate::dictionary::source::{Field, FieldName, Source};
 use crate::identity::Multiplexer;
 use std::ops::Range;
@@ -75,7 +75,7 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
     text
 }
 
-/// The device profile: the low word of 1000h as it is described. Names of encoders where it is theirs.
+/// The device profile: the low word of 1000h as it is described, where the profile has names for its objects.
 pub(super) fn profile(source: &Source<'_>) -> Option<u16> {
     let device_type = Multiplexer::new(crate::object::DEVICE_TYPE, 0);
     let section = sections(source).find(|section| section.address() == Some((device_type, false)))?;
@@ -84,5 +84,5 @@ pub(super) fn profile(source: &Source<'_>) -> Option<u16> {
         Some(digits) => u32::from_str_radix(digits, 16).ok()?,
         None => value.parse().ok()?,
     };
-    Some(number as u16).filter(|&profile| profile == ENCODER_PROFILE)
+    Some(number as u16).filter(|&profile| is_profile(profile))
 }

@@ -3,6 +3,11 @@
 
 use super::{StandardObject, object, var};
 
+const STANDARD: &str = "CiA 301";
+
+/// Of the SRDO parameters.
+const SAFETY: &str = "CiA 304";
+
 pub(super) static OBJECTS: &[StandardObject] = &[
     var!(0x1000, "Device type", UNSIGNED32, Ro),
     var!(0x1001, "Error register", UNSIGNED8, Ro),
@@ -79,19 +84,28 @@ pub(super) static OBJECTS: &[StandardObject] = &[
         1, "COB-ID client to server (tx)", UNSIGNED32, Rw;
         2, "COB-ID server to client (rx)", UNSIGNED32, Rw;
         3, "Node-ID of the SDO server", UNSIGNED8, Rw]),
-    var!(0x1300, "Global fail-safe command parameter", UNSIGNED8, Rw),
-    object!(0x1301 => 0x1340, "SRDO communication parameter", RECORD, [
+    StandardObject { standard: SAFETY, ..var!(0x1300, "Global fail-safe command parameter", UNSIGNED8, Rw) },
+    StandardObject {
+        standard: SAFETY,
+        ..object!(0x1301 => 0x1340, "SRDO communication parameter", RECORD, [
         1, "Information direction", UNSIGNED8, Rw;
         2, "Refresh time or safety cycle time", UNSIGNED16, Rw;
         3, "Safety relevant validation time", UNSIGNED8, Rw;
         4, "Transmission type", UNSIGNED8, Ro;
         5, "COB-ID 1", UNSIGNED32, Rw;
-        6, "COB-ID 2", UNSIGNED32, Rw]),
-    object!(0x1381 => 0x13C0, "SRDO mapping parameter", ARRAY, [all
+        6, "COB-ID 2", UNSIGNED32, Rw])
+    },
+    StandardObject {
+        standard: SAFETY,
+        ..object!(0x1381 => 0x13C0, "SRDO mapping parameter", ARRAY, [all
         0, "Number of mapped application objects in SRDO", UNSIGNED8, Rw;
-        1 => 128, "Application object", UNSIGNED32, Rw]),
-    var!(0x13FE, "Configuration valid", UNSIGNED8, Rw),
-    object!(0x13FF, "Safety configuration signature", ARRAY, [1 => 64, "SRDO signature", UNSIGNED16, Rw]),
+        1 => 128, "Application object", UNSIGNED32, Rw])
+    },
+    StandardObject { standard: SAFETY, ..var!(0x13FE, "Configuration valid", UNSIGNED8, Rw) },
+    StandardObject {
+        standard: SAFETY,
+        ..object!(0x13FF, "Safety configuration signature", ARRAY, [1 => 64, "SRDO signature", UNSIGNED16, Rw])
+    },
     object!(0x1400 => 0x15FF, "RPDO communication parameter", RECORD, [
         1, "COB-ID used by RPDO", UNSIGNED32, Rw;
         2, "Transmission type", UNSIGNED8, Rw;

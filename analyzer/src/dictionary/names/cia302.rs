@@ -3,6 +3,8 @@
 
 use super::{StandardObject, object, var};
 
+const STANDARD: &str = "CiA 302";
+
 pub(super) static OBJECTS: &[StandardObject] = &[
     var!(0x1F00, "Request SDO", UNSIGNED32, Wo),
     var!(0x1F01, "Release SDO", UNSIGNED32, Wo),

@@ -55,7 +55,7 @@ impl StandardObject {
         let known = known.and_then(|position| CIA_301.get(position));
         let (section, confidence) =
             known.map_or((None, Confidence::Unknown), |&(_, section, sure)| (Some(section), sure));
-        Clause { standard: self.standard(), section, confidence }
+        Clause { standard: self.standard, section, confidence }
     }
 }
 

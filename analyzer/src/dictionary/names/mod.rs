@@ -1,16 +1,19 @@
-//! The names that CiA 301, 302, 304 and 406 give to objects, sub-indexes and bits, with types, access and units where
-//! the standard fixes them.
+//! The names that CiA 301, 302, 304 and the device profiles give to objects, sub-indexes and bits, with types, access and
+//! units where the standard fixes them.
 //!
 //! Look-ups are binary searches in static tables and allocate nothing.
 
 mod bits;
 mod cia301;
 mod cia302;
-mod cia406;
 mod clauses;
+mod profile;
 mod units;
 
 pub use bits::bit_name;
+pub use profile::{
+    Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, possible, profiles, with_role,
+};
 pub use units::{Unit, unit};
 
 use std::fmt;
@@ -19,9 +22,6 @@ use super::data_type::DataType;
 use super::object::{Access, ObjectCode};
 use crate::identity::{Index, Multiplexer, SubIndex};
 
-/// The number of the device profile for encoders, as in the low word of 1000h.
-pub const ENCODER_PROFILE: u16 = 406;
-
 /// An object that a standard defines, or several of the same kind (such as the TPDO communication parameters).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandardObject {
@@ -29,6 +29,8 @@ pub struct StandardObject {
     pub first: u16,
     /// The last index: `first`, if it is one object.
     pub last: u16,
+    /// The standard that defines it, such as `CiA 301`.
+    pub standard: &'static str,
     /// The standard's name.
     pub name: &'static str,
     /// The object code.
@@ -60,18 +62,6 @@ pub struct ObjectName {
     /// The entry, if the standard defines that sub-index.
     pub entry: Option<&'static StandardEntry>,
     address: Multiplexer,
-}
-
-impl StandardObject {
-    /// The standard that defines it.
-    pub const fn standard(&self) -> &'static str {
-        match self.first {
-            0x1300..=0x13FF => "CiA 304",
-            0x1F00..=0x1FFF => "CiA 302",
-            0x6000.. => "CiA 406",
-            _ => "CiA 301",
-        }
-    }
 }
 
 impl ObjectName {
@@ -121,7 +111,7 @@ pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] 
     match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
         (0x1F00..=0x1FFF, _) => cia302::OBJECTS,
-        (0x6000..=0x67FF, Some(ENCODER_PROFILE)) => cia406::OBJECTS,
+        (0x6000..=0x67FF, Some(number)) => profile::objects(number),
         _ => &[],
     }
 }
@@ -139,7 +129,7 @@ fn entry(object: &'static StandardObject, sub: SubIndex) -> Option<&'static Stan
     object.entries.get(position).filter(|entry| entry.first <= sub.0)
 }
 
-/// A row of the tables.
+/// A row of a table, in a file whose `STANDARD` names the standard.
 ///
 /// - `var!(0x1000, "Device type", UNSIGNED32, Ro)`
 /// - `object!(0x1018, "Identity object", RECORD, [1, "Vendor-ID", UNSIGNED32, Ro; …])`: sub-index 0 is added.
@@ -150,6 +140,7 @@ macro_rules! object {
         $crate::dictionary::names::StandardObject {
             first: $first,
             last: $crate::dictionary::names::last!($first $(=> $last)?),
+            standard: STANDARD,
             name: $name,
             code: $crate::dictionary::ObjectCode::$code,
             entries: &[$($crate::dictionary::names::StandardEntry {
@@ -182,14 +173,14 @@ macro_rules! last {
     };
 }
 
-use {last, object, var};
+pub(crate) use {last, object, var};
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn name(index: u16, sub: u8) -> Option<String> {
-        object_name(Multiplexer::new(index, sub), Some(ENCODER_PROFILE)).map(|name| name.to_string())
+        object_name(Multiplexer::new(index, sub), None).map(|name| name.to_string())
     }
 
     fn is_called(index: u16, sub: u8, expected: &str) {
@@ -205,40 +196,36 @@ mod tests {
         is_called(0x19FF, 5, "TPDO communication parameter 512, Event timer");
         is_called(0x1A00, 3, "TPDO mapping parameter 1, Application object 3");
         is_called(0x1F51, 1, "Program control, Program number 1");
-        is_called(0x6004, 0, "Position value");
-        is_called(0x650A, 3, "Module identification, Manufacturer maximum position value");
     }
 
     #[test]
     fn unknown_addresses_have_none() {
-        assert_eq!((name(0x0FFF, 0), name(0x102B, 0), name(0x2100, 0), name(0x6007, 0)), (None, None, None, None));
-        assert_eq!(object_name(Multiplexer::new(0x6004, 0), Some(401)), None);
-        assert_eq!(object_name(Multiplexer::new(0x6004, 0), None), None);
+        assert_eq!((name(0x0FFF, 0), name(0x102B, 0), name(0x2100, 0), name(0x6000, 0)), (None, None, None, None));
         // A sub-index that the standard does not define still has the object's name.
         assert_eq!(name(0x1000, 5).as_deref(), Some("Device type"));
     }
 
     #[test]
     fn tables_are_sorted_and_complete() {
-        for table in [cia301::OBJECTS, cia302::OBJECTS, cia406::OBJECTS] {
-            assert!(table.is_sorted_by(|a, b| a.last < b.first));
-            for object in table {
-                assert!(object.first <= object.last && !object.entries.is_empty(), "{}", object.name);
-                assert!(object.entries.is_sorted_by(|a, b| a.last < b.first), "{}", object.name);
-                let first = object.entries.first().map(|entry| entry.first);
-                assert_eq!(first, Some(0), "{} has no sub-index 0", object.name);
-                assert_eq!(object.code.is_single(), object.entries.len() == 1, "{}", object.name);
-            }
+        is_sorted_and_complete(cia301::OBJECTS);
+        is_sorted_and_complete(cia302::OBJECTS);
+    }
+
+    pub(super) fn is_sorted_and_complete(table: &[StandardObject]) {
+        assert!(table.is_sorted_by(|a, b| a.last < b.first));
+        for object in table {
+            assert!(object.first <= object.last && !object.entries.is_empty(), "{}", object.name);
+            assert!(object.entries.is_sorted_by(|a, b| a.last < b.first), "{}", object.name);
+            let first = object.entries.first().map(|entry| entry.first);
+            assert_eq!(first, Some(0), "{} has no sub-index 0", object.name);
+            assert_eq!(object.code.is_single(), object.entries.len() == 1, "{}", object.name);
         }
     }
 
     #[test]
     fn types_are_those_of_the_standards() {
-        let entry =
-            |index, sub| object_name(Multiplexer::new(index, sub), Some(406)).and_then(|name| name.entry).unwrap();
-        assert_eq!(entry(0x1015, 0).data_type, Some(DataType::UNSIGNED16));
-        assert_eq!(entry(0x1014, 0).access, Some(Access::Rw));
-        assert_eq!(entry(0x6030, 1).data_type, Some(DataType::INTEGER16));
-        assert_eq!(entry(0x6401, 1).data_type, Some(DataType::INTEGER32));
+        let entry = |index| object_name(Multiplexer::new(index, 0), None).and_then(|name| name.entry).unwrap();
+        assert_eq!(entry(0x1015).data_type, Some(DataType::UNSIGNED16));
+        assert_eq!(entry(0x1014).access, Some(Access::Rw));
     }
 }

@@ -1,6 +1,6 @@
 //! Physical units of objects, where a standard fixes them.
 
-use super::ENCODER_PROFILE;
+use super::known_profile;
 use crate::identity::Multiplexer;
 use std::borrow::Cow;
 
@@ -16,7 +16,8 @@ pub struct Unit {
 }
 
 impl Unit {
-    const fn new(factor: f64, symbol: &'static str) -> Self {
+    /// A unit without offset.
+    pub const fn new(factor: f64, symbol: &'static str) -> Self {
         Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
     }
 
@@ -33,14 +34,12 @@ impl Unit {
     }
 }
 
-/// Measuring units of a position: how many make a revolution or a millimetre is configured.
-const STEPS: Unit = Unit::new(1.0, "steps");
 const MICROSECONDS: Unit = Unit::new(1.0, "µs");
 const MILLISECONDS: Unit = Unit::new(1.0, "ms");
 /// Inhibit times count multiples of 100 µs.
 const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
 
-/// The unit of an entry, where the standard fixes it. Speeds, whose unit is configured, have none.
+/// The unit of an entry, where the standard fixes it.
 pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
     Some(match (address.index.0, address.sub.0, profile) {
         (0x1006 | 0x1007 | 0x1013, 0, _) => MICROSECONDS,
@@ -49,13 +48,7 @@ pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
         (0x1301..=0x1340, 2 | 3, _) => MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 3, _) => TENTHS_OF_MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 5, _) => MILLISECONDS,
-        (0x6005, 1, Some(ENCODER_PROFILE)) => Unit::new(0.001, "µm"),
-        (0x6005, 2, Some(ENCODER_PROFILE)) => Unit::new(0.01, "mm/s"),
-        (0x6031 | 0x6041, 2, Some(ENCODER_PROFILE)) | (0x6200, 0, Some(ENCODER_PROFILE)) => MILLISECONDS,
-        (0x6001..=0x6004 | 0x6501 | 0x6509, 0, Some(ENCODER_PROFILE)) => STEPS,
-        (0x6020 | 0x6401 | 0x6402 | 0x650A, 1.., Some(ENCODER_PROFILE)) => STEPS,
-        (0x6502, 0, Some(ENCODER_PROFILE)) => Unit::new(1.0, "revolutions"),
-        (0x6508, 0, Some(ENCODER_PROFILE)) => Unit::new(0.1, "h"),
+        (0x6000..=0x67FF, _, Some(number)) => return known_profile(number)?.unit(address),
         _ => return None,
     })
 }
@@ -68,7 +61,6 @@ mod tests {
     fn times_have_units() {
         assert_eq!(unit(Multiplexer::new(0x1017, 0), None), Some(MILLISECONDS));
         assert_eq!(unit(Multiplexer::new(0x1800, 3), None), Some(TENTHS_OF_MILLISECONDS));
-        assert_eq!(unit(Multiplexer::new(0x6200, 0), Some(406)), Some(MILLISECONDS));
-        assert_eq!(unit(Multiplexer::new(0x6200, 0), None), None);
+        assert_eq!(unit(Multiplexer::new(0x6000, 0), None), None);
     }
 }

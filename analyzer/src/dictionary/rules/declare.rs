@@ -55,4 +55,4 @@ macro_rules! example {
     };
 }
 
-pub(super) use {example, rules, section};
+pub(crate) use {example, rules, section};

@@ -5,7 +5,7 @@
 //! rule is declared once, in a file of its family: what `canvass explain` prints, the page of rules and the tests are made
 //! of that declaration.
 
-mod declare;
+pub(crate) mod declare;
 pub(super) mod entry;
 pub(super) mod field;
 pub(super) mod file;
@@ -23,7 +23,7 @@ pub use kind::{ProblemKind, Severity};
 pub use text::{CONFLICT, HALF_READ};
 
 use crate::clause::Clause;
-use declare::rules;
+pub(crate) use declare::rules;
 use std::fmt;
 use std::sync::LazyLock;
 
@@ -41,7 +41,7 @@ pub struct Rule {
     pub fails: &'static str,
     /// The same lines as they should be.
     pub passes: &'static str,
-    doc: &'static str,
+    pub(crate) doc: &'static str,
 }
 
 impl fmt::Debug for Rule {
@@ -91,8 +91,16 @@ fn paragraphs(text: &str) -> String {
     text.split("\n\n").map(joined).filter(|paragraph| !paragraph.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-/// In the order of the declarations.
+/// The rules of a device profile; it registers them itself.
+pub(crate) struct OfProfile(pub &'static [&'static Rule]);
+
+inventory::collect!(OfProfile);
+
+/// In the order of the declarations; those of device profiles after those of the standards.
 static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
+    let mut profiles: Vec<&[&'static Rule]> = inventory::iter::<OfProfile>.into_iter().map(|of| of.0).collect();
+    profiles.sort_by_key(|rules| rules.first().map(|rule| rule.id));
+    let of_profiles = profiles.concat();
     let families = [
         text::RULES,
         section::RULES,
@@ -103,6 +111,7 @@ static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
         entry::RULES,
         pdo::RULES,
         standard::RULES,
+        &of_profiles,
         module::RULES,
         xdd::RULES,
     ];

@@ -33,7 +33,7 @@ struct OverlappingCobId {
 }
 
 impl OverlappingCobId {
-    /// 127 nodes with more TPDOs than any encoder has.
+    /// 127 nodes with more TPDOs than any simple device has.
     const MOST: usize = 4096;
 
     fn forget(&mut self, producer: (NodeId, Multiplexer)) {

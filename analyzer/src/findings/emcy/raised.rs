@@ -1,5 +1,5 @@
 use crate::findings::Context;
-use crate::findings::effect::{Effect, SETTLE, SOON};
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::{Message, Service};
@@ -14,7 +14,6 @@ use canvass_traces::{Duration, Timestamp};
 const EFFECTS: &[Effect] = &[
     Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SOON),
     Effect::on(&["emcy/never-cleared"]).of_same_node().of_same_kind(),
-    Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE),
 ];
 
 /// a node reports an error

@@ -69,8 +69,10 @@ pub struct News {
     pub request: RequestEvent,
     /// Of an EMCY: the errors that it says are gone.
     pub ended_errors: Vec<(EmcyCode, Raised)>,
-    /// The values of an encoder's objects in it.
+    /// The values of objects of its node's device profile in it.
     pub operands: Vec<Operand>,
+    /// The profile whose values these are.
+    pub profile: Option<u16>,
 }
 
 /// Whether a request asks to store or restore parameters.
@@ -136,7 +138,7 @@ impl Facts {
             Service::Guarding | Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
             _ => {}
         }
-        operands::collect(record, decoded, bus, &mut news.operands);
+        news.profile = operands::collect(record, decoded, bus, &mut news.operands);
         reconfigured
     }
 

@@ -1,6 +1,6 @@
-//! The values of an encoder's objects, wherever they come by: in a PDO or an SDO transfer.
+//! The values of objects of a device profile, wherever they come by: in a PDO or an SDO transfer.
 
-use crate::dictionary::names::ENCODER_PROFILE;
+use crate::dictionary::names::is_profile;
 use crate::message::{Message, PdoNumber};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Signal};
@@ -30,26 +30,28 @@ impl Operand {
     }
 }
 
-/// Collects the values of the objects in a frame, if its node is an encoder.
-pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) {
+/// Collects the values of the objects in a frame, and returns the profile of its node, if that is one which is known.
+pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) -> Option<u16> {
     operands.clear();
-    let Some(node) = decoded.node else { return };
+    let node = decoded.node?;
     match decoded.message {
         Message::Pdo(number @ PdoNumber::Transmit(_)) => {
-            let encoder = bus.node(node).filter(|known| known.profile(node) == Some(ENCODER_PROFILE));
-            let Some(layout) = encoder.and_then(|known| known.known_layout(number)) else { return };
+            let known = bus.node(node)?;
+            let profile = known.profile(node).filter(|&profile| is_profile(profile))?;
             let payload = record.frame.data();
             let operand = |signal: &Signal| {
                 let raw = signal.raw(payload)?;
                 Some(Operand { node, object: signal.object, raw, bits: signal.bits, written: false })
             };
-            operands.extend(layout.signals.iter().filter_map(operand));
+            operands.extend(known.known_layout(number)?.signals.iter().filter_map(operand));
+            Some(profile)
         }
         _ if decoded.ends_transfer() => {
-            let is_encoder = bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE);
-            operands.extend(transferred(node, decoded, bus).filter(|_| is_encoder));
+            let profile = bus.node(node)?.profile(node).filter(|&profile| is_profile(profile))?;
+            operands.extend(transferred(node, decoded, bus));
+            Some(profile)
         }
-        _ => {}
+        _ => None,
     }
 }
 

@@ -3,12 +3,11 @@
 //! A description says only what the defaults are; most machines set these parameters before a capture begins, so that
 //! nothing is concluded from defaults.
 
-use crate::dictionary::names::ENCODER_PROFILE;
+use crate::dictionary::names::{Role, has_role, known_profile, with_role};
 use crate::message::Service;
 use crate::network::{Bus, Decoded, Event};
 use crate::object;
-use crate::object::encoder;
-use crate::{Multiplexer, NodeId, PerNode};
+use crate::{Multiplexer, NodeId, PerNode, SubIndex};
 use canvass_traces::Duration;
 
 /// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
@@ -17,9 +16,8 @@ pub const TPDOS: usize = 8;
 /// Synchronous window length, in microseconds; 0 is no window.
 const SYNC_WINDOW: u16 = object::SYNCHRONOUS_WINDOW_LENGTH;
 
-/// Event timer of the first TPDO, and the cyclic timer of encoders, in milliseconds.
+/// Event timer of the first TPDO, in milliseconds.
 const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
-const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
 /// What is known of one TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -49,7 +47,7 @@ pub struct AllParameters {
     windows: PerNode<Option<Duration>>,
     /// Whether they were read at all.
     known: PerNode<bool>,
-    /// Whether the cyclic timer of an encoder (6200h) was shown later than the event timer of its first TPDO.
+    /// Whether the timer that the device profile has for the first TPDO was shown later than that TPDO's event timer.
     cyclic: PerNode<bool>,
 }
 
@@ -67,8 +65,8 @@ impl AllParameters {
         };
         (is_new || may_change).then(|| {
             match decoded.object {
-                Some(CYCLIC_TIMER) => self.cyclic[node] = true,
                 Some(EVENT_TIMER) => self.cyclic[node] = false,
+                Some(object) if is_timer_of_profile(object) => self.cyclic[node] = true,
                 _ => {}
             }
             self.read(node, bus);
@@ -96,11 +94,14 @@ impl AllParameters {
             row.transmission_type = of(2).map(|value| value as u8);
             row.inhibit = time(of(3), Duration::from_micros(100));
             row.event_timer = time(of(5), millis);
-            // Encoders have a timer of their own for their first TPDO; where both exist they are the same, so that the
+            // Some profiles have a timer of their own for the first TPDO; where both exist they are the same, so that the
             // latest holds.
             let is_cyclic = index == object::TPDO_COMMUNICATION_PARAMETER && row.transmission_type == Some(254);
-            if is_cyclic && (cyclic || row.event_timer.is_none()) && known.profile(node) == Some(ENCODER_PROFILE) {
-                row.event_timer = time(known.certain(node, CYCLIC_TIMER), millis);
+            if is_cyclic
+                && (cyclic || row.event_timer.is_none())
+                && let Some(timer) = timer_of_profile(node, bus)
+            {
+                row.event_timer = time(known.certain(node, timer), millis);
             }
         }
     }
@@ -118,11 +119,22 @@ impl AllParameters {
     }
 }
 
-/// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
-/// encoders, or which model the node is.
+/// The timer that the profile of a node has for the first TPDO.
+fn timer_of_profile(node: NodeId, bus: &Bus) -> Option<Multiplexer> {
+    let profile = known_profile(bus.node(node)?.profile(node)?)?;
+    with_role(profile, Role::EventTimer).next().map(|index| Multiplexer { index, sub: SubIndex(0) })
+}
+
+/// Whether any profile has such a timer there.
+fn is_timer_of_profile(object: Multiplexer) -> bool {
+    object.sub.0 == 0 && has_role(object.index, Role::EventTimer)
+}
+
+/// Whether a transfer has shown something that parameters come from: themselves, the timer and the number of the device
+/// profile, or which model the node is.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
     let object = decoded.object.is_some_and(|object| {
-        matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF | encoder::CYCLIC_TIMER)
+        matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF) || is_timer_of_profile(object)
     });
     object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
 }

@@ -1,3 +1,4 @@
+use crate::dictionary::names;
 use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::seen::Evidence;
@@ -14,12 +15,17 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 /// Who misses the node.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
+/// Whether the profile of a device lets its type come up silently: then there is nothing to wait for.
+fn may_be_silent(device_type: u32) -> bool {
+    names::known_profile(device_type as u16).is_some_and(|profile| profile.may_be_silent(device_type))
+}
+
 /// a node does not come back after a reset
 ///
 /// A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A node that
-/// sends other messages again but no boot-up is reported only if it has sent one before: old and linear devices have
-/// none. Nor is a linear encoder (1000h) that nobody asks for anything after its reset, nor one that comes back with
-/// the node-ID that LSS has given it, nor the NMT master, which does not hear its own commands to all nodes.
+/// sends other messages again but no boot-up is reported only if it has sent one before: old devices, and those of
+/// some profiles, have none. Nor is a device whose profile lets its type (1000h) come up silently, if nobody asks it for anything after its
+/// reset, nor one that comes back with the node-ID that LSS has given it, nor the NMT master, which does not hear its own commands to all nodes.
 ///
 /// # Why
 /// The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its boot-up
@@ -64,9 +70,8 @@ impl Rule for NoBootUp {
             let (Some(reset), Some(seen), false) = (facts.pending_reset, facts.last_seen, facts.has_moved) else {
                 continue;
             };
-            // Linear devices of some manufacturers come up silently: nothing to wait for.
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
-            let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
+            let is_silent = device_type.is_some_and(may_be_silent);
             let period = scene.facts.heartbeats.of(node).period();
             // That it goes on as if nothing had happened is reported as a command that it does not obey.
             let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
@@ -75,7 +80,7 @@ impl Rule for NoBootUp {
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }
-            if !is_linear && waited && facts.is_silent_since_reset() {
+            if !is_silent && waited && facts.is_silent_since_reset() {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
                 });

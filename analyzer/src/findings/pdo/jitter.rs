@@ -10,7 +10,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a cyclic PDO is irregular
 ///
-/// The SDO traffic of the capture shows an event timer (180xh:5, or 6200h of encoders) of an event-driven TPDO, and
+/// The SDO traffic of the capture shows an event timer (180xh:5, or the timer of its device profile) of an event-driven TPDO, and
 /// more than a share of the intervals are longer than it by more than its jitter may be. Shorter intervals are no
 /// jitter, as an event may send the PDO before its timer does; what is so late that pdo/period reports it is not
 /// counted.

@@ -1,18 +1,18 @@
+use crate::dictionary::names;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
 use crate::network::sdo::{Direction, Outcome};
 use crate::object;
-use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 
 /// parameters are stored more often than the memory bears
 ///
-/// Parameters are stored (1010h, or the signature `save` in an object of the manufacturer; with encoders of
-/// TR-Electronic also each write of 6000h, 6003h and 6200h, which they keep at once) so often that the memory of the
-/// device would be worn out within its service life, if it went on like this.
+/// Parameters are stored (1010h, or the signature `save` in an object of the manufacturer; some devices also keep each
+/// write of an object of their profile at once) so often that the memory of the device would be worn out within its service
+/// life, if it went on like this.
 ///
 /// # Why
 /// An EEPROM bears some 100 000 writes. Some masters store at every start or even in every cycle; years later the
@@ -34,23 +34,18 @@ struct StoreWear {
     nodes: PerNode<Wear>,
 }
 
-/// TR-Electronic: its encoders keep operating parameters, preset and cyclic timer at once, without 1010h.
-const TR_ELECTRONIC: u32 = 0xD4;
-
 /// Whether a download to that object writes the memory of the node.
 fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
-    let vendor = || {
+    if object.index.0 == object::STORE_PARAMETERS {
+        return true;
+    }
+    let kept = || {
         let known = context.scene.bus.node(node)?;
         let described = || known.description().and_then(|description| description.device.vendor_number);
-        known.certain(node, Multiplexer::new(object::IDENTITY, 1)).or_else(described)
+        let vendor = known.certain(node, Multiplexer::new(object::IDENTITY, 1)).or_else(described)?;
+        Some(names::possible(known.profile(node)).any(|profile| profile.keeps_at_once(object, vendor)))
     };
-    match object.index.0 {
-        object::STORE_PARAMETERS => true,
-        encoder::OPERATING_PARAMETERS | encoder::PRESET_VALUE | encoder::CYCLIC_TIMER => {
-            vendor() == Some(TR_ELECTRONIC)
-        }
-        _ => false,
-    }
+    matches!(object.index.0, 0x6000..=0x9FFF) && kept() == Some(true)
 }
 
 impl Rule for StoreWear {

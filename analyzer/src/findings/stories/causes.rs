@@ -70,6 +70,10 @@ fn is_circle(causes: &[Option<usize>], at: usize) -> bool {
 
 /// Whether what the one group says follows from what the other says.
 fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
+    let own = effect.rule.follows.iter().filter(|(id, _)| *id == cause.rule.id);
+    if own.map(|(_, stated)| stated).any(|stated| is_as_stated(stated, effect, cause)) {
+        return true;
+    }
     let effects = cause.rule.leads_to;
     let named = effects.iter().any(|stated| stated.names(effect.rule.id));
     let applies = |stated: &&Effect| if named { stated.names(effect.rule.id) } else { stated.rules.is_empty() };

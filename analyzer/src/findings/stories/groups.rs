@@ -2,6 +2,7 @@
 
 use crate::NodeId;
 use crate::findings::finding::{Finding, Severity};
+use crate::findings::registry::is_of_profile;
 use crate::findings::rule::Metadata;
 use canvass_traces::{ChannelId, Duration, Timestamp};
 
@@ -60,9 +61,9 @@ impl Group<'_> {
     fn is_together(&self, finding: &Finding) -> bool {
         let apart = self.first().since(finding.first).max(finding.first.since(self.first()));
         match self.rule.id.split('/').next() {
-            Some("emcy" | "encoder") => false,
+            Some("emcy") => false,
             Some("nodes") => apart <= TOGETHER,
-            _ => true,
+            _ => !is_of_profile(self.rule.id),
         }
     }
 }

@@ -145,8 +145,8 @@ impl AbortCode {
 
     /// The meaning of error class (bits 31..24) and error code (bits 23..16) in CAL, `None` where it has none.
     ///
-    /// TR-Electronic (manual 004, 8.14 and 12.2) has class 6, code 6 as 0600 0006h: the code stands in the lowest
-    /// byte where its own place is 0.
+    /// Some devices (manual 004, 8.14 and 12.2) have class 6, code 6 as 0600 0006h: the code stands in the lowest byte
+    /// where its own place is 0.
     pub fn cal_name(self) -> Option<&'static str> {
         let [class, code, _, lowest] = self.0.to_be_bytes();
         let find = |code| CAL_ERRORS.iter().find(|row| (row.0, row.1) == (class, code)).map(|row| row.2);

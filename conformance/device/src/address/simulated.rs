@@ -32,7 +32,7 @@ pub struct SimulatedDevice {
     pub node: Option<GivenNode>,
     /// In bit/s, if it was given.
     pub bit_rate: Option<u32>,
-    /// How its shaft moves, if it was given.
+    /// How what it measures moves, if that was given.
     pub motion: Option<MotionSpec>,
     /// What its firmware does wrong, or in its own way.
     pub firmware: Firmware,

@@ -8,13 +8,9 @@ use super::{heartbeat_consumer, pdo, sync, time};
 use crate::Fault;
 use crate::models::Rule;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
-
-/// Bit 2 of 6000h.
-const SCALING: u64 = 1 << 2;
 
 impl Objects {
     /// Whether the object takes that number now.
@@ -29,7 +25,7 @@ impl Objects {
         if object::is_pdo_mapping(at.index.0) {
             return pdo::check_mapping(at, value, self);
         }
-        if self.encoder.as_ref().is_some_and(|encoder| encoder.wedges(at, value)) {
+        if self.application.as_ref().is_some_and(|application| application.wedges(at, value)) {
             return Ok(());
         }
         self.check_bus_object(at, value)?;
@@ -107,58 +103,29 @@ impl Objects {
         }
     }
 
-    /// What the encoder and the sheet refuse.
+    /// What the application and the sheet refuse.
     fn check_application(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let sheet = self.model.sheet();
         self.compare(at, value)?;
-        let Some(encoder) = &self.encoder else { return Ok(()) };
-        let quirks = &sheet.quirks;
-        match at.index.0 {
-            encoder::PRESET_VALUE => {
-                let code = sheet.abort(Rule::InsideActiveRange, at);
-                encoder.check(at, value, &self.parameters).map_err(|_| code)
-            }
-            0x6000.. if self.is_checked_later(at) => self.check_scaling_bit(),
-            encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE if quirks.scaling_bit_guards => {
-                self.check_scaling_bit()
-            }
-            encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE => {
-                let code = sheet.abort(Rule::UnitsAtMostRange, at);
-                encoder.check(at, value, &self.parameters).map_err(|_| code)
-            }
-            0x6000.. => encoder.check(at, value, &self.parameters),
-            _ => Ok(()),
+        match &self.application {
+            Some(application) => application.check(at, value, &self.surroundings()),
+            None => Ok(()),
         }
     }
 
     /// Whether the limits of the object are checked when it is stored.
     fn is_checked_later(&self, at: Multiplexer) -> bool {
-        let quirks = &self.model.sheet().quirks;
-        quirks.limits_checked_at_store && quirks.acts_when_stored.contains(&at)
-    }
-
-    fn check_scaling_bit(&self) -> Result<(), AbortCode> {
-        let guarded = self.model.sheet().quirks.scaling_bit_guards;
-        let is_on = self.parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & SCALING != 0;
-        if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
-    }
-
-    /// A faulty firmware takes a work area whose low limit is above its high limit.
-    fn is_swap_accepted(&self, at: Multiplexer) -> bool {
-        matches!(at.index.0, encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
-            && self.firmware.has(Fault::WorkAreaLimitsSwappedAccepted)
+        self.model.sheet().quirks.is_checked_later(at)
     }
 
     /// Objects that are limits of each other.
     fn compare(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
+        let overlooked = || self.application.as_ref().is_some_and(|application| application.overlooks_limits(at));
         for check in self.model.sheet().checks.iter().filter(|check| check.at.contains(at)) {
             let other = check.of.and_then(|of| self.parameters.number(of.index.0, of.sub.0));
             let ordering = other.and_then(|other| entry.compare(value, other));
             match (check.rule, ordering) {
-                (Rule::AtMost, Some(Ordering::Greater)) | (Rule::AtLeast, Some(Ordering::Less))
-                    if !self.is_swap_accepted(at) =>
-                {
+                (Rule::AtMost, Some(Ordering::Greater)) | (Rule::AtLeast, Some(Ordering::Less)) if !overlooked() => {
                     return Err(check.abort);
                 }
                 _ => {}

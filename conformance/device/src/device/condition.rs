@@ -1,19 +1,16 @@
 //! What can be wrong with a device, and how it is signalled.
 
+use super::application::ApplicationError;
 use crate::models::Quirks;
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 
 /// Something that can be wrong with the device. Each is present or not; only changes are reported.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Condition {
-    /// The temperature is outside the limits of 2120h.
-    Temperature { now: u8, low: u8, high: u8 },
-    /// The shaft is too fast (6505h bit 0).
-    Overspeed,
+    /// An error of the device's application.
+    Application(ApplicationError),
     /// The master's guarding is missing.
     Guarding,
-    /// The position is wrong (6503h bit 0).
-    Position,
     /// The heartbeat of that node is missing.
     Heartbeat { node: u8 },
     /// RPDO of that number, from 1: shorter than its mapping.
@@ -24,7 +21,7 @@ pub(super) enum Condition {
     RpdoLate { rpdo: u16 },
     /// SYNC does not have the length that 1019h asks for.
     SyncLength,
-    /// A parameter that was to be stored is out of its limits (6503h bit 13).
+    /// A parameter that was to be stored is out of its limits.
     Parameter,
     /// Something of the hardware, by its EMCY code, as the model's sheet describes it.
     Hardware { code: EmcyCode, register: u8, bytes: [u8; 5] },
@@ -34,8 +31,7 @@ impl Condition {
     /// Conditions with equal keys are the same one, with other details.
     pub const fn key(self) -> (u8, u16) {
         match self {
-            Self::Temperature { .. } => (0, 0),
-            Self::Overspeed => (1, 0),
+            Self::Application(error) => (0, error.number),
             Self::Guarding => (2, 0),
             Self::Heartbeat { node } => (3, node as u16),
             Self::RpdoTooShort { rpdo } => (4, rpdo),
@@ -43,17 +39,16 @@ impl Condition {
             Self::RpdoLate { rpdo } => (6, rpdo),
             Self::SyncLength => (7, 0),
             Self::Parameter => (8, 0),
-            Self::Position => (9, 0),
             Self::Hardware { code, .. } => (10, code.0),
         }
     }
 
     pub fn code(self, quirks: &Quirks) -> EmcyCode {
         match self {
-            Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
+            Self::Application(error) => error.code,
             Self::Guarding => quirks.life_guarding_code(),
             Self::Heartbeat { .. } => EmcyCode::HEARTBEAT,
-            Self::Parameter | Self::Position => EmcyCode::GENERIC,
+            Self::Parameter => EmcyCode::GENERIC,
             Self::RpdoTooShort { .. } => EmcyCode::PDO_LENGTH,
             Self::RpdoTooLong { .. } => EmcyCode::PDO_LENGTH_EXCEEDED,
             Self::RpdoLate { .. } => EmcyCode::RPDO_TIMEOUT,
@@ -62,24 +57,19 @@ impl Condition {
         }
     }
 
-    /// The bit of 6503h.
-    pub const fn alarm(self) -> u64 {
-        match self {
-            Self::Parameter => 1 << 13,
-            _ => 0,
-        }
-    }
-
     /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
     pub fn register(self, quirks: &Quirks) -> u8 {
         if let Self::Hardware { register: documented @ 1.., .. } = self {
             return documented;
         }
-        let is_alarm = matches!(self, Self::Parameter | Self::Position);
-        let profile = if is_alarm { ErrorRegister::PROFILE.0 } else { 0 };
+        let of_profile = match self {
+            Self::Parameter => ErrorRegister::PROFILE.0,
+            Self::Application(error) => error.register,
+            _ => 0,
+        };
         // Whatever its code is, a lost master is an error of communication.
         let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
-        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
+        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | of_profile;
         match quirks.error_register_bits {
             None => bits,
             Some(own) if bits & own == 0 => own,
@@ -91,7 +81,7 @@ impl Condition {
     pub const fn behaviour(self) -> Option<u8> {
         match self {
             Self::Guarding | Self::Heartbeat { .. } => Some(1),
-            Self::Temperature { .. } | Self::Overspeed => Some(2),
+            Self::Application(error) => error.behaviour,
             // Temperature and sensors are of the profile, communication is communication, the rest the manufacturer's.
             Self::Hardware { code, .. } => Some(match code.0 {
                 0x4000..0x5000 | 0x5050..0x5060 | 0xFF00 => 2,
@@ -106,18 +96,12 @@ impl Condition {
     pub const fn manufacturer(self) -> [u8; 5] {
         match self {
             Self::Hardware { bytes, .. } => bytes,
-            // Sensor error register, temperature, low and high threshold, sensor version.
-            Self::Temperature { now, low, high } => [0x80, now, low, high, 0x2E],
+            Self::Application(error) => error.manufacturer,
             Self::RpdoTooShort { rpdo } | Self::RpdoTooLong { rpdo } | Self::RpdoLate { rpdo } => {
                 let [low, high] = rpdo.to_le_bytes();
                 [low, high, 0, 0, 0]
             }
-            Self::Overspeed
-            | Self::Guarding
-            | Self::Heartbeat { .. }
-            | Self::SyncLength
-            | Self::Parameter
-            | Self::Position => [0; 5],
+            Self::Guarding | Self::Heartbeat { .. } | Self::SyncLength | Self::Parameter => [0; 5],
         }
     }
 }

@@ -112,9 +112,9 @@ impl Errors {
         self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
     }
 
-    /// 6503h.
-    pub fn alarms(&self) -> u64 {
-        self.present.iter().fold(0, |alarms, condition| alarms | condition.alarm())
+    /// Whether a condition is there.
+    pub fn is_present(&self, condition: Condition) -> bool {
+        self.present.iter().any(|present| present.key() == condition.key())
     }
 
     /// A condition is there or gone. Reports it only when that changes, and says whether it does.

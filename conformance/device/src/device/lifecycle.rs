@@ -2,7 +2,6 @@
 
 use super::clock::Clock;
 use super::condition::Condition;
-use super::encoder::Encoder;
 use super::lss_slave::LssSlave;
 use super::nmt::{Order, Phase};
 use super::objects::Objects;
@@ -96,7 +95,10 @@ impl Device {
         if objects.has(Fault::StoreTornByReset) {
             store.tear(&objects.parameters, node);
         }
-        store.load(groups, &mut objects.parameters, objects.encoder.as_mut(), node);
+        store.load(groups, &mut objects.parameters, node);
+        if let Some(application) = objects.application.as_mut().filter(|_| groups.contains(Groups::APPLICATION)) {
+            application.restore(store.retained().unwrap_or(0));
+        }
         if objects.has(Fault::ConfigurationDateLost) {
             objects.parameters.set_number(object::VERIFY_CONFIGURATION, 1, 0);
             objects.parameters.set_number(object::VERIFY_CONFIGURATION, 2, 0);
@@ -134,8 +136,11 @@ impl Device {
             self.context.report(Condition::Hardware { code, register: ErrorRegister::GENERIC.0, bytes: [0; 5] }, true);
             return;
         }
-        let Objects { parameters, encoder, .. } = &self.context.objects;
-        if Encoder::starts_in_operational(parameters) && encoder.is_some() || self.starts_by_itself() {
+        let objects = &self.context.objects;
+        let application = objects.application.as_ref();
+        if application.is_some_and(|application| application.starts_in_operational(&objects.surroundings()))
+            || self.starts_by_itself()
+        {
             self.enter(now, Phase::Operational);
         }
     }

@@ -17,7 +17,7 @@ use std::str::FromStr;
 pub struct Memory {
     /// The id of the model.
     model: String,
-    /// What a preset added to the position.
+    /// What the application retains beside the values.
     #[serde(skip_serializing_if = "Option::is_none")]
     offset: Option<i64>,
     /// The node-ID that LSS stored; 255 for none.
@@ -67,11 +67,11 @@ impl FromStr for Memory {
 impl Device {
     /// What the device has stored by now.
     pub fn memory(&self) -> Memory {
-        let (contents, offset) = self.context.store.contents(&self.context.objects.parameters);
+        let (contents, retained) = self.context.store.contents(&self.context.objects.parameters);
         let network = self.context.store.network();
         Memory {
             model: self.context.objects.model.id().to_owned(),
-            offset,
+            offset: retained,
             node_id: network.node_id,
             bit_timing: network.bit_timing,
             values: contents.map(|(at, content)| (address(at), text(content))).collect(),

@@ -6,6 +6,7 @@
 //! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, those of the object dictionary in `overlay`.
 
 mod abort_codes;
+mod application;
 mod bit_rate;
 mod chance;
 mod checks;
@@ -14,14 +15,12 @@ mod condition;
 mod context;
 mod dispatch;
 mod emcy;
-mod encoder;
 mod errors;
 mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
 mod layer_setting;
 mod lifecycle;
-mod limit_switches;
 mod links;
 mod lmt_slave;
 mod lss_slave;
@@ -42,19 +41,22 @@ mod sdo_channels;
 mod sdo_server;
 mod service;
 mod services;
-mod shaft;
 mod store;
 mod storing;
 mod sync;
 mod time;
 mod tpdo;
 
+pub use application::{Application, ApplicationError, ApplicationErrors, Profile, Registered, Surroundings};
 pub use memory::{Memory, MemoryError};
 pub use motion::Motion;
 pub use motion_syntax::{MotionError, MotionSpec};
+pub(crate) use parameters::Content;
+pub use parameters::Parameters;
 
 use crate::Firmware;
 use crate::models::Model;
+use application::ErrorWatch;
 use bit_rate::Activation;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::emcy::EmcyCode;
@@ -78,7 +80,6 @@ use rpdo::Rpdos;
 use sdo_channels::SdoChannels;
 use service::Event;
 use services::Services;
-use shaft::Shaft;
 use store::{Groups, Store};
 use storing::Storing;
 use sync::SyncObject;
@@ -113,7 +114,7 @@ pub struct Device {
 /// The node-ID that a device without one takes its defaults from.
 const PLACEHOLDER: NodeId = NodeId::MAX;
 
-/// The position of a shaft that nobody turns, in physical steps.
+/// The position at rest of what is measured, in physical steps.
 const REST_POSITION: i64 = 0x4CBA;
 
 impl Device {
@@ -123,7 +124,7 @@ impl Device {
         Self::with_motion(model, node, firmware, seed, Motion::still(REST_POSITION))
     }
 
-    /// As [`Device::new`], with a shaft that moves.
+    /// As [`Device::new`]; what it measures moves.
     pub fn with_motion(
         model: &Model,
         node: Option<NodeId>,
@@ -140,7 +141,7 @@ impl Device {
             time: TimeService,
             sync: SyncObject::new(),
             rpdos: Rpdos::new(&objects.parameters),
-            shaft: Shaft::new(),
+            application: ErrorWatch::new(),
             tpdos: Tpdos::new(&objects.parameters),
             consumer: HeartbeatConsumer::new(),
             guarding: NodeGuarding::new(),
@@ -204,12 +205,12 @@ impl Device {
         self.settle(now);
     }
 
-    /// Lets the shaft move so from now on; the position at time 0 is part of the motion.
+    /// Lets what is measured move so from now on; the position at time 0 is part of the motion.
     pub fn set_motion(&mut self, now: Timestamp, motion: Motion) {
-        if let Some(encoder) = &mut self.context.objects.encoder {
-            encoder.set_motion(motion);
+        if let Some(application) = &mut self.context.objects.application {
+            application.set_motion(motion);
         }
-        self.services.shaft.watch(now, &self.context);
+        self.services.application.watch(now, &self.context);
         self.services.tpdos.configure(now, &self.context);
         self.deliver(now, Event::Changed);
         self.settle(now);

@@ -1,13 +1,13 @@
-//! How the shaft of a simulated encoder moves: position, speed, acceleration and jerk of one course, so that they fit
+//! How what a simulated device measures moves: position, speed, acceleration and jerk of one course, so that they fit
 //! together at every instant.
 //!
-//! The unit of length is what the sensor repeats: a revolution of a rotary encoder, a millimetre of a linear one. Time
+//! The unit of length is what the sensor repeats: a revolution of a rotary one, a millimetre of a linear one. Time
 //! counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
 use std::sync::Arc;
 
-/// The course of a shaft or a head.
+/// The course of what is measured.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Motion {
     /// The position at time 0, in steps of the physical resolution.
@@ -56,7 +56,7 @@ struct Kinematics {
 }
 
 impl Motion {
-    /// A shaft that stands still at that position.
+    /// Stands still at that position.
     pub const fn still(position: i64) -> Self {
         Self { start: position, course: Course::Steady(0) }
     }

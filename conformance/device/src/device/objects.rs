@@ -1,11 +1,10 @@
 //! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
 
 use super::PLACEHOLDER;
+use super::application::{self, Application, Surroundings};
 use super::clock::Clock;
 use super::condition::Condition;
-use super::encoder::Encoder;
 use super::errors::Errors;
-use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
 use super::overlay;
@@ -14,7 +13,6 @@ use super::store::StoreCommand;
 use crate::models::Model;
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -25,7 +23,7 @@ pub(super) struct Objects {
     pub model: Model,
     pub parameters: Parameters,
     pub errors: Errors,
-    pub encoder: Option<Encoder>,
+    pub application: Option<Box<dyn Application>>,
     pub clock: Clock,
     /// The bytes of the last EMCY of a node of 1028h.
     pub received_emcy: u64,
@@ -62,7 +60,7 @@ impl Objects {
             model: model.clone(),
             parameters,
             errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, firmware),
-            encoder: Encoder::new(model, motion, firmware),
+            application: application::of(model, &motion, firmware),
             clock: Clock::new(Timestamp::ZERO, firmware),
             received_emcy: 0,
             firmware: *firmware,
@@ -74,15 +72,20 @@ impl Objects {
 
     /// Whether measured values change by themselves.
     pub fn is_moving(&self) -> bool {
-        self.encoder.as_ref().is_some_and(|encoder| !encoder.motion().is_still())
+        self.application.as_ref().is_some_and(|application| application.is_moving())
     }
 
-    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before: of an encoder
-    /// with redundant channels that is the other channel. `None` for a string or no object.
+    /// What the application may know of its device.
+    pub fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings { parameters: &self.parameters, errors: &self.errors }
+    }
+
+    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before. `None` for a
+    /// string or no object.
     pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
-        let encoder = self.encoder.as_ref().filter(|_| at.index.0 >= 0x2000);
-        encoder
-            .and_then(|encoder| encoder.process_value(now, at, again, &self.parameters))
+        let application = self.application.as_ref().filter(|_| at.index.0 >= 0x2000);
+        application
+            .and_then(|application| application.process_value(now, at, again, &self.surroundings()))
             .or_else(|| self.live(now, at).ok().flatten())
             .or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
@@ -109,39 +112,10 @@ impl Objects {
 
     /// The live value of an object of the profile, as this model shows it.
     fn measured(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
-        let quirks = &self.model.sheet().quirks;
         if let Some((_, waiting)) = self.waiting.iter().find(|(object, _)| *object == at) {
             return Some(*waiting);
         }
-        let encoder = self.encoder.as_ref()?;
-        match (at.index.0, at.sub.0) {
-            (encoder::OPERATING_STATUS, 0) if quirks.limit_switches => {
-                let position = encoder.value(now, POSITION, &self.parameters)?;
-                Some(limit_switches::operating_status(position, &self.parameters, &self.firmware))
-            }
-            (encoder::SINGLE_TURN_RESOLUTION | encoder::NUMBER_OF_REVOLUTIONS, 0)
-                if quirks.resolution_follows_scaling =>
-            {
-                self.scaled_resolution(at)
-            }
-            (encoder::ALARMS, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
-            (encoder::OPERATING_TIME, 0) if self.parameters.number(encoder::OPERATING_TIME, 0) == Some(NOT_USED) => {
-                None
-            }
-            _ => encoder.value(now, at, &self.parameters),
-        }
-    }
-
-    /// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
-    fn scaled_resolution(&self, at: Multiplexer) -> Option<u64> {
-        let number = |index| self.parameters.number_or_zero(index, 0);
-        if number(encoder::OPERATING_PARAMETERS) & SCALING == 0 {
-            return None;
-        }
-        match at.index.0 {
-            encoder::SINGLE_TURN_RESOLUTION => Some(number(encoder::UNITS_PER_REVOLUTION)),
-            _ => number(encoder::TOTAL_MEASURING_RANGE).checked_div(number(encoder::UNITS_PER_REVOLUTION)),
-        }
+        self.application.as_ref()?.value(now, at, &self.surroundings())
     }
 
     /// What an SDO upload of that object gives.
@@ -225,9 +199,10 @@ impl Objects {
             self.parameters.set(at, Content::Number(value));
             self.write_through(at, value);
         }
-        if let Some(encoder) = &mut self.encoder {
-            self.wedged = encoder.wedges(at, value);
-            encoder.on_written(now, at, value, &self.parameters);
+        let surroundings = Surroundings { parameters: &self.parameters, errors: &self.errors };
+        if let Some(application) = &mut self.application {
+            self.wedged = application.wedges(at, value);
+            application.on_written(now, at, value, &surroundings);
         }
         self.written.push((at, value));
     }
@@ -257,15 +232,19 @@ impl Objects {
         if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
     }
 
-    /// What switching scaling off does beside that.
-    pub fn reset_scaling(&mut self, node: NodeId) {
-        self.waiting
-            .retain(|(at, _)| !matches!(at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE));
+    /// The defaults of these objects come back.
+    pub fn reset(&mut self, indexes: &[u16], node: NodeId) {
+        self.waiting.retain(|(at, _)| !indexes.contains(&at.index.0));
         for (entry, content) in self.parameters.entries_mut() {
-            if matches!(entry.at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE) {
+            if indexes.contains(&entry.at.index.0) {
                 *content = entry.default_content(node);
             }
         }
+    }
+
+    /// The objects whose defaults come back when that value is written.
+    pub fn resets(&self, at: Multiplexer, value: u64) -> &'static [u16] {
+        self.application.as_ref().map_or(&[], |application| application.resets(at, value))
     }
 
     fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
@@ -314,11 +293,3 @@ impl Objects {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }
 }
-
-const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
-
-/// Bit 2 of 6000h.
-const SCALING: u64 = 1 << 2;
-
-/// 6508h of a device that does not count its operating time (CiA 406).
-const NOT_USED: u64 = 0xFFFF_FFFF;

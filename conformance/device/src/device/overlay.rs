@@ -1,27 +1,24 @@
 //! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
 
+use super::application;
 use super::parameters::{Content, Parameters};
 use crate::{Fault, Firmware};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 
-/// A single-turn encoder in the upper word of 1000h.
-const SINGLE_TURN: u64 = 0x0001_0000;
-/// A bit of 6503h and 6504h that is reserved.
-const RESERVED_ALARM: u64 = 1 << 3;
+/// The number of a profile that no device with the fault has: that of input and output modules.
+const ANOTHER_PROFILE: u64 = 401;
 
 /// Changes what the dictionary says, as the firmware has it.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
-    plant_encoder(parameters, firmware);
+    application::plant(parameters, firmware);
     let vendor_id = Multiplexer::new(object::IDENTITY, 1);
     let device_type = Multiplexer::new(object::DEVICE_TYPE, 0);
     if firmware.has(Fault::VendorIdZero) {
         parameters.redefine(vendor_id, Content::Number(0));
     }
     if firmware.has(Fault::DeviceTypeProfileWrong) {
-        let other = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF_0000 | 401;
+        let other = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF_0000 | ANOTHER_PROFILE;
         parameters.redefine(device_type, Content::Number(other));
     }
     if firmware.has(Fault::IdentityRevisionMissing) {
@@ -47,40 +44,5 @@ pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
         let mut bytes = parameters.entry(name).map_or(Vec::new(), |entry| entry.reading(None).bytes().to_vec());
         bytes.extend([0x00, 0xFF, 0x1B]);
         parameters.redefine(name, Content::Bytes(bytes));
-    }
-}
-
-/// The same for an encoder.
-fn plant_encoder(parameters: &mut Parameters, firmware: &Firmware) {
-    let wrong = |fault: Fault, at: Multiplexer, number: u64, parameters: &mut Parameters| {
-        if firmware.has(fault) {
-            parameters.redefine(at, Content::Number(number));
-        }
-    };
-    let at = |index| Multiplexer::new(index, 0);
-    let profile = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF;
-    wrong(Fault::DeviceTypeTurnsWrong, at(object::DEVICE_TYPE), SINGLE_TURN | profile, parameters);
-    wrong(Fault::RevolutionsZero, at(encoder::NUMBER_OF_REVOLUTIONS), 0, parameters);
-    wrong(Fault::ProfileVersionUnset, at(encoder::PROFILE_AND_SOFTWARE_VERSION), 0xFFFF_FFFF, parameters);
-    let half = parameters.number_or_zero(encoder::MODULE_IDENTIFICATION, 3) / 2;
-    wrong(Fault::HighestPositionWrong, Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3), half, parameters);
-    let alarms = parameters.number_or_zero(encoder::SUPPORTED_ALARMS, 0) | RESERVED_ALARM;
-    wrong(Fault::ReservedAlarmBitSet, at(encoder::SUPPORTED_ALARMS), alarms, parameters);
-    let serial = parameters.number_or_zero(encoder::SERIAL_NUMBER, 0) + 1;
-    wrong(Fault::SerialNumberDiffers, at(encoder::SERIAL_NUMBER), serial, parameters);
-    if firmware.has(Fault::OperatingStatusMissing) {
-        parameters.remove(encoder::OPERATING_STATUS, None);
-    }
-    if firmware.has(Fault::AlarmsMissing) {
-        parameters.remove(encoder::ALARMS, None);
-    }
-    if firmware.has(Fault::PositionSixteenBit) {
-        parameters.retype(at(encoder::POSITION_VALUE), DataType::UNSIGNED16);
-    }
-    if firmware.has(Fault::OperatingParametersThirtyTwoBit) {
-        parameters.retype(at(encoder::OPERATING_PARAMETERS), DataType::UNSIGNED32);
-    }
-    if firmware.has(Fault::PositionWritable) {
-        parameters.open(at(encoder::POSITION_VALUE));
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// All entries of the object dictionary, by rising address.
 #[derive(Clone, Debug)]
-pub(super) struct Parameters {
+pub struct Parameters {
     /// The addresses alone, so that a search touches few cache lines.
     keys: Arc<[u32]>,
     /// Where the keys of each sixteen indexes begin, so that a search is short.
@@ -22,7 +22,7 @@ pub(super) struct Parameters {
 
 /// One entry and its value.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held<'a> {
+pub(crate) struct Held<'a> {
     parameter: &'a Parameter,
     pub content: &'a Content,
 }
@@ -57,7 +57,7 @@ impl<'a> Held<'a> {
 
 /// What the description says of an entry.
 #[derive(Clone, Debug)]
-pub(super) struct Parameter {
+pub(crate) struct Parameter {
     /// Its address.
     pub at: Multiplexer,
     pub data_type: DataType,
@@ -74,7 +74,7 @@ pub(super) struct Parameter {
 
 /// A value: the bits of a number, or the bytes of anything else.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Content {
+pub(crate) enum Content {
     /// Of a type with a fixed length; the bits above it are zero.
     Number(u64),
     /// A string or domain.
@@ -89,7 +89,7 @@ enum Default {
 
 /// What an SDO upload finds.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Reading<'a> {
+pub(crate) enum Reading<'a> {
     /// A number of so many bytes, little-endian.
     Number([u8; 8], usize),
     /// A string or domain.
@@ -111,7 +111,7 @@ const LONGEST: usize = 1 << 16;
 
 impl Parameters {
     /// The object dictionary of a device of that model, as delivered.
-    pub fn new(model: &Model, node: NodeId) -> Self {
+    pub(crate) fn new(model: &Model, node: NodeId) -> Self {
         let entries: Vec<Parameter> =
             model.description().dictionary.entries().filter_map(|(at, entry)| Parameter::new(at, entry)).collect();
         let contents = vec![Content::Number(0); entries.len()];
@@ -131,19 +131,19 @@ impl Parameters {
     }
 
     /// All values as delivered.
-    pub fn restore(&mut self, node: NodeId) {
+    pub(crate) fn restore(&mut self, node: NodeId) {
         self.entries_mut().for_each(|(entry, content)| *content = entry.default_content(node));
     }
 
     /// The parameters of the profile area (6000h to 9FFFh) as delivered.
-    pub fn restore_profile(&mut self, node: NodeId) {
+    pub(crate) fn restore_profile(&mut self, node: NodeId) {
         for (entry, content) in self.entries_mut().filter(|(entry, _)| matches!(entry.at.index.0, 0x6000..0xA000)) {
             *content = entry.default_content(node);
         }
     }
 
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
-    pub fn remove(&mut self, index: u16, sub: Option<u8>) {
+    pub(crate) fn remove(&mut self, index: u16, sub: Option<u8>) {
         let stays = |entry: &Parameter| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub);
         let mut entries = self.entries.iter();
         self.contents.retain(|_| entries.next().is_some_and(stays));
@@ -160,21 +160,21 @@ impl Parameters {
     }
 
     /// Gives an entry another data type, as if the firmware had it so.
-    pub fn retype(&mut self, at: Multiplexer, data_type: DataType) {
+    pub(crate) fn retype(&mut self, at: Multiplexer, data_type: DataType) {
         if let Some((entry, _)) = self.redefined(at) {
             entry.data_type = data_type;
         }
     }
 
     /// Makes an entry writable, as if the firmware had it so.
-    pub fn open(&mut self, at: Multiplexer) {
+    pub(crate) fn open(&mut self, at: Multiplexer) {
         if let Some((entry, _)) = self.redefined(at) {
             entry.writable = true;
         }
     }
 
     /// Gives an entry another value as delivered.
-    pub fn redefine(&mut self, at: Multiplexer, content: Content) {
+    pub(crate) fn redefine(&mut self, at: Multiplexer, content: Content) {
         if let Some((entry, held)) = self.redefined(at) {
             let content = entry.fitted(content);
             entry.default = Default::Fixed(content.clone());
@@ -186,7 +186,7 @@ impl Parameters {
     ///
     /// # Errors
     /// The abort code for a missing object, or for a missing sub-index of an object that exists.
-    pub fn entry(&self, at: Multiplexer) -> Result<Held<'_>, AbortCode> {
+    pub(crate) fn entry(&self, at: Multiplexer) -> Result<Held<'_>, AbortCode> {
         let position = self.position(at)?;
         let entry = self.entries.get(position).zip(self.contents.get(position));
         entry.map(|(parameter, content)| Held { parameter, content }).ok_or(AbortCode::NO_OBJECT)
@@ -241,26 +241,26 @@ impl Parameters {
     }
 
     /// Sets a number, whatever its access type; bits that don't fit are cut.
-    pub fn set_number(&mut self, index: u16, sub: u8, number: u64) {
+    pub(crate) fn set_number(&mut self, index: u16, sub: u8, number: u64) {
         if let Some((entry, content)) = self.entry_mut(Multiplexer::new(index, sub)) {
             *content = entry.fitted(Content::Number(number));
         }
     }
 
     /// Sets a value whose length and range were checked.
-    pub fn set(&mut self, at: Multiplexer, content: Content) {
+    pub(crate) fn set(&mut self, at: Multiplexer, content: Content) {
         if let Some((_, held)) = self.entry_mut(at) {
             *held = content;
         }
     }
 
     /// All entries.
-    pub fn entries(&self) -> impl ExactSizeIterator<Item = Held<'_>> {
+    pub(crate) fn entries(&self) -> impl ExactSizeIterator<Item = Held<'_>> {
         self.entries.iter().zip(&self.contents).map(|(parameter, content)| Held { parameter, content })
     }
 
     /// All entries, and their values to change.
-    pub fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
+    pub(crate) fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
         self.entries.iter().zip(&mut self.contents)
     }
 }

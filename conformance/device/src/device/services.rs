@@ -1,6 +1,7 @@
 //! What a device is made of: its services, and the order in which they are called.
 
 use super::Device;
+use super::application::ErrorWatch;
 use super::context::Context;
 use super::emcy::EmcyService;
 use super::guarding::NodeGuarding;
@@ -14,7 +15,6 @@ use super::routes::Routes;
 use super::rpdo::Rpdos;
 use super::sdo_channels::SdoChannels;
 use super::service::{Event, Service};
-use super::shaft::Shaft;
 use super::storing::Storing;
 use super::sync::SyncObject;
 use super::time::TimeService;
@@ -80,7 +80,7 @@ services! {
     time: TimeService,
     sync: SyncObject,
     rpdos: Rpdos,
-    shaft: Shaft,
+    application: ErrorWatch,
     tpdos: Tpdos,
     consumer: HeartbeatConsumer,
     guarding: NodeGuarding,

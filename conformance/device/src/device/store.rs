@@ -1,6 +1,5 @@
 //! Non-volatile memory: 1010h and 1011h by groups, and what is loaded from it.
 
-use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
 use crate::models::{Model, Storage};
 use crate::{Fault, Firmware};
@@ -45,7 +44,7 @@ impl Groups {
         self.contains(Self::of(at, storage))
     }
 
-    const fn contains(self, other: Self) -> bool {
+    pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
@@ -124,7 +123,8 @@ pub(super) struct Store {
     storage: Arc<Storage>,
     /// What differs from the default, by the position of the parameter.
     image: Arc<Vec<Option<Content>>>,
-    offset: Option<i64>,
+    /// What the application retains beside the parameters.
+    retained: Option<i64>,
     /// What LSS stored and no object holds.
     network: StoredNetwork,
     /// Groups whose defaults are loaded until power-off, whatever is stored.
@@ -142,7 +142,7 @@ impl Store {
         Self {
             storage,
             image: Arc::new(vec![None; parameters.entries().len()]),
-            offset: None,
+            retained: None,
             network: StoredNetwork::default(),
             restored: Groups::NONE,
             restore_needs_store: model.sheet().quirks.restore_needs_store,
@@ -186,20 +186,20 @@ impl Store {
     }
 
     /// Ends writing, if it is time.
-    pub fn finish(&mut self, now: Timestamp, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
+    pub fn finish(&mut self, now: Timestamp, parameters: &Parameters, retained: Option<i64>, node: NodeId) {
         if let Some((done, command)) = self.pending
             && now >= done
         {
             self.pending = None;
             match command {
-                StoreCommand::Save(groups) => self.save(groups, parameters, encoder, node),
+                StoreCommand::Save(groups) => self.save(groups, parameters, retained, node),
                 StoreCommand::Restore(groups) if self.restore_needs_store => self.restored = self.restored.with(groups),
                 StoreCommand::Restore(groups) => self.forget(groups, parameters),
             }
         }
     }
 
-    fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
+    fn save(&mut self, groups: Groups, parameters: &Parameters, retained: Option<i64>, node: NodeId) {
         for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if entry.writable && groups.has(entry.at, &self.storage) {
                 // COB-IDs that are as delivered go on following the node-ID.
@@ -207,7 +207,7 @@ impl Store {
             }
         }
         if groups.contains(Groups::APPLICATION) {
-            self.offset = encoder.map(Encoder::offset);
+            self.retained = retained;
         }
         self.restored = self.restored.without(groups);
     }
@@ -219,13 +219,18 @@ impl Store {
             }
         }
         if groups.contains(Groups::APPLICATION) {
-            self.offset = None;
+            self.retained = None;
         }
     }
 
-    /// Stores the offset at once.
-    pub fn save_offset(&mut self, offset: i64) {
-        self.offset = Some(offset);
+    /// Stores at once what the application retains.
+    pub fn save_retained(&mut self, retained: i64) {
+        self.retained = Some(retained);
+    }
+
+    /// What the application has stored beside the parameters.
+    pub fn retained(&self) -> Option<i64> {
+        self.retained
     }
 
     /// Off and on again: what is stored counts.
@@ -284,31 +289,31 @@ impl Store {
         }
     }
 
-    /// What is stored, by address, and what a preset added.
+    /// What is stored, by address, and what the application retains.
     pub(super) fn contents<'a>(
         &'a self,
         parameters: &'a Parameters,
     ) -> (impl Iterator<Item = (Multiplexer, &'a Content)>, Option<i64>) {
         let stored = self.image.iter().zip(parameters.entries());
-        (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.offset)
+        (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.retained)
     }
 
     /// Replaces everything: contents by address. Those of addresses that are not there are left out.
     pub(super) fn replace(
         &mut self,
         contents: &BTreeMap<Multiplexer, Content>,
-        offset: Option<i64>,
+        retained: Option<i64>,
         network: StoredNetwork,
         parameters: &Parameters,
     ) {
         for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             *slot = contents.get(&entry.at).cloned();
         }
-        (self.offset, self.network, self.pending) = (offset, network, None);
+        (self.retained, self.network, self.pending) = (retained, network, None);
     }
 
     /// A reset: what is stored, or the default, becomes the value.
-    pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
+    pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, node: NodeId) {
         self.pending = None;
         for (slot, (entry, content)) in self.image.iter().zip(parameters.entries_mut()) {
             let group = Groups::of(entry.at, &self.storage);
@@ -316,11 +321,6 @@ impl Store {
                 let slot = if self.restored.contains(group) { &None } else { slot };
                 *content = slot.clone().unwrap_or_else(|| entry.default_content(node));
             }
-        }
-        if let Some(encoder) = encoder
-            && groups.contains(Groups::APPLICATION)
-        {
-            encoder.set_offset(self.offset.unwrap_or(0));
         }
     }
 }

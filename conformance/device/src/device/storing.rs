@@ -8,13 +8,7 @@ use super::store::{Groups, StoreCommand, StoredNetwork};
 use crate::{Fault, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
-
-const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
-
-/// Bit 2 of 6000h.
-const SCALING: u64 = 1 << 2;
 
 /// Stores; what is stored is in the [`Context`].
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +30,9 @@ impl Service for Storing {
     }
 
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
-        if let Some(node) = context.node {
-            context.store.finish(now, &context.objects.parameters, context.objects.encoder.as_ref(), node);
+        if let Some(node) = context.node.filter(|_| now >= context.store.timeout()) {
+            let retained = context.objects.application.as_ref().map(|application| application.retained());
+            context.store.finish(now, &context.objects.parameters, retained, node);
         }
     }
 
@@ -77,23 +72,19 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
 /// Some objects are stored as soon as they are written.
 fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     let node = context.node_or_placeholder();
-    if resets_scaling(at, value, context) {
-        context.objects.reset_scaling(node);
-        for index in [encoder::UNITS_PER_REVOLUTION, encoder::TOTAL_MEASURING_RANGE] {
+    let reset = context.objects.resets(at, value);
+    if !reset.is_empty() {
+        context.objects.reset(reset, node);
+        for &index in reset {
             context.store.forget_number(Multiplexer::new(index, 0), &context.objects.parameters);
         }
     }
     if context.objects.model.sheet().storage.persist_at_once.contains(&at) {
         context.store.save_number(at, value, &context.objects.parameters);
-        if let Some(encoder) = &context.objects.encoder {
-            context.store.save_offset(encoder.offset());
+        if let Some(application) = &context.objects.application {
+            context.store.save_retained(application.retained());
         }
     }
-}
-
-/// Whether that write switches scaling off in a device that then forgets what it was.
-pub(super) fn resets_scaling(at: Multiplexer, value: u64, context: &Context) -> bool {
-    at == OPERATING_PARAMETERS && value & SCALING == 0 && context.objects.model.sheet().quirks.scaling_bit_guards
 }
 
 /// 1020h: date and time of the configuration are gone as soon as it is changed.

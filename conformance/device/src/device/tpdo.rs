@@ -6,10 +6,8 @@ use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
 use super::service::{Event, Service};
-use super::storing::resets_scaling;
 use crate::{Fault, Liberty};
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
@@ -104,12 +102,16 @@ impl Tpdo {
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
         self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
-        // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
+        // Where the timer of the profile is the only event, there is no event timer of its own, and changes of value don't send it.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         let unit = if firmware.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
         self.inhibit = Duration::from_micros(number(3) * unit);
-        let millis = if is_cyclic { objects.parameters.number_or_zero(encoder::CYCLIC_TIMER, 0) } else { number(5) };
+        let timer = || objects.application.as_ref().and_then(|application| application.cyclic_timer());
+        let millis = match is_cyclic {
+            true => timer().map_or(0, |index| objects.parameters.number_or_zero(index, 0)),
+            false => number(5),
+        };
         let factor = if firmware.has(Fault::EventTimerDoubled) { 2 } else { 1 };
         let late = firmware.has(Fault::EventTimerOffByOne) && millis > 0;
         self.event_timer = Duration::from_millis(millis * factor + u64::from(late));
@@ -138,7 +140,7 @@ impl Tpdo {
         self.transmission.0 <= 240
     }
 
-    /// The device became operational: event-driven PDOs are sent at once (CiA 406).
+    /// The device became operational: event-driven PDOs are sent at once.
     fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
         if !objects.has(Fault::SyncCountNotReset) {
@@ -406,9 +408,10 @@ impl Tpdos {
             // The SYNC start value counts only while SYNC has a counter.
             object::SYNCHRONOUS_COUNTER_OVERFLOW if context.has(Fault::LateSyncCounterOverlooked) => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
-            // The cyclic timer of CiA 406; in other profiles these are outputs.
-            encoder::CYCLIC_TIMER => context.objects.encoder.is_some() && !context.has(Fault::CyclicTimerIdle),
-            _ => resets_scaling(at, value, context),
+            _ => {
+                let application = context.objects.application.as_ref();
+                application.is_some_and(|it| it.changes_tpdos(at) || !it.resets(at, value).is_empty())
+            }
         };
         if concerns {
             self.configure(now, context);

@@ -2,7 +2,7 @@
 
 use super::edit::Edit;
 use super::{Liberties, Liberty, timing};
-use crate::models::{Model, Sheet};
+use crate::models::{ApplicationSheet, Model, Sheet};
 use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry};
 use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -122,7 +122,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     }
     if liberties.has(Liberty::NoApplicationObjects) {
         edit.remove([0x2000..=0xFFFF]);
-        edit.sheet.encoder = None;
+        edit.sheet.application = ApplicationSheet::default();
         unmap_all(edit);
     }
     if liberties.has(Liberty::NoLongObjects) {

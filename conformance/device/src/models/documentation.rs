@@ -4,7 +4,6 @@ use super::FILES;
 use super::annotations::{Bit, Choice, Signal};
 use super::deviations::DeviationTables;
 use super::emergency::Emergency;
-use super::measurement::Encoder;
 use super::network::{Network, StartUp};
 use super::quirks::Quirks;
 use super::recognition::{Number, Recognition, Text};
@@ -42,14 +41,14 @@ impl<'de> Deserializer<'de> for Curious<'_> {
     }
 }
 
-fn fields_of<T: Deserialize<'static>>() -> Vec<&'static str> {
+pub(crate) fn fields_of<T: Deserialize<'static>>() -> Vec<&'static str> {
     let mut fields = Vec::new();
     assert!(T::deserialize(Curious(&mut fields)).is_err() && !fields.is_empty());
     fields
 }
 
 /// Whether the document has the key in backquotes, alone or as the name of a table.
-fn is_documented(key: &str) -> bool {
+pub(crate) fn is_documented(key: &str) -> bool {
     ["`KEY`", "`[KEY]`", "`[[KEY]]`"].iter().any(|form| DOCUMENT.contains(&form.replace("KEY", key)))
 }
 
@@ -65,7 +64,6 @@ fn every_key_that_is_read_is_documented() {
         fields_of::<BitRate>(),
         fields_of::<Timing>(),
         fields_of::<Storage>(),
-        fields_of::<Encoder>(),
         fields_of::<Value>(),
         fields_of::<Link>(),
         fields_of::<Check>(),

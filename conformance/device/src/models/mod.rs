@@ -4,11 +4,11 @@
 mod annotations;
 mod deviations;
 #[cfg(test)]
-mod documentation;
+pub(crate) mod documentation;
 mod emergency;
 mod generic;
-mod measurement;
 mod network;
+mod profile;
 mod quirks;
 mod recognition;
 mod rules;
@@ -16,8 +16,9 @@ mod sheet;
 
 pub use deviations::Deviation;
 pub use emergency::Emergency;
-pub use measurement::{Encoder, EncoderKind, UniversalScaling};
+pub(crate) use generic::{is_writable, written};
 pub use network::{Network, StartUp, Trigger};
+pub use profile::{ApplicationSheet, ProfileSheet, RegisteredSheet};
 pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
@@ -76,14 +77,6 @@ pub fn built_in() -> Result<&'static [Model], &'static UnreadableModel> {
     MODELS.as_deref()
 }
 
-/// Whether a description names 2104h and 2105h, which are the manufacturer's, limit switches.
-pub fn shows_limit_switches(description: &DeviceDescription) -> bool {
-    [0x2104, 0x2105].into_iter().all(|index| {
-        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
-        entry.is_ok_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
-    })
-}
-
 /// A type of device: what it is, and what a simulated one needs to know.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -122,11 +115,12 @@ impl Model {
     /// # Errors
     /// [`ModelError`] if one of them can't be read.
     pub fn read(eds: &str, text: &str) -> Result<Self, ModelError> {
-        let sheet: Sheet = toml::from_str(text)?;
+        let mut sheet: Sheet = toml::from_str(text)?;
         if let Some(node) = sheet.network.default_node_id {
             NodeId::new(node).ok_or(ModelError::NodeId(node))?;
         }
         let description = eds::read(eds.as_bytes())?;
+        sheet.application = profile::read(&description, text)?;
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
         let device = KnownDevice { description, manual: sheet.manual_facts() };
@@ -245,7 +239,7 @@ mod tests {
         let (eds, sheet) = FILES[0];
         let reason = |text: String| Model::read(eds, &text).unwrap_err().to_string();
         assert!(reason(format!("bogus_key = 1\n{sheet}")).contains("bogus_key"));
-        let tables = ["network", "timing", "storage", "encoder"].map(|table| format!("[{table}]\n"));
+        let tables = ["network", "timing", "storage", "application"].map(|table| format!("[{table}]\n"));
         let rows =
             ["bit_rate", "value", "link", "check", "signal", "bit", "emergency"].map(|row| format!("[[{row}]]\n"));
         for header in tables.iter().chain(&rows) {

@@ -56,6 +56,11 @@ pub struct Quirks {
 }
 
 impl Quirks {
+    /// Whether the limits of the object are checked when it is stored, not when it is written.
+    pub fn is_checked_later(&self, at: Multiplexer) -> bool {
+        self.limits_checked_at_store && self.acts_when_stored.contains(&at)
+    }
+
     /// The abort code of the device for the reason of a standard one.
     pub fn abort_code(&self, standard: AbortCode) -> AbortCode {
         let own = self.abort_codes.iter().find(|(from, _)| *from == standard.0);

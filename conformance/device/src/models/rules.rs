@@ -56,7 +56,7 @@ pub struct Check {
 pub enum Rule {
     /// 6001h is at most 6002h.
     UnitsAtMostRange,
-    /// The value is a position that the encoder can show.
+    /// The value is a position that the device can show.
     InsideActiveRange,
     /// 1016h: no second time for a node-ID; an entry is erased before it is given another node-ID.
     OneConsumerPerNode,

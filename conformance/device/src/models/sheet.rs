@@ -2,8 +2,8 @@
 
 use super::annotations::{Bit, Choice, Signal};
 use super::emergency::Emergency;
-use super::measurement::Encoder;
 use super::network::Network;
+use super::profile::ApplicationSheet;
 use super::quirks::Quirks;
 use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
@@ -38,8 +38,9 @@ pub struct Sheet {
     /// What is stored, and how.
     #[serde(default)]
     pub storage: Storage,
-    /// The measurement.
-    pub encoder: Option<Encoder>,
+    /// What the application of the device does: its profile reads it.
+    #[serde(default)]
+    pub application: ApplicationSheet,
     /// Values that the EDS leaves open.
     #[serde(default, rename = "value")]
     pub values: Vec<Value>,

@@ -16,6 +16,7 @@ mod values;
 use super::Knowledge;
 use super::coverage::{Command, LssCommand, LssState, SdoState};
 use super::limits;
+use super::profile::Dialogue;
 use super::shrink::SequenceTree;
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_analyzer::Multiplexer;
@@ -151,5 +152,29 @@ impl<'a> Script<'a> {
     fn data(id: u16, bytes: &[u8]) -> Frame {
         let id = Self::standard(id);
         Frame::new(id, &bytes[..bytes.len().min(8)]).unwrap_or_else(|| Frame::full(id, [0; 8]))
+    }
+}
+
+/// A profile writes its dialogues through this.
+impl Dialogue for Script<'_> {
+    fn knowledge(&self) -> &Knowledge {
+        Script::knowledge(self)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        self.dice.below(n)
+    }
+
+    fn number(&mut self) -> u64 {
+        self.dice.number()
+    }
+
+    fn value_of(&mut self, at: Multiplexer) -> Option<u64> {
+        let known = Script::knowledge(self).entry(at).filter(|known| known.writable)?;
+        Some(Script::value_of(self, known))
+    }
+
+    fn ask(&mut self, request: sdo_wire::Request) {
+        self.sdo(request);
     }
 }

@@ -1,9 +1,9 @@
 //! NMT, error control, SYNC and EMCY dialogues.
 
 use super::Script;
+use crate::Known;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::{CanId, Frame};
@@ -205,15 +205,9 @@ impl Script<'_> {
 
     /// Limits that the present value exceeds make the device report an error.
     fn provoke(&mut self) {
-        let Some(known) = self
-            .object_where(|known| {
-                known.writable
-                    && matches!(known.at.index.0, 0x2120 | encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
-            })
-            .cloned()
-        else {
-            return self.short_pdos();
-        };
+        let profiles = self.knowledge().profiles();
+        let provokes = |known: &Known| known.writable && profiles.iter().any(|profile| profile.provokes(known.at));
+        let Some(known) = self.object_where(provokes).cloned() else { return self.short_pdos() };
         let value = known.limits.1.map_or(0, |high| high as u64).to_le_bytes();
         let low = known.limits.0.map_or(0, |low| low as u64).to_le_bytes();
         let size = known.size.unwrap_or(1).min(4);

@@ -6,7 +6,6 @@ use super::super::stimulus::Then;
 use super::Script;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, REQUEST_BASE, Request, Segment, crc16};
 use canvass_traces::{CanId, Frame};
@@ -36,7 +35,7 @@ impl Script<'_> {
                 2 | 3 => self.write_and_reset(),
                 4 if self.plan.patient => self.abandoned(),
                 5 => self.other_node(),
-                _ => self.scaling(),
+                _ => self.profile_dialogue(),
             },
             _ => self.random_bytes(),
         }
@@ -74,33 +73,12 @@ impl Script<'_> {
         self.ask(Request::upload(at).to_frame(id));
     }
 
-    /// Scaling and preset of an encoder, then its position.
-    fn scaling(&mut self) {
-        let number = |script: &mut Self, index| {
-            let at = Multiplexer::new(index, 0);
-            let known = script.knowledge().entry(at).filter(|known| known.writable).cloned();
-            known.map(|known| script.value_of(&known))
-        };
-        let position = Multiplexer::new(encoder::POSITION_VALUE, 0);
-        if self.knowledge().entry(position).is_none() {
-            return self.read();
+    /// A dialogue of the device's profile.
+    fn profile_dialogue(&mut self) {
+        let profiles = self.knowledge().profiles();
+        if !profiles.iter().any(|profile| profile.dialogue(self)) {
+            self.read();
         }
-        self.sdo(Request::download(Multiplexer::new(encoder::OPERATING_PARAMETERS, 0), &[4, 0]));
-        for index in [encoder::UNITS_PER_REVOLUTION, encoder::TOTAL_MEASURING_RANGE, encoder::PRESET_VALUE] {
-            if self.dice.one_in(3) {
-                continue;
-            }
-            let value = match self.dice.below(3) {
-                0 => number(self, index),
-                1 => Some(1 << self.dice.below(28)),
-                _ => Some(self.dice.number() & 0xFFFF),
-            };
-            if let Some(value) = value {
-                self.sdo(Request::download(Multiplexer::new(index, 0), &value.to_le_bytes()[..4]));
-            }
-        }
-        self.sdo(Request::upload(Multiplexer::new(encoder::OPERATING_PARAMETERS, 0)));
-        self.sdo(Request::upload(position));
     }
 
     pub(super) fn read(&mut self) {

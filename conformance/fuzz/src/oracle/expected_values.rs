@@ -2,7 +2,6 @@
 
 use crate::Knowledge;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 
 /// The values that all objects should hold after what was written, as far as that is certain.
@@ -89,8 +88,8 @@ impl ExpectedValues {
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
             let communication = (0x1000..0x2000).contains(&known.at.index.0);
             let raw = match extent {
-                // The cyclic timer of encoders is the event timer of a PDO.
-                Extent::Communication if !communication && known.at.index.0 == encoder::CYCLIC_TIMER => None,
+                // The timer that a profile has for a PDO may be the event timer of that PDO.
+                Extent::Communication if !communication && known.is_event_timer => None,
                 Extent::Communication if !communication && knowledge.services.reset_communication_loads_all => None,
                 // What has not been stored before a reset never acts.
                 _ if knowledge.services.acts_when_stored.contains(&known.at) => None,

@@ -7,7 +7,6 @@
 
 mod codes;
 mod emcy;
-mod encoder;
 mod expected_values;
 mod layer_setting;
 mod lmt;

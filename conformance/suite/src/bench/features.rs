@@ -36,7 +36,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::has`]; the breach if it is asked for one and does not answer: silence says nothing of absence.
-    pub(crate) fn has_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
+    pub fn has_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         for &multiplexer in objects {
             let there = match self.described(multiplexer) {
                 Some(described) => described,

@@ -84,7 +84,7 @@ impl Bench<'_> {
     /// Puts back what an interrupted run has left behind, where the case that was under way left more than values by its
     /// `rescue`, and compares. `None`: the device does not answer.
     ///
-    /// A zero point is not put back: nobody knows whether the shaft is at rest, and by how much it was moved is told.
+    /// A zero point is not put back: nobody knows whether the device is at rest, and by how much it was moved is told.
     pub(crate) fn put_back(&mut self, run: &Interrupted, rescue: Option<Rescue>) -> Option<Comparison> {
         self.baseline = Baseline::of(run);
         self.baseline.unseen = run.memory.iter().map(|(at, _)| *at).filter(|at| self.is_unseen(*at)).collect();

@@ -1,11 +1,11 @@
 //! Which objects of this device serve a case.
 
 use super::Bench;
+use super::profile::{self, Profile};
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 use canvass_bus::client::Outcome;
@@ -36,19 +36,24 @@ pub struct Scratch {
 }
 
 /// An object that may serve as scratch, with two values that are legal wherever it exists.
-struct Candidate {
-    multiplexer: Multiplexer,
-    data_type: DataType,
-    values: [u32; 2],
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// The object.
+    pub multiplexer: Multiplexer,
+    /// The type that it must have.
+    pub data_type: DataType,
+    /// The values.
+    pub values: [u32; 2],
 }
 
-const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2]) -> Candidate {
+/// A candidate; its type and its values.
+pub const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2]) -> Candidate {
     Candidate { multiplexer: Multiplexer::new(index, sub), data_type, values }
 }
 
 /// The best first: what takes effect only with something else that no case switches on, then what merely changes a
 /// period.
-const CANDIDATES: [Candidate; 9] = [
+const CANDIDATES: [Candidate; 7] = [
     candidate(object::PRODUCER_HEARTBEAT_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
     // Without life time factor (100Dh = 0) the guard time does nothing.
     candidate(object::GUARD_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
@@ -59,8 +64,6 @@ const CANDIDATES: [Candidate; 9] = [
     // Only a SYNC producer uses the period, only synchronous PDOs the window.
     candidate(object::COMMUNICATION_CYCLE_PERIOD, 0, DataType::UNSIGNED32, [100_000, 200_000]),
     candidate(object::SYNCHRONOUS_WINDOW_LENGTH, 0, DataType::UNSIGNED32, [0, 100_000]),
-    candidate(encoder::WORK_AREA_LOW_LIMIT, 0, DataType::INTEGER32, [16, 32]),
-    candidate(encoder::CYCLIC_TIMER, 0, DataType::UNSIGNED16, [100, 200]),
 ];
 
 /// The types of text.
@@ -79,7 +82,7 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found = Vec::new();
-        for candidate in &CANDIDATES {
+        for candidate in CANDIDATES.iter().chain(profile::all().flat_map(Profile::scratch)) {
             found.extend(self.scratch_of(candidate)?);
         }
         if found.is_empty() {
@@ -242,13 +245,9 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Stop> {
-        const KNOWN: [Candidate; 4] = [
-            candidate(encoder::WORK_AREA_HIGH_LIMIT, 0, DataType::INTEGER32, [1_000, 2_000]),
-            candidate(encoder::WORK_AREA_HIGH_LIMIT, 1, DataType::UNSIGNED32, [1_000, 2_000]),
-            candidate(encoder::WORK_AREA_LOW_LIMIT, 0, DataType::INTEGER32, [16, 32]),
-            candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
-        ];
-        for candidate in &KNOWN {
+        /// In the manufacturer's area.
+        const KNOWN: [Candidate; 1] = [candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2])];
+        for candidate in profile::all().flat_map(Profile::application_scratch).chain(&KNOWN) {
             if let Some(scratch) = self.scratch_of(candidate)? {
                 self.uses(scratch.multiplexer, "written and read back");
                 return Ok(Some(scratch));
@@ -256,7 +255,7 @@ impl Bench<'_> {
         }
         // A value that RPDOs carry is made to be written.
         let (profile, own): (Vec<_>, Vec<_>) =
-            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= encoder::OPERATING_PARAMETERS);
+            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
         for mapped in profile.into_iter().chain(own) {
             if self.is_described_as_writable(mapped.at) && self.may_write(mapped.at) && mapped.bits <= 32 {
                 self.uses(mapped.at, "written and read back");

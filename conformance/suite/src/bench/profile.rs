@@ -1,29 +1,65 @@
-//! What the device profiles add to what every device has. The core asks those that are registered, and names no profile itself.
+//! The seam for device profiles: what a profile adds to what every device has. The bench asks those that are registered, and
+//! names no profile itself.
 
 use super::Bench;
+use super::objects::Candidate;
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
+use canvass_analyzer::Multiplexer;
+use std::sync::LazyLock;
 
 /// What a profile knows of a device.
-pub(crate) trait Profile: Sync {
+pub trait Profile: Sync {
+    /// Its number, as in the low word of 1000h.
+    fn number(&self) -> u16;
+
     /// The objects of its zero point; `None`: the device is of another profile, or nothing moves its zero point.
     ///
     /// # Errors
     /// Those of asking the device.
-    fn zero_point(&self, bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>;
+    fn zero_point(&self, _: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
+        Ok(None)
+    }
+
+    /// Its objects that can be written and read back without consequence where a device has them: the best first.
+    fn scratch(&self) -> &'static [Candidate] {
+        &[]
+    }
+
+    /// The same, where the object must be one of the application.
+    fn application_scratch(&self) -> &'static [Candidate] {
+        &[]
+    }
+
+    /// Whether an object is a parameter that keeps its value: nothing that is measured or commands.
+    fn is_parameter(&self, _: Multiplexer) -> bool {
+        false
+    }
 }
 
 /// A profile that there is.
-pub(crate) struct Registered(pub &'static dyn Profile);
+pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
+
+/// All profiles by number: the order does not depend on the linker.
+static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
+    let mut profiles: Vec<_> = inventory::iter::<Registered>.into_iter().map(|registered| registered.0).collect();
+    profiles.sort_by_key(|profile| profile.number());
+    profiles
+});
+
+/// All profiles, by number.
+pub(crate) fn all() -> impl Iterator<Item = &'static dyn Profile> {
+    PROFILES.iter().copied()
+}
 
 /// The objects of the zero point of the device under test.
 ///
 /// # Errors
 /// Those of asking the device.
 pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
-    for Registered(profile) in inventory::iter::<Registered> {
+    for profile in all() {
         if let Some(objects) = profile.zero_point(bench)? {
             return Ok(Some(objects));
         }

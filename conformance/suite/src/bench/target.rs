@@ -83,7 +83,7 @@ impl Default for Timing {
             store: Duration::from_millis(10_000),
             // The answer to "store configuration" comes when all is written, which may take seconds.
             lss: Duration::from_millis(5_000),
-            // Encoders with a bootloader and a self-test take up to 2 s, drives 5 s.
+            // Sensors with a bootloader and a self-test take up to 2 s, drives 5 s.
             boot_up: Duration::from_millis(10_000),
             // Stacks handle NMT in their main loop, every 1 to 20 ms.
             reaction: Duration::from_millis(50),

@@ -3,6 +3,5 @@
 pub(crate) mod cia301;
 pub(crate) mod cia305;
 pub(crate) mod cia306;
-pub(crate) mod cia406;
 pub(crate) mod ds205;
 mod layer_setting;

@@ -224,7 +224,7 @@ pub fn node_of(model: &Model) -> NodeId {
 
 const GIVEN_NODE: NodeId = NodeId::MAX;
 
-/// Where the shaft stands, in steps of the physical resolution.
+/// Where what is measured stands, in steps of the physical resolution.
 const REST: i64 = 0x4CBA;
 
 /// How fast it turns where a case needs that, in thousandths of a revolution per minute.
@@ -261,7 +261,7 @@ fn judge_hearing(
     hear: &mut dyn FnMut(&Record),
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
+    let motion = Motion::constant(REST, if case.needs_motion() { TURNING } else { 0 });
     bus.attach(Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);

@@ -3,6 +3,7 @@
 use super::{Guess, Scanned};
 use crate::dictionary::check::check;
 use crate::dictionary::eds;
+use crate::dictionary::names;
 use crate::dictionary::rules::Severity;
 use crate::identity::{Multiplexer, SubIndex};
 use std::collections::{BTreeMap, BTreeSet};
@@ -82,6 +83,14 @@ impl std::fmt::Display for Guess {
     }
 }
 
+/// The standards that names come from: `CiA 301, 302, 304`, and the device profiles.
+fn standards() -> String {
+    let profiles = names::profiles().map(|profile| profile.number().to_string());
+    let mut numbers: Vec<String> = ["302", "304"].map(str::to_owned).into_iter().chain(profiles).collect();
+    let last = numbers.pop().unwrap_or_default();
+    format!("CiA 301, {} and {last}", numbers.join(", "))
+}
+
 /// What is to be known of the whole file.
 pub(super) fn comments(guesses: &BTreeMap<Multiplexer, Vec<Guess>>) -> Vec<String> {
     let guessed = match guesses.len() {
@@ -91,7 +100,7 @@ pub(super) fn comments(guesses: &BTreeMap<Multiplexer, Vec<Guess>>) -> Vec<Strin
     };
     let lines = [
         "Read from a device, as a start: nothing was written to it.",
-        "Names, types and access of standard objects are those of CiA 301, 302, 304 and 406.",
+        &format!("Names, types and access of standard objects are those of {}.", standards()),
         "Defaults are the values that the device had when it was read.",
         "PDOMapping=1 has what was mapped then; limits, LSS and other bit rates are not known.",
     ];

@@ -3,12 +3,11 @@
 use super::Facts;
 use crate::PdoNumber;
 use crate::dictionary::data_type::DataType;
-use crate::dictionary::names::ENCODER_PROFILE;
+use crate::dictionary::names::{Role, known_profile, with_role};
 use crate::dictionary::object::{Access, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::{CobId, Multiplexer};
 use crate::object;
-use crate::object::encoder;
 use crate::wire::sdo::{REQUEST_BASE, RESPONSE_BASE};
 
 /// The default, where what was read can be one.
@@ -38,17 +37,14 @@ fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
         )
         | (object::IDENTITY, 4) => false,
         (0x1000..=0x1FFF, _) => standard.is_some(),
-        // Resolution, supported alarms and warnings, version of the profile.
-        (
-            encoder::SINGLE_TURN_RESOLUTION
-            | encoder::NUMBER_OF_REVOLUTIONS
-            | encoder::SUPPORTED_ALARMS
-            | encoder::SUPPORTED_WARNINGS
-            | encoder::PROFILE_AND_SOFTWARE_VERSION,
-            _,
-        ) if facts.profile == Some(ENCODER_PROFILE) => true,
-        _ => standard.is_some_and(Access::is_writable),
+        _ => is_constant(facts, at) || standard.is_some_and(Access::is_writable),
     }
+}
+
+/// Whether the device's profile says that the value is what the device is built like.
+fn is_constant(facts: &Facts<'_>, at: Multiplexer) -> bool {
+    let profile = facts.profile.and_then(known_profile);
+    profile.is_some_and(|profile| with_role(profile, Role::Constant).any(|index| index == at.index))
 }
 
 /// A COB-ID of the predefined connection set follows the node-ID; so does any other of a PDO that has the node-ID at its end.

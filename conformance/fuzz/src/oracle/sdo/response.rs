@@ -1,7 +1,6 @@
 //! Holds what the server sends against what is awaited.
 
 use super::super::codes::{self, CodeSet};
-use super::super::encoder;
 use super::super::expected_values::ExpectedValues;
 use super::super::{Served, Violation, violation};
 use super::awaited::{Awaited, Reading, Writing};
@@ -591,6 +590,19 @@ fn check_block_size(block_size: u8, frame: &Frame) -> Judged {
     Err(instead(Property::LegalSdo, "a block size from 1 to 127", shown(frame)))
 }
 
+/// What the device's profile demands of a value.
+fn check_profile(value: &[u8], entry: usize, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Judged {
+    let Some(at) = knowledge.entries().get(entry).map(|known| known.at).filter(|at| at.index.0 >= 0x6000) else {
+        return Ok(());
+    };
+    let expected = |at: Multiplexer| expected_values.number(knowledge, at.index.0, at.sub.0);
+    let broken = knowledge.profiles().iter().find_map(|profile| profile.judge(at, value, knowledge, &expected));
+    match broken {
+        Some(broken) => Err(instead(Property::OfProfile(broken.property), broken.expected, broken.actual)),
+        None => Ok(()),
+    }
+}
+
 fn check_value(
     value: &[u8],
     entry: Option<usize>,
@@ -598,9 +610,7 @@ fn check_value(
     expected_values: &mut ExpectedValues,
 ) -> Judged {
     let Some(entry) = entry else { return Ok(()) };
-    if let Some((expected, actual)) = encoder::misplaced(value, entry, knowledge, expected_values) {
-        return Err(instead(Property::PositionInRange, expected, actual));
-    }
+    check_profile(value, entry, knowledge, expected_values)?;
     let Some(known) = knowledge.entries().get(entry).filter(|known| known.stable && known.size.is_some()) else {
         return Ok(());
     };

@@ -6,7 +6,6 @@ use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -158,7 +157,8 @@ fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop
                 | object::COB_ID_TIME
                 | object::COB_ID_EMCY..=object::PRODUCER_HEARTBEAT_TIME
                 | object::SYNCHRONOUS_COUNTER_OVERFLOW..=object::ERROR_BEHAVIOR
-        ) || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | encoder::CYCLIC_TIMER | 0x6401..=0x6402)
+        ) || matches!(at.index.0, 0x1200..=0x1BFF)
+            || crate::bench::profile::all().any(|profile| profile.is_parameter(at))
     };
     let entries = description.dictionary.entries().filter(|(at, entry)| {
         let is_constant = entry.access.is_writable() && entry.access.is_readable() && !entry.pdo_mappable;

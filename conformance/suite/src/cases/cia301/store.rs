@@ -9,7 +9,6 @@ use crate::touch::Touch;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::client::Outcome;
@@ -148,7 +147,7 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
 
 /// Not applicable where the object is the manufacturer's: such a variable need not be a parameter, and a reset may leave it.
 pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
-    if scratch.multiplexer.index.0 >= encoder::OPERATING_PARAMETERS {
+    if scratch.multiplexer.index.0 >= 0x6000 {
         return Ok(());
     }
     let actual = format!("{} belongs to the manufacturer", scratch.multiplexer);

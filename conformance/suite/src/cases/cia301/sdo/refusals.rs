@@ -4,9 +4,8 @@ use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
+use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::object;
-use canvass_analyzer::object::encoder;
 use canvass_analyzer::{Multiplexer, SubIndex};
 
 /// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
@@ -47,23 +46,4 @@ fn several_reasons(bench: &mut Bench<'_>) -> Judged {
         bench.note(format!("{what}: {}", first.outcome));
         Ok(())
     })
-}
-
-/// A maximum below its minimum is refused with abort 0609 0036h, and the old limit stays.
-#[case(id = "301/sdo/download/maximum-below-minimum", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
-       level = Should, needs = [WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
-fn maximum_below_minimum(bench: &mut Bench<'_>) -> Judged {
-    let (low, high) =
-        (Multiplexer::new(encoder::WORK_AREA_LOW_LIMIT, 1), Multiplexer::new(encoder::WORK_AREA_HIGH_LIMIT, 1));
-    if !bench.can_write(low)? || !bench.can_write(high)? {
-        let reason = Reason::new("both limits of the work area can be written", "6401h and 6402h", "read-only");
-        return Err(Stop::NotApplicable(reason));
-    }
-    bench.write(high, &2_000_u32.to_le_bytes())?;
-    bench.write(low, &1_000_u32.to_le_bytes())?;
-    let before = bench.read(high)?;
-    let mut attempt = bench.download(high, &999_u32.to_le_bytes())?;
-    attempt.what = "high limit below the low limit".to_owned();
-    bench.check(attempt.refused(Situation::MaximumBelowMinimum))?;
-    bench.expect_unchanged(high, &before)
 }

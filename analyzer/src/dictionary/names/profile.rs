@@ -1,0 +1,187 @@
+//! The seam for device profiles: what a profile says of its objects, and the list of profiles that there are.
+//!
+//! A profile registers itself; nothing else names it. Look-ups that frames cause go through tables that are made once of
+//! all profiles, so that a frame costs no virtual call.
+
+use super::{StandardObject, Unit};
+use crate::identity::{Index, Multiplexer};
+use crate::object::Acting;
+use crate::wire::emcy::EmcyCode;
+use std::sync::LazyLock;
+
+/// What a device profile says of the objects from 6000h on and of the devices that have them.
+pub trait Profile: Sync {
+    /// Its number, as in the low word of 1000h.
+    fn number(&self) -> u16;
+
+    /// Its standard, such as `CiA 401`.
+    fn standard(&self) -> &'static str;
+
+    /// Its objects by rising index, from 6000h to 67FFh.
+    fn objects(&self) -> &'static [StandardObject];
+
+    /// The names of the bits of an object from bit 0 on, where the profile fixes them.
+    fn bits(&self, _: Index) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// The unit of an entry, where the profile fixes it.
+    fn unit(&self, _: Multiplexer) -> Option<Unit> {
+        None
+    }
+
+    /// The unit of an entry, where the configuration of the device decides it.
+    fn scale(&self, _: Multiplexer, _: &dyn Configured) -> Option<Unit> {
+        None
+    }
+
+    /// What an error code means that CiA 301 leaves to the profile.
+    fn emergency(&self, _: EmcyCode) -> Option<&'static str> {
+        None
+    }
+
+    /// What an object does when it is written; `None`: it is a setting, or only read.
+    fn acting(&self, _: Multiplexer) -> Option<Acting> {
+        None
+    }
+
+    /// The objects whose values tell something of other objects or of the device.
+    fn roles(&self) -> &'static [(u16, &'static [Role])] {
+        &[]
+    }
+
+    /// Whether the devices of a manufacturer (vendor-ID, 1018h:01) write their memory with each download to an object.
+    fn keeps_at_once(&self, _: Multiplexer, _vendor: u32) -> bool {
+        false
+    }
+
+    /// Whether a correct device of that type (1000h) may send nothing after a reset until somebody asks it.
+    fn may_be_silent(&self, _device_type: u32) -> bool {
+        false
+    }
+}
+
+/// How a device is configured at this moment, as far as that is known.
+pub trait Configured {
+    /// The value of a parameter.
+    fn parameter(&self, at: Multiplexer) -> Option<u32>;
+
+    /// The name that the manual gives to the state of the first bit of an object whose name begins so.
+    fn state_of_bit(&self, at: Multiplexer, name: &str) -> Option<&str>;
+}
+
+/// What the value of an object tells beyond the object.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Role {
+    /// The unit of other objects.
+    Scaling,
+    /// How the device behaves: worth keeping once the trace has shown it.
+    Parameter,
+    /// What the device is built like: no default and no client changes it.
+    Constant,
+    /// Which model the device is.
+    Identity,
+    /// The time between two of its first TPDOs, in milliseconds, where the event timer (1800h:05) does not tell.
+    EventTimer,
+}
+
+/// A profile that there is.
+pub struct Registered(pub &'static dyn Profile);
+
+inventory::collect!(Registered);
+
+/// A profile with what frames ask for.
+struct Known {
+    number: u16,
+    objects: &'static [StandardObject],
+    profile: &'static dyn Profile,
+}
+
+/// All profiles by number: the order does not depend on the linker.
+static PROFILES: LazyLock<Vec<Known>> = LazyLock::new(|| {
+    let registered = inventory::iter::<Registered>.into_iter();
+    let mut profiles: Vec<Known> = registered
+        .map(|&Registered(profile)| Known { number: profile.number(), objects: profile.objects(), profile })
+        .collect();
+    profiles.sort_by_key(|known| known.number);
+    debug_assert!(profiles.windows(2).all(|two| two[0].number != two[1].number), "two profiles of one number");
+    profiles
+});
+
+/// The roles of the objects of all profiles, by index.
+static ROLES: LazyLock<Vec<(u16, &'static [Role])>> = LazyLock::new(|| {
+    let mut roles: Vec<_> = profiles().flat_map(Profile::roles).copied().collect();
+    roles.sort_by_key(|row| row.0);
+    roles
+});
+
+/// All profiles, by number.
+pub fn profiles() -> impl Iterator<Item = &'static dyn Profile> {
+    PROFILES.iter().map(|known| known.profile)
+}
+
+/// The profile of that number, if it is one of those that are known.
+pub fn known_profile(number: u16) -> Option<&'static dyn Profile> {
+    known(number).map(|known| known.profile)
+}
+
+/// Whether the profile of that number is one of those that are known.
+pub fn is_profile(number: u16) -> bool {
+    known(number).is_some()
+}
+
+/// The profiles that a device may have: that of its number, or all where nobody knows it.
+pub fn possible(number: Option<u16>) -> impl Iterator<Item = &'static dyn Profile> {
+    profiles().filter(move |profile| number.is_none_or(|number| profile.number() == number))
+}
+
+/// What an object does when it is written to a device of that profile.
+///
+/// A device whose profile nobody knows may have any: to take a setting for an object that acts costs nothing, the other way
+/// round what the object moves is lost.
+pub fn acting(at: Multiplexer, number: Option<u16>) -> Option<Acting> {
+    possible(number).find_map(|profile| profile.acting(at))
+}
+
+/// Whether an object has that role in any profile.
+pub fn has_role(index: Index, role: Role) -> bool {
+    let first = ROLES.partition_point(|row| row.0 < index.0);
+    ROLES.iter().skip(first).take_while(|row| row.0 == index.0).any(|row| row.1.contains(&role))
+}
+
+/// The objects that have that role in a profile, by rising index.
+pub fn with_role(profile: &dyn Profile, role: Role) -> impl Iterator<Item = Index> {
+    profile.roles().iter().filter(move |row| row.1.contains(&role)).map(|row| Index(row.0))
+}
+
+/// The objects of the profile of that number.
+pub(super) fn objects(number: u16) -> &'static [StandardObject] {
+    known(number).map_or(&[], |known| known.objects)
+}
+
+fn known(number: u16) -> Option<&'static Known> {
+    PROFILES.iter().find(|known| known.number == number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_are_well_formed() {
+        assert!(profiles().next().is_some());
+        for profile in profiles() {
+            let number = profile.number();
+            assert!(known_profile(number).is_some() && is_profile(number));
+            assert!(profile.standard().ends_with(&number.to_string()), "{}", profile.standard());
+            let objects = profile.objects();
+            assert!(objects.iter().all(|object| matches!((object.first, object.last), (0x6000.., ..=0x67FF))));
+            assert!(objects.iter().all(|object| object.standard == profile.standard()));
+            super::super::tests::is_sorted_and_complete(objects);
+            let has_object = |index: u16| objects.iter().any(|object| (object.first..=object.last).contains(&index));
+            assert!(profile.roles().iter().all(|row| has_object(row.0) && !row.1.is_empty()), "{number}");
+        }
+        assert!(!is_profile(0) && possible(Some(0)).next().is_none());
+        assert_eq!(possible(None).count(), profiles().count());
+    }
+}

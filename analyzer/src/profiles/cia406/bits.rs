@@ -1,0 +1,43 @@
+//! What the bits of registers mean. Bits that belong to the manufacturer have no name.
+
+use super::objects;
+use crate::identity::Index;
+
+/// 6000h and 6500h; bits 12 to 15 belong to the manufacturer.
+const OPERATING: &[&str] = &[
+    "code sequence counter-clockwise",
+    "commissioning diagnostic control",
+    "scaling function",
+    "measuring direction reversed",
+];
+
+/// 6503h and 6504h; bits 12 to 15 belong to the manufacturer.
+const ALARMS: &[&str] = &["position error", "commissioning diagnostic control"];
+
+/// 6505h and 6506h; bits 12 to 15 belong to the manufacturer.
+const WARNINGS: &[&str] = &[
+    "frequency exceeded",
+    "light control reserve",
+    "CPU watchdog status",
+    "operating time limit",
+    "battery charge",
+    "reference point not reached",
+];
+
+/// 6400h.
+const AREA_STATE: &[&str] = &["out of range", "range overflow", "range underflow"];
+
+/// 6300h to 6302h.
+const CAMS: &[&str] = &["cam 1", "cam 2", "cam 3", "cam 4", "cam 5", "cam 6", "cam 7", "cam 8"];
+
+/// The names of the bits of an object, from bit 0 on.
+pub(super) const fn of(index: Index) -> &'static [&'static str] {
+    match index.0 {
+        objects::OPERATING_PARAMETERS | objects::OPERATING_STATUS => OPERATING,
+        objects::CAM_STATE..=objects::CAM_POLARITY => CAMS,
+        objects::WORK_AREA_STATE => AREA_STATE,
+        objects::ALARMS | objects::SUPPORTED_ALARMS => ALARMS,
+        objects::WARNINGS | objects::SUPPORTED_WARNINGS => WARNINGS,
+        _ => &[],
+    }
+}

@@ -1,0 +1,49 @@
+use super::node::operands;
+use crate::dictionary::names::bit_name;
+use crate::findings::{Context, Effect, Report, Rule, SETTLE, SOON, Sink};
+use crate::profiles::cia406::NUMBER;
+use crate::profiles::cia406::objects;
+use canvass_macros::rule;
+
+/// The device reports by an EMCY what its alarms and warnings then show.
+pub const FOLLOWS: &[(&str, Effect)] =
+    &[("emcy/raised", Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE))];
+
+/// an encoder shows an alarm
+///
+/// 6503h, in a PDO or read by SDO, is not 0. Findings are distinguished by bit.
+///
+/// # Why
+/// The position is not valid any more: a machine that goes on with it moves to wrong places.
+///
+/// # What to do
+/// Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The EMCY of
+/// the same moment says more.
+#[rule(id = "encoder/alarm", severity = Error, rank = DeviceError, also = ProfileValues, follows = FOLLOWS)]
+struct Alarm;
+
+/// Reports each bit that is set.
+pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
+    for operand in operands(context) {
+        if operand.object.index.0 != index || operand.written {
+            continue;
+        }
+        for bit in (0..16).filter(|bit| operand.raw >> bit & 1 != 0) {
+            let report = Report::at(context.now()).node(operand.node).detail(u64::from(bit));
+            sink.report(report.evidence(context.evidence()), || {
+                let described = context.scene.bus.node(operand.node).and_then(|node| node.device.as_deref());
+                let annotated = described.and_then(|device| device.manual.annotations.get(operand.object));
+                let annotated = annotated.and_then(|annotation| annotation.bit(bit)).map(|name| name.name.to_string());
+                let standard = || bit_name(operand.object.index, bit, Some(NUMBER)).map(str::to_owned);
+                let name = annotated.or_else(standard).map(|name| format!(": {}", name.escape_debug()));
+                format!("{kind} bit {bit} of {}{}", operand.object, name.unwrap_or_default())
+            });
+        }
+    }
+}
+
+impl Rule for Alarm {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        tell_bits(objects::ALARMS, "alarm", context, sink);
+    }
+}

@@ -1,0 +1,35 @@
+use super::node::operands;
+use crate::findings::{Context, Report, Rule, Sink};
+use crate::wire::error_control::State;
+use canvass_macros::rule;
+
+/// preset or scaling was written in operation
+///
+/// A client has written the operating parameters (6000h), the scaling (6001h, 6002h) or the preset (6003h) of an
+/// encoder while it was operational.
+///
+/// # Why
+/// The position jumps, without the shaft having moved, while the machine uses it.
+///
+/// # What to do
+/// If it is meant (homing), see that the machine stands still and that the consumer knows. Else find out which tool or
+/// which part of the program writes it.
+#[rule(id = "encoder/parameter-changed", severity = Warning, rank = Detail, also = ProfileValues)]
+struct ParameterChanged;
+
+impl Rule for ParameterChanged {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        for operand in operands(context) {
+            let state = context.scene.bus.node(operand.node).and_then(|node| node.state);
+            let operational = state.is_some_and(|state| state.0 == State::OPERATIONAL);
+            let moves_position = matches!(operand.object.index.0, 0x6000..=0x6003);
+            if operational && operand.written && moves_position {
+                let report = Report::at(context.now()).node(operand.node);
+                let report = report.detail(u64::from(operand.object.index.0));
+                sink.report(report.evidence(context.evidence()), || {
+                    format!("{} was set to {} in operational", operand.object, operand.raw)
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! What kind of encoder a device is.
+
+/// How the shaft or rod of an encoder moves, by the upper word of 1000h.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Kind {
+    /// 01h to 05h of CiA 406, and 0Bh of newer devices.
+    Rotary,
+    /// 08h and 09h.
+    Linear,
+}
+
+impl Kind {
+    /// The kind that a device type (1000h) tells; `None` where it says something else.
+    pub const fn of(device_type: u32) -> Option<Self> {
+        match device_type >> 16 {
+            0x01..=0x05 | 0x0B => Some(Self::Rotary),
+            0x08 | 0x09 => Some(Self::Linear),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Where the encoders of a manufacturer differ from others, as data: known by the vendor-ID (1018h:01) of a node, even where
+//! nothing else tells which model it is.
+
+use super::objects;
+use crate::identity::Multiplexer;
+
+/// What the manuals of a manufacturer say of all its encoders.
+pub struct Maker {
+    /// Vendor-ID.
+    vendor: u32,
+    /// The bit of 6000h that is set for speeds in steps per second and clear for revolutions per minute.
+    pub speed_format: Option<SpeedFormat>,
+    /// Objects that are kept with each write, without 1010h.
+    pub kept_at_once: &'static [u16],
+    /// The lowest and the highest temperature without a warning, in degrees Celsius plus 64.
+    pub temperature_limits: Option<[Multiplexer; 2]>,
+}
+
+/// A bit whose place depends on the version of the profile, in the low word of 6507h (0302h is 3.2).
+pub struct SpeedFormat {
+    /// The first version of the profile with the new place.
+    pub from: u16,
+    /// The bit before that version.
+    pub before: u8,
+    /// The bit from that version on.
+    pub after: u8,
+}
+
+static MAKERS: &[Maker] = &[
+    // Fritz Kübler GmbH.
+    Maker {
+        vendor: 0x13,
+        speed_format: Some(SpeedFormat { from: 0x0400, before: 13, after: 12 }),
+        kept_at_once: &[],
+        temperature_limits: Some([Multiplexer::new(0x2120, 2), Multiplexer::new(0x2120, 3)]),
+    },
+    // TR-Electronic GmbH.
+    Maker {
+        vendor: 0xD4,
+        speed_format: None,
+        kept_at_once: &[objects::OPERATING_PARAMETERS, objects::PRESET_VALUE, objects::CYCLIC_TIMER],
+        temperature_limits: None,
+    },
+];
+
+/// The manufacturer of that vendor-ID, where its encoders are known to differ.
+pub fn of(vendor: u32) -> Option<&'static Maker> {
+    MAKERS.iter().find(|maker| maker.vendor == vendor)
+}
+
+/// The limits of temperatures of all manufacturers.
+pub fn temperature_limits() -> impl Iterator<Item = Multiplexer> {
+    MAKERS.iter().flat_map(|maker| maker.temperature_limits).flatten()
+}

@@ -1,0 +1,113 @@
+//! Physical values by the configuration of the encoder at this moment: degrees or millimetres of a position, the unit of a
+//! speed.
+
+use super::kind::Kind;
+use super::{makers, objects};
+use crate::dictionary::Unit;
+use crate::dictionary::names::Configured;
+use crate::identity::Multiplexer;
+use crate::object;
+use std::borrow::Cow;
+
+/// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
+/// object has no such unit or too little is known.
+pub(super) fn scale(at: Multiplexer, device: &dyn Configured) -> Option<Unit> {
+    if !may_scale(at) {
+        return None;
+    }
+    match at.index.0 {
+        objects::SPEED_VALUE => speed(device),
+        objects::POSITION_RAW_VALUE => position(device, true),
+        _ => position(device, false),
+    }
+}
+
+/// Positions, limits and offsets of positions, speeds.
+const fn may_scale(object: Multiplexer) -> bool {
+    match object.index.0 {
+        objects::PRESET_VALUE | objects::POSITION_VALUE | objects::POSITION_RAW_VALUE | objects::OFFSET_VALUE => {
+            object.sub.0 == 0
+        }
+        objects::CHANNEL_PRESET_VALUES
+        | objects::CHANNEL_POSITION_VALUES
+        | objects::SPEED_VALUE
+        | 0x6310..=0x6317
+        | 0x6320..=0x6327
+        | 0x6330..=0x6337
+        | objects::WORK_AREA_LOW_LIMIT
+        | objects::WORK_AREA_HIGH_LIMIT => object.sub.0 != 0,
+        _ => false,
+    }
+}
+
+/// The value of a parameter.
+fn of(device: &dyn Configured, index: u16, sub: u8) -> Option<u32> {
+    device.parameter(Multiplexer::new(index, sub))
+}
+
+/// The value of a parameter of which 0 means nothing.
+fn positive(device: &dyn Configured, index: u16, sub: u8) -> Option<u32> {
+    of(device, index, sub).filter(|&value| value > 0)
+}
+
+/// Steps of a position. `raw` ones are the sensor's own, whatever scaling is set.
+fn position(device: &dyn Configured, raw: bool) -> Option<Unit> {
+    match Kind::of(of(device, object::DEVICE_TYPE, 0)?)? {
+        Kind::Rotary => {
+            let index = if raw || is_scaled(device) == Some(false) {
+                objects::SINGLE_TURN_RESOLUTION
+            } else {
+                objects::UNITS_PER_REVOLUTION
+            };
+            let steps = positive(device, index, 0)?;
+            Some(Unit::new(360.0 / f64::from(steps), "°"))
+        }
+        // 6005h:01 counts in steps of 0.001 µm, and so does 6501h.
+        Kind::Linear => {
+            let configured = of(device, objects::MEASURING_STEPS, 1).filter(|_| !raw);
+            let nanometres = configured.or_else(|| of(device, objects::SINGLE_TURN_RESOLUTION, 0));
+            Some(Unit::new(f64::from(nanometres.filter(|&step| step > 0)?) / 1e6, "mm"))
+        }
+    }
+}
+
+/// Whether the scaling function is on: bit 2 of 6000h, and of 6500h, which shows it.
+fn is_scaled(device: &dyn Configured) -> Option<bool> {
+    let operating =
+        of(device, objects::OPERATING_PARAMETERS, 0).or_else(|| of(device, objects::OPERATING_STATUS, 0))?;
+    Some(operating & 4 != 0)
+}
+
+/// Speeds: the description may name a bit of 6000h "Speed format"; else the format of the manufacturer is known; else
+/// multiplier and divisor of 6031h tell.
+fn speed(device: &dyn Configured) -> Option<Unit> {
+    let format = named_format(device).or_else(|| format_of_maker(device));
+    if format.as_deref() == Some("rpm") {
+        return Some(Unit::new(1.0, "rpm"));
+    }
+    // speed = steps / s * multiplier / divisor
+    let multiplier = positive(device, objects::SPEED_PARAMETER, 3);
+    match (multiplier.zip(positive(device, objects::SPEED_PARAMETER, 4)), format) {
+        (Some((multiplier, divisor)), _) => Some(Unit::new(f64::from(divisor) / f64::from(multiplier), "steps/s")),
+        (None, Some(symbol)) => Some(Unit { factor: 1.0, offset: 0.0, symbol }),
+        (None, None) => None,
+    }
+}
+
+/// The state of the bit of 6000h that an annotation calls "Speed format".
+fn named_format(device: &dyn Configured) -> Option<Cow<'static, str>> {
+    let state = device.state_of_bit(Multiplexer::new(objects::OPERATING_PARAMETERS, 0), "Speed format")?;
+    Some(match state.split_once(": ")?.1 {
+        "units per second" => Cow::Borrowed("steps/s"),
+        other => Cow::Owned(other.to_owned()),
+    })
+}
+
+/// The state of the bit of 6000h that is the format with all encoders of the manufacturer.
+fn format_of_maker(device: &dyn Configured) -> Option<Cow<'static, str>> {
+    let format = makers::of(of(device, object::IDENTITY, 1)?)?.speed_format.as_ref()?;
+    let version = of(device, objects::PROFILE_AND_SOFTWARE_VERSION, 0)? as u16;
+    let bit = if version >= format.from { format.after } else { format.before };
+    let units_per_second = of(device, objects::OPERATING_PARAMETERS, 0)? >> bit & 1 != 0;
+    Some(Cow::Borrowed(if units_per_second { "steps/s" } else { "rpm" }))
+}

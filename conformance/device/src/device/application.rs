@@ -1,0 +1,230 @@
+//! The seam for device profiles: what the application of a device adds to the services that every device has.
+//!
+//! A profile registers itself; the services ask the application of their device and name no profile.
+
+use super::condition::Condition;
+use super::context::Context;
+use super::errors::Errors;
+use super::motion::Motion;
+use super::parameters::Parameters;
+use super::service::{Event, Service};
+use crate::Firmware;
+use crate::models::Model;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_traces::{Duration, Timestamp};
+use std::fmt;
+use std::sync::LazyLock;
+
+/// A device profile whose devices can be simulated.
+pub trait Profile: Sync {
+    /// Its number, as in the low word of 1000h.
+    fn number(&self) -> u16;
+
+    /// The application of a device of that model, if the model has this profile.
+    fn application(&self, model: &Model, motion: Motion, firmware: &Firmware) -> Option<Box<dyn Application>>;
+
+    /// Changes the values of the object dictionary of which the firmware has faults.
+    fn plant(&self, _: &mut Parameters, _: &Firmware) {}
+}
+
+/// A profile that there is.
+pub struct Registered(pub &'static dyn Profile);
+
+inventory::collect!(Registered);
+
+/// All profiles by number: the order does not depend on the linker.
+static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
+    let mut profiles: Vec<_> = inventory::iter::<Registered>.into_iter().map(|registered| registered.0).collect();
+    profiles.sort_by_key(|profile| profile.number());
+    profiles
+});
+
+/// What a device does with the objects of its profile. It does no I/O and reads no clock.
+pub trait Application: fmt::Debug + Send {
+    /// The same application in the same state.
+    fn boxed_clone(&self) -> Box<dyn Application>;
+
+    /// The live value of an object from 2000h on; `None`: it is what was written last.
+    fn value(&self, now: Timestamp, at: Multiplexer, device: &Surroundings<'_>) -> Option<u64>;
+
+    /// What a PDO carries instead of [`Application::value`], if anything; `again` where the PDO had the object before.
+    fn process_value(&self, _: Timestamp, _: Multiplexer, _again: bool, _: &Surroundings<'_>) -> Option<u64> {
+        None
+    }
+
+    /// The conditions of a write beyond the limits of the device description.
+    ///
+    /// # Errors
+    /// The abort code for a value that does not go with the others.
+    fn check(&self, _: Multiplexer, _value: u64, _: &Surroundings<'_>) -> Result<(), AbortCode> {
+        Ok(())
+    }
+
+    /// Whether a faulty firmware overlooks that the value of an object is beyond that of another one.
+    fn overlooks_limits(&self, _: Multiplexer) -> bool {
+        false
+    }
+
+    /// What a written object does beside having its new value.
+    fn on_written(&mut self, _: Timestamp, _: Multiplexer, _value: u64, _: &Surroundings<'_>) {}
+
+    /// Whether writing the object makes the firmware hang.
+    fn wedges(&self, _: Multiplexer, _value: u64) -> bool {
+        false
+    }
+
+    /// The objects whose defaults come back, stored ones too, when that value is written.
+    fn resets(&self, _: Multiplexer, _value: u64) -> &'static [u16] {
+        &[]
+    }
+
+    /// Whether a faulty firmware keeps the object apart from those that hold the same value: when that value is written,
+    /// or `None`: when parameters are loaded or shown.
+    fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
+        false
+    }
+
+    /// The object that holds the period of the first TPDO in milliseconds, if the profile has one.
+    fn cyclic_timer(&self) -> Option<u16> {
+        None
+    }
+
+    /// Whether TPDOs act on a write of the object.
+    fn changes_tpdos(&self, _: Multiplexer) -> bool {
+        false
+    }
+
+    /// How what is measured moves from now on.
+    fn set_motion(&mut self, _: Motion) {}
+
+    /// Whether measured values change by themselves.
+    fn is_moving(&self) -> bool {
+        false
+    }
+
+    /// What is to be stored beside the parameters.
+    fn retained(&self) -> i64 {
+        0
+    }
+
+    /// Takes over what was stored; 0 where nothing was.
+    fn restore(&mut self, _retained: i64) {}
+
+    /// Whether the device goes to operational by itself.
+    fn starts_in_operational(&self, _: &Surroundings<'_>) -> bool {
+        false
+    }
+
+    /// How often errors are looked for that come and go without anything being written; `None`: there are none.
+    fn watch(&self) -> Option<Duration> {
+        None
+    }
+
+    /// The errors that the application can have now, each with whether it is there.
+    fn errors(&self, _: Timestamp, _: &Surroundings<'_>) -> ApplicationErrors {
+        ApplicationErrors::default()
+    }
+}
+
+impl Clone for Box<dyn Application> {
+    fn clone(&self) -> Self {
+        self.boxed_clone()
+    }
+}
+
+/// What an application may know of its device.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// The values of the object dictionary.
+    pub parameters: &'a Parameters,
+    pub(super) errors: &'a Errors,
+}
+
+impl Surroundings<'_> {
+    /// Whether a parameter that was to be stored was out of its limits.
+    pub fn has_refused_parameter(&self) -> bool {
+        self.errors.is_present(Condition::Parameter)
+    }
+}
+
+/// An error of the application.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ApplicationError {
+    /// Errors with equal numbers are the same one, with other details.
+    pub number: u16,
+    /// The code that the EMCY message has.
+    pub code: EmcyCode,
+    /// Bits of the error register beside those that CiA 301 couples to the code.
+    pub register: u8,
+    /// Bytes 3 to 7 of the EMCY message.
+    pub manufacturer: [u8; 5],
+    /// The sub-index of 1029h that says what the device does about it.
+    pub behaviour: Option<u8>,
+}
+
+/// Errors of an application, each with whether it is there: no list, as they are looked for with every change.
+pub type ApplicationErrors = [Option<(ApplicationError, bool)>; 4];
+
+/// The application of a device of that model, if a profile has one for it.
+pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>> {
+    PROFILES.iter().find_map(|profile| profile.application(model, motion.clone(), firmware))
+}
+
+/// Changes what the dictionary says, as the faults of the firmware in objects of profiles have it.
+pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
+    PROFILES.iter().for_each(|profile| profile.plant(parameters, firmware));
+}
+
+/// Finds the errors of the application and reports them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ErrorWatch {
+    /// When errors are looked for next.
+    due: Timestamp,
+}
+
+impl ErrorWatch {
+    /// Nothing is watched.
+    pub const fn new() -> Self {
+        Self { due: Timestamp::MAX }
+    }
+
+    /// What is measured can exceed a limit, or no longer do so, without anything being written.
+    pub fn watch(&mut self, now: Timestamp, context: &Context) {
+        let interval = context.objects.application.as_ref().and_then(|application| application.watch());
+        let watched = interval.filter(|_| context.phase.is_running());
+        self.due = watched.map_or(Timestamp::MAX, |interval| now + interval);
+    }
+}
+
+impl Service for ErrorWatch {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => self.due = Timestamp::MAX,
+            Event::Started => self.watch(now, context),
+            Event::Changed => find_errors(now, context),
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if now >= self.due {
+            find_errors(now, context);
+            self.watch(now, context);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.due
+    }
+}
+
+fn find_errors(now: Timestamp, context: &mut Context) {
+    let objects = &context.objects;
+    let Some(application) = &objects.application else { return };
+    let errors = application.errors(now, &objects.surroundings());
+    for (error, present) in errors.into_iter().flatten() {
+        context.report(Condition::Application(error), present);
+    }
+}

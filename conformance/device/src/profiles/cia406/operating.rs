@@ -1,0 +1,145 @@
+//! Operating parameters (6000h), measuring units per revolution (6001h) and total measuring range (6002h).
+
+use super::Encoder;
+use super::sheet::{Measurement, UniversalScaling};
+use crate::Fault;
+use crate::device::Parameters;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::profiles::cia406::objects as encoder;
+use canvass_analyzer::wire::sdo::AbortCode;
+
+/// Counts upwards for counter-clockwise rotation.
+pub(super) const CODE_SEQUENCE: u64 = 1 << 0;
+/// 6001h and 6002h are in use.
+pub(super) const SCALING: u64 = 1 << 2;
+/// Universal scaling function (V3.2): the position goes on over the end of the physical range.
+const UNIVERSAL_SCALING: u64 = 1 << 12;
+/// The device goes to operational by itself.
+const START_IN_OPERATIONAL: u64 = 1 << 14;
+
+/// Whether the device goes to operational by itself.
+pub(super) fn starts_in_operational(parameters: &Parameters) -> bool {
+    parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & START_IN_OPERATIONAL != 0
+}
+
+impl Encoder {
+    /// The conditions of a write to 6000h, 6001h or 6002h: no reserved bits; at least one revolution fits into the
+    /// range.
+    pub(super) fn check_operating(
+        &self,
+        at: Multiplexer,
+        value: u64,
+        parameters: &Parameters,
+    ) -> Result<(), AbortCode> {
+        let refuses = !self.firmware.has(Fault::UnitsAboveRangeAccepted);
+        let fits = match at.index.0 {
+            encoder::OPERATING_PARAMETERS => {
+                let reserved = value & !u64::from(self.sheet.operating_bits);
+                (reserved == 0 || self.firmware.has(Fault::ReservedOperatingBitsAccepted))
+                    && !self.firmware.has(Fault::OperatingParametersRefused)
+            }
+            encoder::UNITS_PER_REVOLUTION
+                if value < parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
+                    && self.firmware.has(Fault::UnitsFewerRefused) =>
+            {
+                false
+            }
+            encoder::UNITS_PER_REVOLUTION => {
+                value <= units_of(parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)) || !refuses
+            }
+            encoder::TOTAL_MEASURING_RANGE
+                if value < parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)
+                    && self.firmware.has(Fault::RangeSmallerRefused) =>
+            {
+                false
+            }
+            _ => {
+                let range = units_of(value);
+                range >= self.sheet.units_per_revolution_least.into()
+                    && (range >= parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0) || !refuses)
+            }
+        };
+        if at.index.0 != encoder::OPERATING_PARAMETERS && self.firmware.has(Fault::ScalingRefused) {
+            return Err(AbortCode::INVALID_VALUE);
+        }
+        if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+    }
+
+    /// 6000h, as the measurement uses it.
+    pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
+        let mut bits =
+            parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & u64::from(self.sheet.operating_bits);
+        if self.firmware.has(Fault::CodeSequenceIgnored) {
+            bits &= !CODE_SEQUENCE;
+        }
+        if self.firmware.has(Fault::ScalingIgnored) {
+            bits &= !SCALING;
+        }
+        if self.firmware.has(Fault::ScalingAlwaysOn) {
+            bits |= SCALING;
+        }
+        bits
+    }
+
+    /// Whether 6000h turns the direction of counting.
+    pub(super) fn is_turned(&self, parameters: &Parameters) -> bool {
+        self.operating(parameters) & CODE_SEQUENCE != 0
+    }
+
+    /// Whether 6001h and 6002h are in use.
+    pub(super) fn is_scaled(&self, parameters: &Parameters) -> bool {
+        self.operating(parameters) & SCALING != 0
+    }
+
+    /// Whether the position goes on where the physical range ends, by 6000h.
+    pub(super) const fn goes_on(&self, operating: u64) -> bool {
+        operating & SCALING != 0
+            && match self.sheet.universal_scaling {
+                UniversalScaling::ByBit12 => operating & UNIVERSAL_SCALING != 0,
+                UniversalScaling::Always => true,
+                UniversalScaling::Never => false,
+            }
+    }
+
+    /// Whether the speed is in units per second instead of revolutions per minute.
+    pub(super) fn speed_in_units(&self, parameters: &Parameters) -> bool {
+        let bit = u32::from(self.sheet.speed_format_bit);
+        let set = self.operating(parameters).checked_shr(bit).is_some_and(|bits| bits & 1 != 0);
+        set && !self.firmware.has(Fault::SpeedFormatIgnored)
+    }
+
+    /// How many positions there are: 6002h where scaling is on, else all physical ones that 6004h has room for.
+    pub(super) fn range(&self, parameters: &Parameters) -> i128 {
+        self.range_by(self.operating(parameters), parameters)
+    }
+
+    /// The same where 6000h is known.
+    pub(super) fn range_by(&self, operating: u64, parameters: &Parameters) -> i128 {
+        if operating & SCALING == 0 {
+            return physical_range(&self.sheet).min(FULL_RANGE);
+        }
+        let range = i128::from(units_of(parameters.number_or_zero(encoder::TOTAL_MEASURING_RANGE, 0)));
+        if self.firmware.has(Fault::WrapAtPowerOfTwo) {
+            return (range as u128).next_power_of_two() as i128;
+        }
+        range
+    }
+}
+
+/// The positions that 32 bits can tell apart.
+const FULL_RANGE: i128 = 1 << 32;
+
+/// 6002h, of which 0 stands for 2^32.
+fn units_of(range: u64) -> u64 {
+    if range == 0 { 1 << 32 } else { range }
+}
+
+/// The steps of one revolution.
+pub(super) fn steps(sheet: &Measurement) -> u64 {
+    1 << sheet.single_turn_bits.min(32)
+}
+
+/// The steps of all revolutions.
+pub(super) fn physical_range(sheet: &Measurement) -> i128 {
+    i128::from(steps(sheet)) * i128::from(sheet.revolutions.max(1))
+}

@@ -1,0 +1,143 @@
+//! Speed (6030h, 6031h, 2130h), acceleration (6040h, 6041h) and jerk (6050h): how the position changes in an
+//! integration time, how the speed does, and how the acceleration does.
+//!
+//! Speed is in revolutions per minute or in measuring units per second, as 6000h says; acceleration in the same per
+//! second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, as a gear has; of devices with
+//! 2130h they are its sub-indexes 1 and 2, and change units per second only.
+
+use super::Encoder;
+use super::operating::steps;
+use crate::Fault;
+use crate::device::Parameters;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::profiles::cia406::objects as encoder;
+use canvass_traces::{Duration, Timestamp};
+
+/// The parts of a revolution by which the change of position is taken: so fine that the resolution of the position does
+/// not show.
+const PARTS: u64 = 1 << 32;
+/// Speeds are calculated in these parts of their unit, so that differences of them are exact enough.
+const FINE: i128 = 1_000_000;
+/// Where no object says it.
+const INTEGRATION_TIME: Duration = Duration::from_millis(100);
+const NANOSECONDS: i128 = 1_000_000_000;
+/// 6031h:01: the raw position, in physical steps. Otherwise it is 6004h, in measuring units.
+const RAW_POSITION: u64 = 2;
+
+impl Encoder {
+    pub(super) fn speed_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
+        let fine = match (at.index.0, at.sub.0) {
+            (encoder::SPEED_VALUE, 1) => self.shown_speed(now, parameters),
+            (encoder::ACCELERATION_VALUE, 1) if self.firmware.has(Fault::AccelerationShowsSpeed) => {
+                self.shown_speed(now, parameters)
+            }
+            (encoder::ACCELERATION_VALUE, 1) => self.acceleration(now, parameters),
+            (encoder::JERK_VALUE, 1) if self.firmware.has(Fault::JerkShowsSpeed) => self.shown_speed(now, parameters),
+            (encoder::JERK_VALUE, 1) => self.jerk(now, parameters),
+            _ => return None,
+        };
+        let wide = parameters.entry(at).is_ok_and(|entry| entry.size() == Some(4));
+        let (low, high) = if wide { (i32::MIN.into(), i32::MAX.into()) } else { (i16::MIN.into(), i16::MAX.into()) };
+        Some(rounded(fine, FINE).clamp(low, high) as i64 as u64)
+    }
+
+    /// The speed as 6030h shows it, in parts of its unit.
+    fn shown_speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        let mut speed = self.speed(now, parameters);
+        if self.firmware.has(Fault::SpeedSignIgnoresCodeSequence) && self.is_turned(parameters) {
+            speed = -speed;
+        }
+        if self.firmware.has(Fault::SpeedTenfold) {
+            speed *= 10;
+        }
+        if self.firmware.has(Fault::SpeedNotZeroAtRest) { speed + 50 * FINE } else { speed }
+    }
+
+    /// The speed in parts of its unit, with the sign of the direction in which the position counts.
+    fn speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        let (time, multiplier, divisor) = self.averaging(encoder::SPEED_PARAMETER, parameters);
+        let (parts, nanoseconds) = self.turned(now, time);
+        let units = self.speed_in_units(parameters);
+        // Of 2130h: only the speed in units is influenced.
+        let (multiplier, divisor) = match parameters.number(0x2130, 1) {
+            Some(factor) if units => (i128::from(factor), nonzero(parameters.number(0x2130, 2))),
+            _ => (multiplier, divisor),
+        };
+        let per_revolution = match units {
+            true => i128::from(self.units_per_revolution(parameters)),
+            // Per minute.
+            false => 60,
+        };
+        let sign = if self.is_turned(parameters) { -1 } else { 1 };
+        let sign = if sign < 0 && self.firmware.has(Fault::SpeedDoubledBackwards) { sign * 2 } else { sign };
+        let numerator = sign * parts * per_revolution * multiplier;
+        // parts / PARTS revolutions in so many nanoseconds.
+        let exact = numerator.saturating_mul(FINE) / (i128::from(PARTS) * divisor);
+        exact.saturating_mul(NANOSECONDS) / nanoseconds
+    }
+
+    fn units_per_revolution(&self, parameters: &Parameters) -> u64 {
+        let raw = parameters.number(encoder::SPEED_PARAMETER, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
+        if raw || self.firmware.has(Fault::SpeedInPhysicalSteps) {
+            steps(&self.sheet)
+        } else {
+            parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
+        }
+    }
+
+    /// The change of speed, in parts of its unit per second.
+    fn acceleration(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        let (time, multiplier, divisor) = self.averaging(encoder::ACCELERATION_PARAMETER, parameters);
+        let (before, nanoseconds) = window(now, time);
+        let change = self.speed(now, parameters) - self.speed(before, parameters);
+        change.saturating_mul(NANOSECONDS * multiplier) / (nanoseconds * divisor)
+    }
+
+    fn jerk(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        let (before, nanoseconds) = window(now, INTEGRATION_TIME);
+        let change = self.acceleration(now, parameters) - self.acceleration(before, parameters);
+        change.saturating_mul(NANOSECONDS) / nanoseconds
+    }
+
+    /// Integration time, multiplier and divisor of 6031h or 6041h.
+    fn averaging(&self, index: u16, parameters: &Parameters) -> (Duration, i128, i128) {
+        let time = parameters.number(index, 2).map_or(INTEGRATION_TIME, Duration::from_millis);
+        let multiplier = nonzero(parameters.number(index, 3));
+        let divisor = match self.firmware.has(Fault::SpeedDivisorIgnored) {
+            true => 1,
+            false => nonzero(parameters.number(index, 4)),
+        };
+        (time.max(Duration::from_millis(1)), multiplier, divisor)
+    }
+
+    /// By how much the shaft has turned in the time before now, in parts of a revolution, and that time.
+    fn turned(&self, now: Timestamp, time: Duration) -> (i128, i128) {
+        let (before, nanoseconds) = window(now, time);
+        (self.motion.position(now, PARTS) - self.motion.position(before, PARTS), nanoseconds)
+    }
+
+    /// Whether the shaft turns faster than it may (6505h bit 0).
+    pub fn is_too_fast(&self, now: Timestamp) -> bool {
+        let Some(limit) = self.sheet.speed_warning_rpm else { return false };
+        let (parts, nanoseconds) = self.turned(now, INTEGRATION_TIME);
+        // Both positions are rounded down: one part more is no speed.
+        let turned = (parts.abs() - 1).saturating_mul(60 * NANOSECONDS);
+        turned > i128::from(limit) * i128::from(PARTS) * nanoseconds
+    }
+}
+
+/// The time so much before now, but not before power-on, and what lies between in nanoseconds.
+fn window(now: Timestamp, time: Duration) -> (Timestamp, i128) {
+    let before = Timestamp(now.nanos().saturating_sub(time.nanos()));
+    (before, i128::from(now.since(before).nanos()).max(1))
+}
+
+/// A factor or divisor: 1 where there is none or it is 0.
+fn nonzero(number: Option<u64>) -> i128 {
+    i128::from(number.unwrap_or(1).max(1))
+}
+
+/// Divides, and rounds to the nearest.
+fn rounded(value: i128, by: i128) -> i128 {
+    (value.saturating_mul(2).saturating_add(by)).div_euclid(2 * by)
+}

@@ -1,0 +1,3 @@
+//! The device profiles whose properties the fuzzer checks, a folder each.
+
+mod cia406;

@@ -1,0 +1,165 @@
+//! Position, scaling, code sequence and preset (6000h to 6004h, 6500h).
+
+use super::number;
+use crate::bench::Bench;
+use crate::case;
+use crate::situation::Situation;
+use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
+use canvass_analyzer::profiles::cia406::objects as encoder;
+use canvass_traces::Duration;
+
+pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
+pub(super) const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(encoder::UNITS_PER_REVOLUTION, 0);
+pub(super) const RANGE: Multiplexer = Multiplexer::new(encoder::TOTAL_MEASURING_RANGE, 0);
+pub(super) const PRESET: Multiplexer = Multiplexer::new(encoder::PRESET_VALUE, 0);
+pub(super) const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
+pub(super) const OFFSET: Multiplexer = Multiplexer::new(encoder::OFFSET_VALUE, 0);
+pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(encoder::OPERATING_STATUS, 0);
+pub(super) const CODE_SEQUENCE: u32 = 1;
+pub(super) const SCALING: u32 = 4;
+
+/// By how many units a position at rest may differ: the last bit of the sensor trembles.
+pub(super) const TREMBLE: u32 = 2;
+
+/// The position of a shaft at rest.
+pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Stop> {
+    let first = bench.read_number(POSITION)?;
+    bench.listen(Duration::from_millis(50))?;
+    let second = bench.read_number(POSITION)?;
+    demand(first.abs_diff(second) <= TREMBLE, || {
+        let breach = Breach::new(POSITION, "the shaft is at rest for 50 ms");
+        breach.expected(number(first)).found(number(second))
+    })
+    .or_inconclusive()?;
+    Ok(second)
+}
+
+/// Sets bits of 6000h, and clears those of `without`.
+pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Stop> {
+    let value = bench.read_number(OPERATING_PARAMETERS)? & !without | with;
+    let value = u16::try_from(value).unwrap_or(u16::MAX);
+    bench.write(OPERATING_PARAMETERS, &value.to_le_bytes())?;
+    Ok(u32::from(value))
+}
+
+/// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
+pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Stop> {
+    const RANGE_UNITS: u32 = 4_096;
+    needs_revolutions(bench)?;
+    operate(bench, SCALING, CODE_SEQUENCE)?;
+    bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+    bench.write(RANGE, &RANGE_UNITS.to_le_bytes())?;
+    Ok(RANGE_UNITS)
+}
+
+pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
+    let difference = a.abs_diff(b);
+    // Two positions that are further apart than the range are no neighbours over its end.
+    difference <= TREMBLE || difference <= range && range - difference <= TREMBLE
+}
+
+/// Whether the high word of 1000h names a linear encoder, absolute (8) or cyclic (9).
+pub(super) fn is_linear(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    Ok(matches!(bench.read_number(Multiplexer::new(object::DEVICE_TYPE, 0))? >> 16, 8 | 9))
+}
+
+/// Linear encoders have no revolutions, and no units per revolution that could be set.
+fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if is_linear(bench)? {
+        let reason = Reason::new("the encoder is rotary", "another high word of 1000h", "8 or 9: linear");
+        return Err(Stop::NotApplicable(reason));
+    }
+    Ok(())
+}
+
+/// Writing a preset makes the position that value, at rest.
+#[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetIgnored])]
+fn preset(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let wanted = (position_at_rest(bench)? + 1_000) % range;
+    super::preset::preset(bench, wanted)?;
+    let position = bench.read_number(POSITION)?;
+    bench.check(demand(is_near(position, wanted, range), || {
+        let breach = Breach::new(POSITION, "after a preset 6004h has its value");
+        breach.expected(number(wanted)).found(number(position))
+    }))
+}
+
+/// A preset outside the measuring range is refused.
+#[case(id = "406/preset/out-of-range", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetOutOfRangeAccepted])]
+fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let attempt = bench.download(PRESET, &range.to_le_bytes())?;
+    bench.check(attempt.refused(Situation::InvalidValue))
+}
+
+/// The code sequence, bit 0 of 6000h, turns the direction in which the position counts.
+#[case(id = "406/operating-parameters/code-sequence", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder], catches = [CodeSequenceIgnored])]
+fn code_sequence(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let before = position_at_rest(bench)?;
+    // Above its range no place mirrors another.
+    expect_below(before, range)?;
+    operate(bench, CODE_SEQUENCE, 0)?;
+    let after = position_at_rest(bench)?;
+    // At 0 and in the middle both directions show the same.
+    if is_near(before, (range - before) % range, range) {
+        let reason =
+            Reason::new("the shaft stands where the directions differ", "not 0 or half the range", format!("{before}"));
+        return Err(Stop::Inconclusive(reason));
+    }
+    bench.check(demand(!is_near(before, after, range), || {
+        let duty = "with the code sequence turned the same shaft shows another position";
+        Breach::new(POSITION, duty).expected(format!("not {before}")).found(number(after))
+    }))
+}
+
+fn expect_below(position: u32, range: u32) -> Check {
+    demand(position < range, || {
+        let breach = Breach::new(POSITION, "with scaling on 6004h stays below 6002h");
+        breach.expected(format!("below {range}")).found(number(position))
+    })
+}
+
+/// With scaling on, the position stays below the measuring range 6002h and counts 6001h units per revolution.
+#[case(id = "406/scaling/range", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder], catches = [ScalingIgnored])]
+fn scaling(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let position = position_at_rest(bench)?;
+    bench.check(expect_below(position, range))?;
+    // An offset from a stored preset shifts what follows.
+    if bench.read_number(OFFSET)? != 0 {
+        return Ok(());
+    }
+    // Half the units per revolution, half the position; the range then spans twice the revolutions, so the position is
+    // known only within half of it.
+    bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
+    let half = position_at_rest(bench)?;
+    bench.check(demand(is_near(half % (range / 2), position / 2, range / 2), || {
+        let expected = format!("{} or {}", position / 2, position / 2 + range / 2);
+        let breach = Breach::new(POSITION, "half the units per revolution give half the position");
+        breach.expected(expected).found(number(half))
+    }))
+}
+
+/// The operating status 6500h shows what 6000h was set to.
+#[case(id = "406/operating-status/follows", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder], catches = [OperatingStatusStuck])]
+fn status(bench: &mut Bench<'_>) -> Judged {
+    let settings = [(SCALING, CODE_SEQUENCE), (CODE_SEQUENCE | SCALING, 0), (0, CODE_SEQUENCE | SCALING)];
+    bench.each(settings, |bench, (with, without)| {
+        let written = operate(bench, with, without)?;
+        let mask = CODE_SEQUENCE | SCALING;
+        let status = bench.read_number(OPERATING_STATUS)?;
+        bench.check(demand(status & mask == written & mask, || {
+            let duty = format!("bits 0 and 2 of 6500h are those of 6000h, {written:04X}h");
+            Breach::new(OPERATING_STATUS, duty).expected(number(written & mask)).found(number(status & mask))
+        }))
+    })
+}

@@ -1,0 +1,86 @@
+//! The raw position: 600Ch of the profile, and 2160h of Kübler's Sendix encoders with its inverse and checksum.
+
+use super::number;
+use super::position::position_at_rest;
+use super::preset::range_now;
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Breach, Judged, Precondition, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::profiles::cia406::objects as encoder;
+use canvass_analyzer::wire::sdo::crc16;
+use canvass_traces::Duration;
+
+const RAW_POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_RAW_VALUE, 0);
+const RAW_DATA: Multiplexer = Multiplexer::new(0x2160, 0);
+const INVERSE: Multiplexer = Multiplexer::new(0x2161, 0);
+const CHECKSUM: Multiplexer = Multiplexer::new(0x2162, 0);
+/// The checksum begins with it.
+const START: u16 = 0x1021;
+
+/// The raw position 600Ch comes from the sensor: a preset does not change it.
+#[case(id = "406/raw-position/preset", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, RawPosition, VolatilePreset], touches = [Preset], catches = [RawPositionFollowsPreset])]
+fn preset(bench: &mut Bench<'_>) -> Judged {
+    let range = range_now(bench)?;
+    let wanted = position_at_rest(bench)?.wrapping_add(range / 3) % range;
+    let raw = bench.read_number(RAW_POSITION)?;
+    super::preset::preset(bench, wanted)?;
+    let after = bench.read_number(RAW_POSITION)?;
+    bench.check(demand(after.abs_diff(raw) <= 64, || {
+        Breach::new(RAW_POSITION, "600Ch does not follow a preset").expected(number(raw)).found(number(after))
+    }))
+}
+
+/// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.
+#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = super::needs[Encoder, RawData], catches = [RawInverseWrong])]
+fn inverse(bench: &mut Bench<'_>) -> Judged {
+    let (raw, inverse) = (bench.read_number(RAW_DATA)?, bench.read_number(INVERSE)?);
+    bench.check(demand((!inverse).abs_diff(raw) <= 64, || {
+        let breach = Breach::new(INVERSE, "2161h is the inverse of 2160h").expected(number(!raw));
+        breach.found(number(inverse)).told(format!("{inverse:08X}h"))
+    }))
+}
+
+/// 2162h is the CRC-16 (polynomial 1021h, start 1021h) of the raw position 2160h, as the manufacturer's manual says.
+#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = super::needs[Encoder, RawData], catches = [RawCrcStartWrong])]
+fn checksum(bench: &mut Bench<'_>) -> Judged {
+    let mut last = (0, 0);
+    for _ in 0..5 {
+        let before = bench.read_number(RAW_DATA)?;
+        let checksum = bench.read_number(CHECKSUM)?;
+        // A trembling position would make the comparison unfair.
+        if bench.read_number(RAW_DATA)? != before {
+            continue;
+        }
+        let expected = u32::from(crc16(START, &before.to_le_bytes()));
+        last = (expected, checksum);
+        if expected == checksum {
+            return Ok(());
+        }
+    }
+    let (expected, found) = last;
+    let breach = Breach::new(CHECKSUM, "2162h is the CRC of 2160h").expected(number(expected));
+    bench.check(Err(Box::new(breach.found(number(found)).told(format!("{found:04X}h")))))
+}
+
+/// While the shaft turns, the raw position 600Ch changes, as the position 6004h does.
+#[case(id = "406/raw-position/moves", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, RawPosition, TurningShaft], catches = [RawPositionStands])]
+fn moves(bench: &mut Bench<'_>) -> Judged {
+    const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
+    let before = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);
+    bench.listen(Duration::from_millis(500))?;
+    let after = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);
+    demand(before.0 != after.0, || {
+        let breach = Breach::new(POSITION, "6004h changes while the shaft turns").expected("another value");
+        breach.found(number(after.0))
+    })
+    .or_inconclusive()?;
+    bench.check(demand(before.1 != after.1, || {
+        let breach = Breach::new(RAW_POSITION, "600Ch changes while the shaft turns").expected("another value");
+        breach.found(number(after.1))
+    }))
+}

@@ -1,0 +1,240 @@
+//! Speed (6030h) and acceleration (6040h). How fast the shaft turns is taken from the position.
+
+use super::position::{
+    CODE_SEQUENCE, OPERATING_PARAMETERS, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, operate, position_at_rest,
+};
+use super::preset::range_now;
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::profiles::cia406::objects as encoder;
+use canvass_bus::client::Outcome;
+use canvass_bus::observation::Observation;
+use canvass_traces::Duration;
+
+const SPEED: Multiplexer = Multiplexer::new(encoder::SPEED_VALUE, 1);
+/// Of which position the speed is.
+const SOURCE: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 1);
+const RAW_POSITION: u32 = 2;
+const DIVISOR: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 4);
+const ACCELERATION: Multiplexer = Multiplexer::new(encoder::ACCELERATION_VALUE, 1);
+const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
+/// The unit of the speed: bit 13 of 6000h, since version 4.1 of the profile bit 12.
+const SPEED_FORMATS: [u32; 2] = [1 << 13, 1 << 12];
+
+/// A signed value of two or four bytes.
+fn signed(bench: &mut Bench<'_>, at: Multiplexer) -> Result<i64, Stop> {
+    let value = bench.read(at)?;
+    Ok(match *value.as_slice() {
+        [a, b] => i16::from_le_bytes([a, b]).into(),
+        [a, b, c, d] => i32::from_le_bytes([a, b, c, d]).into(),
+        _ => 0,
+    })
+}
+
+/// A signed number as an observation: its bytes, INTEGER32.
+fn shown(number: i64) -> Observation {
+    Observation::Value((number as i32).to_le_bytes().to_vec())
+}
+
+/// The change of 6004h in units per second, over half a second.
+fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Stop> {
+    let range = f64::from(range_now(bench)?);
+    let (began, first) = (bench.now(), bench.read_number(POSITION)?);
+    bench.listen(Duration::from_millis(500))?;
+    let (ended, second) = (bench.now(), bench.read_number(POSITION)?);
+    let change = f64::from(second) - f64::from(first);
+    // The shorter way round.
+    let change = if change > range / 2.0 {
+        change - range
+    } else if change < -range / 2.0 {
+        change + range
+    } else {
+        change
+    };
+    Ok(change * 1_000.0 / ended.since(began).as_millis())
+}
+
+fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
+    let scaled = bench.read_number(OPERATING_PARAMETERS)? & SCALING != 0;
+    Ok(bench.read_number(if scaled { UNITS_PER_REVOLUTION } else { SINGLE_TURN })?.into())
+}
+
+/// Whether two speeds are the same but for a tenth and the last digits.
+fn is_like(a: f64, b: f64) -> bool {
+    (a - b).abs() <= (b.abs() * 0.1).max(2.0)
+}
+
+/// At rest the speed is 0.
+#[case(id = "406/speed/rest", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Speed], catches = [SpeedNotZeroAtRest])]
+fn rest(bench: &mut Bench<'_>) -> Judged {
+    position_at_rest(bench)?;
+    bench.listen(Duration::from_secs(2))?;
+    let speed = signed(bench, SPEED)?;
+    bench.check(demand(speed.abs() <= 2, || {
+        Breach::new(SPEED, "6030h is 0 at rest").expected("0").found(shown(speed)).told(speed.to_string())
+    }))
+}
+
+/// In revolutions per minute the speed is what the position turns.
+#[case(id = "406/speed/revolutions-per-minute", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedTenfold])]
+fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
+    let [v3, v4] = SPEED_FORMATS;
+    let format = if in_units_bit(bench)? == v3 { v3 } else { v4 };
+    operate(bench, 0, format)?;
+    let turned = units_per_second(bench)? * 60.0 / units_per_revolution(bench)?;
+    let speed = signed(bench, SPEED)?;
+    bench.check(demand(is_like((speed as f64).abs(), turned.abs()), || {
+        let breach = Breach::new(SPEED, "6030h is the speed in revolutions per minute");
+        breach.expected(format!("{turned:.0}")).found(shown(speed)).told(speed.to_string())
+    }))
+}
+
+/// The sign of the speed is that of the change of position, in both code sequences, in which the same change of position is
+/// the same speed.
+#[case(id = "406/speed/sign", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence, SpeedDoubledBackwards])]
+fn sign(bench: &mut Bench<'_>) -> Judged {
+    let mut seen = Vec::new();
+    bench.each([(0, CODE_SEQUENCE), (CODE_SEQUENCE, 0)], |bench, (with, without)| {
+        operate(bench, with, without)?;
+        bench.listen(Duration::from_millis(500))?;
+        let turned = units_per_second(bench)?;
+        let speed = signed(bench, SPEED)?;
+        seen.push((speed as f64, turned));
+        bench.check(demand(speed as f64 * turned > 0.0, || {
+            let duty = format!("6030h has the sign of the change of 6004h (code sequence {with})");
+            let breach = Breach::new(SPEED, duty).expected(if turned > 0.0 { "positive" } else { "negative" });
+            breach.found(shown(speed)).told(speed.to_string())
+        }))
+    })?;
+    let [(one, one_turned), (other, other_turned)] = seen[..] else { return Ok(()) };
+    // What the other speed is at the change of position of the first.
+    let alike = other.abs() * (one_turned / other_turned).abs();
+    bench.check(demand(is_like(one.abs(), alike), || {
+        let duty = "6030h has the same magnitude in both code sequences";
+        Breach::new(SPEED, duty)
+            .expected(format!("{one:.0}"))
+            .found(Observation::named("another"))
+            .told(format!("{alike:.0}"))
+    }))
+}
+
+/// The bit that the device takes for the unit of the speed.
+fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Stop> {
+    let before = bench.read_number(OPERATING_PARAMETERS)?;
+    let [v3, v4] = SPEED_FORMATS;
+    let attempt = bench.download(OPERATING_PARAMETERS, &((before | v3) as u16).to_le_bytes())?;
+    let taken = attempt.outcome == Outcome::Downloaded;
+    bench.write(OPERATING_PARAMETERS, &(before as u16).to_le_bytes())?;
+    Ok(if taken { v3 } else { v4 })
+}
+
+/// The speed format of 6000h changes the unit from revolutions per minute to units per second.
+#[case(id = "406/speed/format", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedFormatIgnored])]
+fn format(bench: &mut Bench<'_>) -> Judged {
+    let bit = in_units_bit(bench)?;
+    // Few units, so that the speed fits into 16 bits, and another number than in revolutions per minute.
+    operate(bench, SCALING, bit)?;
+    bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+    bench.write(RANGE, &4_096_u32.to_le_bytes())?;
+    bench.listen(Duration::from_millis(500))?;
+    let slow = signed(bench, SPEED)?;
+    operate(bench, bit, 0)?;
+    bench.listen(Duration::from_millis(500))?;
+    let fast = signed(bench, SPEED)?;
+    bench.check(demand(fast.abs() > slow.abs() + 2, || {
+        let duty = "in units per second 6030h is 256/60 of that in revolutions per minute, or more";
+        let breach = Breach::new(SPEED, duty).expected(format!("{}", slow * 256 / 60));
+        breach.found(shown(fast)).told(fast.to_string())
+    }))
+}
+
+/// In units per second the speed is what the position changes by, whatever the units per revolution are: the position 6004h, or
+/// by 6031h:01 the raw one in physical steps.
+#[case(id = "406/speed/units-per-second", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedInPhysicalSteps])]
+fn units(bench: &mut Bench<'_>) -> Judged {
+    let bit = in_units_bit(bench)?;
+    operate(bench, SCALING | bit, 0)?;
+    let raw = bench.has(SOURCE)? && bench.read_number(SOURCE)? == RAW_POSITION;
+    bench.each([(256_u32, 4_096_u32), (1_000, 16_000)], |bench, (units, range)| {
+        bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+        bench.write(RANGE, &range.to_le_bytes())?;
+        bench.write(UNITS_PER_REVOLUTION, &units.to_le_bytes())?;
+        bench.listen(Duration::from_millis(500))?;
+        let turned = units_per_second(bench)?.abs();
+        let steps = match raw {
+            true => turned * f64::from(bench.read_number(SINGLE_TURN)?) / f64::from(units),
+            false => turned,
+        };
+        let turned = steps.min(most(bench)?);
+        let speed = signed(bench, SPEED)?;
+        bench.check(demand(is_like((speed as f64).abs(), turned), || {
+            let of = if raw { "the raw position" } else { "6004h" };
+            let duty = format!("with {units} units per revolution 6030h is the change of {of} per second");
+            let breach = Breach::new(SPEED, duty).expected(format!("{turned:.0}"));
+            breach.found(shown(speed)).told(speed.to_string())
+        }))
+    })
+}
+
+/// The highest speed that 6030h can show.
+fn most(bench: &mut Bench<'_>) -> Result<f64, Stop> {
+    Ok(if bench.read(SPEED)?.len() == 2 { i16::MAX.into() } else { i32::MAX.into() })
+}
+
+/// 6031h:04 divides the speed.
+#[case(id = "406/speed/divisor", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = super::needs[Encoder, SpeedParameters, TurningShaft], catches = [SpeedDivisorIgnored])]
+fn divisor(bench: &mut Bench<'_>) -> Judged {
+    let whole = signed(bench, SPEED)? as f64;
+    bench.write(DIVISOR, &5_u16.to_le_bytes())?;
+    bench.listen(Duration::from_millis(500))?;
+    let part = signed(bench, SPEED)? as f64;
+    bench.check(demand(is_like(part * 5.0, whole) || (part - whole / 5.0).abs() <= 1.0, || {
+        let breach = Breach::new(SPEED, "6031h:04 = 5 divides the speed by 5");
+        breach.expected(format!("{:.0}", whole / 5.0)).found(shown(part as i64)).told(part.to_string())
+    }))
+}
+
+/// At constant speed the acceleration is 0.
+#[case(id = "406/acceleration/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Acceleration, TurningShaft], catches = [AccelerationShowsSpeed])]
+fn acceleration(bench: &mut Bench<'_>) -> Judged {
+    let first = signed(bench, SPEED)?;
+    bench.listen(Duration::from_secs(1))?;
+    let second = signed(bench, SPEED)?;
+    if first.abs_diff(second) > 1 {
+        let reason = Reason::new("the shaft turns at constant speed", format!("{first}"), format!("{second}"));
+        return Err(Stop::NotApplicable(reason));
+    }
+    let acceleration = signed(bench, ACCELERATION)?;
+    bench.check(demand(acceleration.abs() <= 2, || {
+        let breach = Breach::new(ACCELERATION, "6040h is 0 at constant speed").expected("0");
+        breach.found(shown(acceleration)).told(acceleration.to_string())
+    }))
+}
+
+/// At constant speed the jerk 6050h is 0, as the acceleration is.
+#[case(id = "406/jerk/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = super::needs[Encoder, Jerk, TurningShaft], catches = [JerkShowsSpeed])]
+fn jerk(bench: &mut Bench<'_>) -> Judged {
+    const JERK: Multiplexer = Multiplexer::new(encoder::JERK_VALUE, 1);
+    let first = signed(bench, ACCELERATION)?;
+    bench.listen(Duration::from_secs(1))?;
+    let second = signed(bench, ACCELERATION)?;
+    if first.abs().max(second.abs()) > 2 {
+        let reason =
+            Reason::new("the shaft turns at constant speed", "an acceleration of 0", format!("{first}, {second}"));
+        return Err(Stop::NotApplicable(reason));
+    }
+    let jerk = signed(bench, JERK)?;
+    bench.check(demand(jerk.abs() <= 2, || {
+        Breach::new(JERK, "6050h is 0 at constant speed").expected("0").found(shown(jerk)).told(jerk.to_string())
+    }))
+}
