@@ -1,0 +1,33 @@
+//! A second device profile, which changes no file of the core: CiA 401 with eight digital inputs that are wired to eight
+//! digital outputs. It has what a profile has in each crate: names and the meaning of an EMCY code, the application of a
+//! simulated device, a case, a property.
+#![cfg(test)]
+
+mod analyzer;
+mod device;
+mod fuzzer;
+mod suite;
+
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_device::models::Model;
+
+/// The number of the profile.
+const NUMBER: u16 = 401;
+/// The first eight inputs.
+const INPUTS: Multiplexer = Multiplexer::new(0x6000, 1);
+/// The first eight outputs.
+const OUTPUTS: Multiplexer = Multiplexer::new(0x6200, 1);
+/// The error code of outputs that carry too much current.
+const OVERLOAD: u16 = 0x2320;
+/// A device with this name has inputs that do not follow its outputs.
+const STUCK: &str = "stuck";
+
+fn node() -> NodeId {
+    NodeId::new(9).unwrap()
+}
+
+/// The device, by its description alone.
+fn model(name: &str) -> &'static Model {
+    let model = Model::generic(name, include_bytes!("digital-io.eds")).unwrap();
+    Box::leak(Box::new(model))
+}
