@@ -1,4 +1,5 @@
-//! `cargo xtask rooms`: whether the folders of each crate use each other in one direction only.
+//! `cargo xtask rooms`: whether the folders of each crate use each other in one direction only, and whether the core names no
+//! device profile and no manufacturer.
 //!
 //! What a file uses is read from its imports and its paths; what a module passes on by `pub use` counts as used from
 //! where it is. At each level of a crate, two folders that use each other, or a folder and a file beside it, are a
@@ -7,6 +8,7 @@
 mod circles;
 mod imports;
 mod modules;
+mod words;
 
 use anyhow::{Context, Result, bail};
 use modules::Crate;
@@ -37,10 +39,20 @@ pub fn rooms(named: &[String]) -> Result<()> {
             found += 1;
         }
     }
+    let mut named = 0;
+    for folder in all.iter().filter(|folder| words::CORES.contains(folder)) {
+        for word in words::check(Path::new("."), folder)? {
+            eprintln!("{word}");
+            named += 1;
+        }
+    }
     if found > 0 {
         bail!("{found} circles: move what both sides use to a file of its own, which uses neither");
     }
-    eprintln!("no circles in {}", all.join(", "));
+    if named > 0 {
+        bail!("{named} names of profiles or manufacturers in the core");
+    }
+    eprintln!("no circles in {}; no profile and no manufacturer in the core", all.join(", "));
     Ok(())
 }
 
