@@ -361,12 +361,12 @@ struct Clock {
     /// The time in the line before.
     last: u64,
     differences: bool,
-    /// Number of small times seen in ascending order.
+    /// Number of small times seen.
     seen: usize,
 }
 
 impl Clock {
-    /// After this many small times in ascending order they count as absolute.
+    /// After this many small times without a step back, later steps back are steps of the clock.
     const ENOUGH: usize = 20;
 
     /// Guesses the origin from the buffered lines, before the first one is read.
