@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(says("bus/load.percent=1ms"), "bus/load.percent is a share in %, found \"1ms\"");
         assert_eq!(
             says("bus/load.window=0").split(',').next(),
-            Some("bus/load.window is from 1 to 18446744073709551615")
+            Some("expected bus/load.window from 1 to 18446744073709551615")
         );
     }
 

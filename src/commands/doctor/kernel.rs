@@ -39,7 +39,7 @@ impl Kernel {
         }
     }
 
-    /// The value of a build option: `y`, `m`, or empty if not set; `None` if the configuration is unknown.
+    /// The value of a build option: `y`, `m`, or `n` if not set; `None` if the configuration is unknown.
     fn option(&self, name: &str) -> Option<&str> {
         let config = self.config.as_deref()?;
         let value = |line: &'_ str| line.strip_prefix(name).is_some_and(|rest| rest.starts_with('='));
