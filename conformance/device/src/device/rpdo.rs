@@ -192,6 +192,7 @@ impl Rpdos {
 
     /// Data came for the RPDO at that position.
     pub fn receive(&mut self, now: Timestamp, position: u16, data: &[u8], context: &mut Context) {
+        debug_assert!(usize::from(position) < self.0.len(), "routes lead to RPDOs of the device");
         let Some(rpdo) = self.0.get_mut(usize::from(position)) else { return };
         if !context.phase.receives_pdos(context.firmware()) {
             return;

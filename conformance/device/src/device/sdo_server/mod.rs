@@ -369,6 +369,7 @@ impl SdoServer {
         if now < due {
             return None;
         }
+        debug_assert!(len <= 8, "an SDO message has at most 8 bytes, found {len}");
         self.answers.pop_front();
         let id = CanId::standard_masked(u32::from(canvass_analyzer::wire::sdo::RESPONSE_BASE) + u32::from(node.raw()));
         match len {
