@@ -119,7 +119,10 @@ fn described_entries_are_read_with_the_gaps_between_them() {
 #[test]
 fn one_that_never_answers_and_one_that_falls_silent_are_told_apart() {
     let (_, done, all) = survey(|_| None, |surveyor| surveyor.area(0x1000..=0x1FFF));
-    assert_eq!(done.unwrap_err().to_string(), "node 5 does not answer: does it exist, and does the bus have its bit rate?");
+    assert_eq!(
+        done.unwrap_err().to_string(),
+        "node 5 does not answer: does it exist, and does the bus have its bit rate?"
+    );
     assert!(all.len() < 6, "{all:?}");
     let mut left = 4;
     let falls_silent = |request: &Request| {
