@@ -47,7 +47,7 @@ fn acts(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let seen = after_reset(bench, watched.as_ref().map(|(node, _)| *node));
-    // Whatever came of it, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     bench.download(HEARTBEAT_TIME, &own)?;
     if let Some((_, before)) = &watched {
         bench.download(WATCHED, before)?;
