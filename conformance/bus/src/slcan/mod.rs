@@ -426,7 +426,7 @@ mod tests {
     fn errors_name_the_remedy() {
         let error = |place: &str, rate| SlCan::open(place, rate).err().unwrap().to_string();
         assert!(error("/dev/no-such-port", Some(123_456)).contains("250k"));
-        assert!(error(&format!("tcp://{}", address()), None).contains("nobody listens"));
+        assert!(error(&format!("tcp://{}", address()), None).contains("no program listens there"));
         assert!(error("/dev/no-such-port", None).contains("/dev/no-such-port"));
         assert!(error("COM97", None).contains("is it plugged in"), "{}", error("COM97", None));
     }

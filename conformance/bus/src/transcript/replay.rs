@@ -86,7 +86,8 @@ impl Replay {
         let unsent = || self.expected.front().map(|frame| (frame, self.expected.len()));
         self.divergence.clone().or_else(|| {
             let (frame, count) = unsent()?;
-            let why = format!("the recording has {count} more sent frames, the first is {frame}");
+            let why =
+                format!("the number of frames in the recording that were not sent is {count}, the first is {frame}");
             Some(Divergence { at: "the end".to_owned(), why })
         })
     }
