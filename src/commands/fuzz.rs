@@ -120,6 +120,7 @@ impl Args {
             only_regressions: self.replay.is_some(),
         };
         self.resolve(&mut provenance, &mut device, &plan, span)?;
+        let before = device.zero_point();
         // What the device was asked before is not of the time of the run.
         plan.time.ends = self.ends(span, simulated);
         let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
@@ -129,7 +130,8 @@ impl Args {
         };
         let kept = kept
             .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
-        let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
+        let moved = before.and_then(|before| before.moved(&device.zero_point()?));
+        let run = Run { zero_point: moved, ..self.result(&device, provenance.0, &plan, outcome, interrupt.came()) };
         let printed = render_of(of_stdout)(&run, &mut document(false));
         // None depends on another: if one can't be written, the others are whole all the same.
         let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
@@ -229,6 +231,7 @@ impl Args {
             sdo_reach: SdoReach::of(knowledge),
             reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
+            zero_point: None,
             words,
         }
     }

@@ -19,6 +19,7 @@ use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
 use canvass_fuzzer::{FinalState, Kept, Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
+use canvass_suite::zero_point::Moved;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -51,6 +52,8 @@ pub struct Run {
     /// What of LSS can be reached.
     pub reach: LssReach,
     pub outcome: Outcome,
+    /// The zero point of the device on a bus that goes on, if it is not where it was before the run.
+    pub zero_point: Option<Moved>,
     /// The words for the frames of each violation.
     pub words: Vec<Words>,
 }
@@ -173,6 +176,12 @@ fn trouble(run: &Run) -> String {
 
 /// How the run left the device's settings; empty where nothing was to be left.
 fn left(run: &Run) -> String {
+    let zero_point = run.zero_point.as_ref().map(ToString::to_string);
+    let settings = Some(settings_left(run)).filter(|text| !text.is_empty());
+    settings.into_iter().chain(zero_point).collect::<Vec<_>>().join("; ")
+}
+
+fn settings_left(run: &Run) -> String {
     let outcome = &run.outcome;
     let Some(FinalState { settings, compared, different }) = &outcome.left else {
         let is_live = outcome.dead || !outcome.is_simulated;

@@ -1,6 +1,7 @@
 //! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
 
 use super::*;
+use canvass_analyzer::Multiplexer;
 use canvass_bus::Interruptions;
 use canvass_fuzzer::{Property, Sequence, Spent, Start, Stimulus, Violation};
 use canvass_traces::{CanId, Duration};
@@ -25,7 +26,7 @@ fn run() -> Run {
         state: Vec::new(),
         is_cut_off: false,
     };
-    let kept = Kept { at: canvass_analyzer::Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
+    let kept = Kept { at: Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
     let outcome = Outcome {
         executions: 7,
         frames: 8,
@@ -55,6 +56,7 @@ fn run() -> Run {
         sdo_reach: SdoReach { blocks: true, long_values: true },
         reach: LssReach::default(),
         outcome,
+        zero_point: None,
         words: vec![Words { sequence: vec![HOSTILE.to_owned()], evidence: vec![HOSTILE.to_owned()] }],
     }
 }
@@ -77,6 +79,19 @@ fn hostile_words_stay_words() {
     assert!(rendered(markdown::render).contains("````"), "a longer fence than any inside");
 }
 
+fn moved() -> Moved {
+    Moved {
+        steps: 307,
+        preset: Multiplexer::new(0x6003, 0),
+        takes_position: true,
+        position: Multiplexer::new(0x6004, 0),
+        range: 10_000,
+        is_uncertain: false,
+        is_denied: false,
+        is_stored: false,
+    }
+}
+
 #[test]
 fn what_the_run_leaves_is_told() {
     for render in [text::render as Render, markdown::render, html::render] {
@@ -92,6 +107,11 @@ fn what_the_run_leaves_is_told() {
     assert_eq!(left(&run), "the device's settings are as before the run (9 were read)");
     run.outcome.left = Some(FinalState { settings: 9, compared: 4, different: Vec::new() });
     assert_eq!(left(&run), "4 of the device's 9 settings were read again, and are as before the run");
+    run.zero_point = Some(moved());
+    let told = "; the zero point was moved by +307 steps. To set it right by hand, at rest: read 6004h:00, and give 6003h:00 \
+                that value minus 307, modulo 10000";
+    assert!(left(&run).ends_with(told), "{}", left(&run));
+    run.zero_point = None;
     run.outcome.left = None;
     assert!(left(&run).contains("is not known"));
     run.outcome.is_simulated = true;

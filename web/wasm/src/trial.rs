@@ -295,6 +295,7 @@ fn fuzzed(
     let words = outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(Decoder::new(&target))));
     let allowed = if wish.allow { " --allow all" } else { "" };
     fuzz::Run {
+        zero_point: None,
         bit_rate: provenance.bus.as_ref().and_then(|bus| bus.bit_rate),
         provenance,
         bus: wish.bus.clone(),

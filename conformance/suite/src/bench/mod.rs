@@ -57,6 +57,7 @@ pub use restore::Rescue;
 pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};
 pub use watch::Boots;
+pub use zero_point::zero_point_of;
 
 use crate::journal::Journal;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
