@@ -1,8 +1,8 @@
 //! How promptly the device answers what costs it nothing: one that gets no processor is late as a whole, and its times say nothing
 //! of its clock.
 
-use super::{Bench, HOST_LATE};
 use super::sdo::DEVICE_TYPE;
+use super::{Bench, HOST_LATE};
 use crate::verdict::Stop;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
