@@ -129,7 +129,7 @@ pub(crate) const KEEPS_UP: &str = "the tester's machine keeps up";
 pub(crate) const DEVICE_KEEPS_UP: &str = "the device keeps up";
 
 /// What a case leaves behind for its report.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Remains {
     /// The frames that were on the bus.
     pub evidence: Evidence,

@@ -1,23 +1,18 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-mod blame;
 #[cfg(test)]
 mod counts;
 mod event;
-mod lateness;
 #[cfg(test)]
 mod left_behind;
 mod nonsense;
-mod one_case;
-mod others;
 mod repetition;
-mod restart;
 mod summary;
 #[cfg(test)]
 mod tests;
 
-pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
-pub use one_case::run_case;
+pub use crate::trial::{CaseReport, run_case};
+pub use event::{DeviceIdentity, RunEvent, RunInfo};
 pub use summary::{EndedEarly, HostTiming, Summary};
 
 use crate::bench::{Bench, Harm, objects};

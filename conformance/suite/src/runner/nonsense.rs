@@ -1,7 +1,7 @@
 //! A device, or an adapter before it, that answers what no device answers: the run ends before it has waited for all of it.
 
-use super::event::CaseReport;
 use crate::bench::Bench;
+use crate::trial::CaseReport;
 use crate::verdict::{End, Kind, Reason, Verdict};
 use canvass_traces::Timestamp;
 
