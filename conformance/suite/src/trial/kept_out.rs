@@ -11,11 +11,8 @@ use canvass_bus::observation::{Observation, Subject};
 
 pub(super) fn judge(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let judges_states = matches!(trial.case.family(), "301/nmt" | "301/heartbeat" | "301/guarding");
-    if !trial.has_asked || trial.has_left || judges_states || !bench.has_started_it() {
-        return trial;
-    }
-    let has_doubtful = trial.breaches.iter().any(needs_operational);
-    if !has_doubtful && !(trial.has_passed() && !bench.may_be_operational()) {
+    let is_doubtful = trial.breaches.iter().any(needs_operational) || trial.has_passed() && !bench.may_be_operational();
+    if !trial.has_asked || trial.has_left || judges_states || !bench.has_started_it() || !is_doubtful {
         return trial;
     }
     let may_fail = trial.case.level != Level::Open;
