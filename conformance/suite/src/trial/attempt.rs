@@ -30,11 +30,11 @@ fn attempt(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
         return Err(Stop::NotApplicable(not_allowed(Touch::Preset)));
     }
     if case.asks_the_device() {
-        bench.end_when_frames_are_lost();
+        bench.traffic.end_when_frames_are_lost();
         bench.look_for_it()?;
         prepare(bench)?;
     }
-    bench.journal_case(case.id, case.touches)?;
+    bench.changes.begin_case(case.id, case.touches)?;
     case.require(bench)?;
     (case.run)(bench)
 }

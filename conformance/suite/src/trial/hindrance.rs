@@ -11,8 +11,9 @@ const OVERLOAD: u64 = 50;
 
 /// Who takes so much of the bus that the device may not get through.
 pub(super) fn overload(bench: &Bench<'_>, span: Duration) -> Option<String> {
-    let load = bench.foreign().load(span, bench.bit_rate());
-    let (id, count) = bench.foreign().loudest()?;
+    let foreign = bench.traffic.clients.foreign();
+    let load = foreign.load(span, bench.bit_rate());
+    let (id, count) = foreign.loudest()?;
     (load >= OVERLOAD)
         .then(|| format!("others took {load} % of the bus, most of them {count} frames with identifier {id}"))
 }

@@ -11,7 +11,8 @@ use canvass_bus::observation::{Observation, Subject};
 
 pub(super) fn judge(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let judges_states = matches!(trial.case.family(), "301/nmt" | "301/heartbeat" | "301/guarding");
-    let is_doubtful = trial.breaches.iter().any(needs_operational) || trial.has_passed() && !bench.may_be_operational();
+    let is_doubtful =
+        trial.breaches.iter().any(needs_operational) || trial.has_passed() && !bench.knowledge.may_be_operational();
     if !trial.has_asked || trial.has_left || judges_states || !bench.has_started_it() || !is_doubtful {
         return trial;
     }

@@ -24,7 +24,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let most = trial.breaches.iter().filter_map(needed).chain(unreached.as_ref().map(|_| HOST_LATE)).max();
     let Some(most) = most else { return trial };
     let lateness = bench.lateness(most);
-    let usual = bench.usual_answer();
+    let usual = bench.knowledge.usual_answer();
     let late = |found: &Reason| {
         let actual = format!(
             "the device was late as a whole: a read beside the case was answered {lateness} later{}",

@@ -8,7 +8,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     trial.excuse(|breach| {
         let actual = "one that an earlier case left, which could not be put back";
         let duty = || format!("{} has the device's own value", breach.subject);
-        bench.is_left_behind(breach.subject).then(|| Reason::new(duty(), "the value before the run", actual))
+        bench.changes.is_left_behind(breach.subject).then(|| Reason::new(duty(), "the value before the run", actual))
     });
     trial
 }

@@ -30,7 +30,7 @@ pub(super) fn settle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     }));
     // If the tester fails here, the journal goes on telling of the case.
     if settled.is_ok() {
-        bench.settle_journal();
+        bench.changes.settle_journal();
     }
-    Trial { foreign: bench.foreign_messages(), ..trial }
+    Trial { foreign: bench.traffic.clients.messages(), ..trial }
 }
