@@ -42,6 +42,11 @@ impl Promptness {
         self.longest = Duration::ZERO;
     }
 
+    /// The least time, or zero as long as nothing was answered.
+    pub fn usual(self) -> Duration {
+        self.usual.unwrap_or_default()
+    }
+
     /// Whether one answer in four comes late: the device answers so by its nature, and that says nothing of its timers. One that
     /// gets too little processor now and then is prompt most of the time.
     const fn varies(self) -> bool {
@@ -53,7 +58,7 @@ impl Promptness {
         if self.varies() {
             return Duration::ZERO;
         }
-        Duration(self.longest.0.saturating_sub(self.usual.unwrap_or_default().0))
+        Duration(self.longest.0.saturating_sub(self.usual().0))
     }
 
     /// Whether nothing is to be learned by one more read.
@@ -65,25 +70,19 @@ impl Promptness {
 impl Bench<'_> {
     /// The device has answered a read of its device type, which was asked for then.
     pub(super) fn note_answer(&mut self, asked: Timestamp) {
-        let took = self.taken_at.since(asked);
-        self.promptness.note(took);
-    }
-
-    /// How long it usually takes to answer.
-    pub(crate) fn usual_answer(&self) -> Duration {
-        self.promptness.usual.unwrap_or_default()
+        self.knowledge.promptness.note(self.traffic.taken_at().since(asked));
     }
 
     /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
     /// `enough`, or often enough. One that does not answer is not late.
     pub(crate) fn lateness(&mut self, enough: Duration) -> Duration {
-        if self.promptness.is_known(enough) {
-            return self.promptness.lateness();
+        if self.knowledge.promptness.is_known(enough) {
+            return self.knowledge.promptness.lateness();
         }
         let looked = self.uncancelled(|bench| bench.unjudged(|bench| bench.look_beside(enough)));
         // A look that ends early has seen what it has seen.
         drop(looked);
-        self.promptness.lateness()
+        self.knowledge.promptness.lateness()
     }
 
     fn look_beside(&mut self, enough: Duration) -> Result<(), Stop> {
@@ -92,7 +91,7 @@ impl Bench<'_> {
             self.prepare()?;
         }
         for _ in 0..READS {
-            if self.promptness.is_known(enough) || !self.read_beside()? {
+            if self.knowledge.promptness.is_known(enough) || !self.read_beside()? {
                 break;
             }
             self.wait_for(PAUSE, |_| None::<()>)?;
@@ -102,7 +101,7 @@ impl Bench<'_> {
 
     fn read_beside(&mut self) -> Result<bool, Stop> {
         self.drain()?;
-        self.wait_for_quiet()?;
+        self.traffic.wait_for_quiet(self.knowledge.slowest_answer)?;
         let response = sdo::RESPONSE_BASE + u16::from(self.node().raw());
         let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(self.node().raw()));
         let sent = self.send(&request)?;

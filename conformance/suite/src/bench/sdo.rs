@@ -15,6 +15,9 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
 
+/// A transfer that others disturb is tried again this many times.
+const TRIES: usize = 3;
+
 /// An object that every device has.
 pub const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
@@ -98,9 +101,9 @@ impl Bench<'_> {
         self.drain()?;
         // The first message of a dialogue names an object.
         if request.multiplexer().is_some() {
-            self.wait_for_time()?;
+            self.traffic.wait_for_time(self.knowledge.slowest_answer)?;
         } else {
-            self.wait_for_quiet()?;
+            self.traffic.wait_for_quiet(self.knowledge.slowest_answer)?;
         }
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
@@ -183,6 +186,32 @@ impl Bench<'_> {
             self.knowledge.device_type.get_or_insert_with(|| value.clone());
         }
         Ok(Attempt { multiplexer, what, outcome, responses })
+    }
+
+    /// Carries out a transfer, and again if it ended badly while others asked the server: one client's request ends another
+    /// one's transfer. What was found wrong in a try that does not count is forgotten.
+    pub(super) fn between_others<T>(
+        &mut self,
+        has_succeeded: impl Fn(&T) -> bool,
+        mut transfer: impl FnMut(&mut Self) -> Result<T, Stop>,
+    ) -> Result<T, Stop> {
+        for _ in 1..TRIES {
+            let mark = self.log.mark();
+            self.traffic.wait_for_time(self.knowledge.slowest_answer)?;
+            let before = self.traffic.clients.requests();
+            let result = transfer(self)?;
+            if self.traffic.clients.requests() == before || has_succeeded(&result) {
+                return Ok(result);
+            }
+            self.log.forget_since(mark);
+            self.traffic.wait_for_pause(self.knowledge.slowest_answer)?;
+        }
+        let before = self.traffic.clients.requests();
+        let result = transfer(self)?;
+        if self.traffic.clients.requests() != before && !has_succeeded(&result) {
+            self.traffic.clients.add_collision();
+        }
+        Ok(result)
     }
 
     /// Sends one SDO message and does not wait.

@@ -1,43 +1,37 @@
 //! What others on the bus may have made a case find is not blamed on the device.
 
-use super::{CaseReport, run_case};
+use super::{Trial, meanwhile};
 use crate::bench::Bench;
-use crate::case::Case;
 use crate::foreign::{ForeignMessages, told};
-use crate::touch::Touch;
-use crate::verdict::{Breach, End, Kind, Lack, Reason};
+use crate::verdict::{Breach, End, Lack, Reason};
 
-/// A case that others disturbed is run again this many times at most.
-const REPETITIONS: usize = 3;
+pub(super) fn judge(trial: Trial, _: &mut Bench<'_>) -> Trial {
+    let case = trial.case.id;
+    not_of_others(trial, case)
+}
 
-/// What remains of the breaches when those that others may have caused are left out, and how the case ended then.
-pub(super) fn not_of_others(
-    case: &str,
-    breaches: Vec<Breach>,
-    end: Option<End>,
-    messages: &[ForeignMessages],
-) -> (Vec<Breach>, Option<End>) {
-    if messages.is_empty() || matches!(end, Some(End::NotApplicable(_) | End::Error(_))) {
-        return (breaches, end);
+/// Leaves out the breaches that others may have caused.
+fn not_of_others(mut trial: Trial, case: &str) -> Trial {
+    if trial.foreign.is_empty() || trial.is_void() {
+        return trial;
     }
-    let causes = |breach: &Breach| chosen(messages, |sent| sent.kind.may_cause(breach));
-    let (excused, certain): (Vec<Breach>, Vec<Breach>) =
-        breaches.into_iter().partition(|breach| !causes(breach).is_empty());
-    if let Some(first) = excused.first() {
-        return (certain, Some(disturbed(&causes(first), Some(&Reason::from(first)))));
-    }
-    let end = match end {
-        None if certain.is_empty() => {
-            let causes = chosen(messages, |sent| sent.kind.may_pass(case));
-            (!causes.is_empty()).then(|| disturbed(&causes, None))
-        }
-        Some(End::Inconclusive(reason)) => {
-            let causes = chosen(messages, |sent| sent.kind.may_keep_out());
-            Some(if causes.is_empty() { End::Inconclusive(reason) } else { disturbed(&causes, Some(&reason)) })
-        }
-        end => end,
+    let messages = trial.foreign.clone();
+    let excuse = |breach: &Breach| {
+        let causes = chosen(&messages, |sent| sent.kind.may_cause(breach));
+        (!causes.is_empty()).then(|| disturbed(&causes, Some(&Reason::from(breach))))
     };
-    (certain, end)
+    if trial.excuse(excuse) {
+        return trial;
+    }
+    let causes = match &trial.end {
+        None if trial.breaches.is_empty() => chosen(&messages, |sent| sent.kind.may_pass(case)),
+        Some(End::Inconclusive(_)) => chosen(&messages, |sent| sent.kind.may_keep_out()),
+        _ => Vec::new(),
+    };
+    if !causes.is_empty() {
+        trial.end = Some(End::Inconclusive(disturbed(&causes, trial.end.as_ref().map(End::reason))));
+    }
+    trial
 }
 
 fn chosen(messages: &[ForeignMessages], is_it: impl Fn(&ForeignMessages) -> bool) -> Vec<ForeignMessages> {
@@ -45,42 +39,18 @@ fn chosen(messages: &[ForeignMessages], is_it: impl Fn(&ForeignMessages) -> bool
 }
 
 /// Nothing can be said, as others did that; and what was found meanwhile.
-fn disturbed(causes: &[ForeignMessages], found: Option<&Reason>) -> End {
-    let meanwhile = found.map(|reason| format!("; meanwhile: {} ({})", reason.duty, reason.actual));
-    let actual = format!("{}{}", told(causes), meanwhile.unwrap_or_default());
+fn disturbed(causes: &[ForeignMessages], found: Option<&Reason>) -> Reason {
+    let actual = format!("{}{}", told(causes), found.map(meanwhile).unwrap_or_default());
     let reason = Reason::new("nobody else uses the device while the case runs", "no messages of others", actual);
-    End::Inconclusive(reason.for_lack_of(Lack::Quiet))
-}
-
-/// Runs a case, and again if others disturbed it, or the device was late as a whole. Memory that wears out is not written again.
-pub(super) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
-    let mut report = run_case(bench, case);
-    for _ in 0..REPETITIONS {
-        if !may_end_otherwise(&report) || case.touches.contains(&Touch::Nvm) || bench.is_cancelled() {
-            break;
-        }
-        let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
-        let notes = std::mem::take(&mut report.notes);
-        report = run_case(bench, case);
-        let tried = format!("tried again: {reason}");
-        report.notes.splice(0..0, notes.into_iter().chain([tried]));
-    }
-    report
-}
-
-/// Whether a repetition may find a quieter moment: others that send to the device all the time leave none.
-fn may_end_otherwise(report: &CaseReport) -> bool {
-    let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
-    let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());
-    let is_by_chance = reason.lack == Lack::Quiet && come_and_go || reason.lack == Lack::Promptness;
-    report.verdict.kind() == Kind::Inconclusive && is_by_chance
+    reason.for_lack_of(Lack::Quiet)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::foreign::ForeignKind;
-    use crate::verdict::{Ruled, Verdict};
+    use crate::trial::tests::{trial, verdict};
+    use crate::verdict::{Kind, Verdict};
     use canvass_analyzer::wire::emcy::EmcyCode;
     use canvass_analyzer::wire::error_control::State;
     use canvass_analyzer::wire::sdo::AbortCode;
@@ -92,8 +62,7 @@ mod tests {
     }
 
     fn judged(case: &str, breaches: &[Breach], end: Option<End>, kinds: &[ForeignKind]) -> Verdict {
-        let (breaches, end) = not_of_others(case, breaches.to_vec(), end, &sent(kinds));
-        Verdict::new(breaches.into_iter().map(|breach| Ruled { breach, excuse: None }).collect(), end)
+        verdict(not_of_others(Trial { foreign: sent(kinds), ..trial(breaches.to_vec(), end) }, case))
     }
 
     fn breach(subject: impl Into<Subject>, actual: Observation) -> Breach {

@@ -1,13 +1,9 @@
 //! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
 
-use crate::bench::{Bench, HOST_LATE, KEEPS_UP, KeptOut};
-use crate::case::Case;
-use crate::clause::Level;
+use super::Trial;
+use crate::bench::{Bench, HOST_LATE, KEEPS_UP};
 use crate::verdict::{Breach, End, Reason};
-use canvass_analyzer::Service;
-use canvass_analyzer::wire::error_control::State;
 use canvass_bus::Health;
-use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
 /// From that share of the bus on, in percent, others may be why a device does not get through.
@@ -15,46 +11,43 @@ const OVERLOAD: u64 = 50;
 
 /// Who takes so much of the bus that the device may not get through.
 pub(super) fn overload(bench: &Bench<'_>, span: Duration) -> Option<String> {
-    let load = bench.foreign().load(span, bench.bit_rate());
-    let (id, count) = bench.foreign().loudest()?;
+    let foreign = bench.traffic.clients.foreign();
+    let load = foreign.load(span, bench.bit_rate());
+    let (id, count) = foreign.loudest()?;
     (load >= OVERLOAD)
         .then(|| format!("others took {load} % of the bus, most of them {count} frames with identifier {id}"))
 }
 
-/// What remains of the breaches when what the bus, others on it or the tester's own machine may have made is left out; and
-/// how the case ended then.
+pub(super) fn judge(trial: Trial, bench: &mut Bench<'_>) -> Trial {
+    let health = bench.health().since(&trial.health);
+    blameless(trial, &health)
+}
+
+/// Leaves out what the bus, others on it or the tester's own machine may have made.
 ///
 /// A machine that was late, or a bus that had no room, can make an answer late or seem missing; it can't change a code or a
 /// value. What does not rest on time stays.
-pub(super) fn blameless(
-    breaches: Vec<Breach>,
-    end: Option<End>,
-    health: &Health,
-    overload: Option<&str>,
-) -> (Vec<Breach>, Option<End>) {
-    if matches!(end, Some(End::NotApplicable(_) | End::Error(_))) {
-        return (breaches, end);
+fn blameless(mut trial: Trial, health: &Health) -> Trial {
+    if trial.is_void() {
+        return trial;
     }
-    let found = |end: &Option<End>| {
-        let reason = breaches.first().map(Reason::from).or_else(|| end.as_ref().map(|end| end.reason().clone()));
-        reason.map(|reason| format!("; meanwhile: {} ({})", reason.duty, reason.actual)).unwrap_or_default()
-    };
+    let meanwhile = trial.meanwhile();
     if health.interruptions > 0 {
         let trouble = health.trouble.clone().unwrap_or_else(|| "the way to the bus was interrupted".to_owned());
-        return (Vec::new(), Some(End::Error(Reason::new("the bus works", "no interruption", trouble))));
+        let end = Some(End::Error(Reason::new("the bus works", "no interruption", trouble)));
+        return Trial { breaches: Vec::new(), end, ..trial };
     }
     if health.lost > 0 {
-        let actual = format!("{} frames were lost on the tester's machine{}", health.lost, found(&end));
-        let reason = Reason::new("all frames reach the tester", "none lost", actual);
-        return (Vec::new(), Some(End::Inconclusive(reason)));
+        let actual = format!("{} frames were lost on the tester's machine{meanwhile}", health.lost);
+        let end = Some(End::Inconclusive(Reason::new("all frames reach the tester", "none lost", actual)));
+        return Trial { breaches: Vec::new(), end, ..trial };
     }
-    let meanwhile = found(&end);
-    let excuse = |breach: &Breach| excuse(breach, health, overload);
-    let (excused, certain): (Vec<Breach>, Vec<Breach>) =
-        breaches.into_iter().partition(|breach| excuse(breach).is_some());
-    let Some(reason) = excused.first().and_then(excuse) else { return (certain, end) };
-    let actual = format!("{}{meanwhile}", reason.actual);
-    (certain, Some(End::Inconclusive(Reason { actual, ..reason })))
+    let overload = trial.overload.take();
+    trial.excuse(|breach| {
+        let reason = excuse(breach, health, overload.as_deref())?;
+        Some(Reason { actual: format!("{}{meanwhile}", reason.actual), ..reason })
+    });
+    trial
 }
 
 /// What of the bus or of the tester's own machine may have made the breach.
@@ -83,61 +76,22 @@ fn is_made_by_lateness(breach: &Breach, health: &Health, late: Duration) -> bool
     if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
 }
 
-/// A case that needs the device operational says nothing of a device that can't be: that is told by the cases of its state, or by
-/// that after which it could no longer be.
-pub(super) fn not_kept_out(
-    bench: &mut Bench<'_>,
-    case: &Case,
-    breaches: Vec<Breach>,
-    end: Option<End>,
-) -> (Vec<Breach>, Option<End>) {
-    let judges_states = matches!(case.family(), "301/nmt" | "301/heartbeat" | "301/guarding");
-    let has_passed = breaches.is_empty() && end.is_none();
-    let is_doubtful = breaches.iter().any(needs_operational) || has_passed && !bench.may_be_operational();
-    if judges_states || !bench.has_started_it() || !is_doubtful {
-        return (breaches, end);
-    }
-    match bench.kept_out_of_operational((case.level != Level::Open).then_some(case.id)) {
-        None => (breaches, end),
-        Some(KeptOut::Newly(breach)) => (breaches.into_iter().chain([breach]).collect(), end),
-        Some(KeptOut::Known(reason)) => {
-            let others = breaches.into_iter().filter(|breach| !needs_operational(breach)).collect();
-            (others, Some(End::Inconclusive(reason)))
-        }
-    }
-}
-
-/// Whether a device that is not operational may show that: its state, PDOs that don't come or have no effect, and what follows
-/// from them. It serves SDO as one that is.
-fn needs_operational(breach: &Breach) -> bool {
-    let is_application = |subject| matches!(subject, Subject::Entry(at) if at.index.0 >= 0x2000);
-    let is_of_sdo = match breach.subject {
-        Subject::Service(service) => service == Service::Sdo,
-        subject => matches!(subject, Subject::Entry(_) | Subject::Object(_)) && !is_application(subject),
-    };
-    match breach.actual {
-        Observation::State(state) => state != State::OPERATIONAL,
-        Observation::Count(_) | Observation::Time(_) => true,
-        Observation::Silence | Observation::Named(_) => !is_of_sdo,
-        Observation::Value(_) => is_application(breach.subject),
-        _ => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verdict::{Allowed, Kind, Ruled, Verdict};
+    use crate::trial::tests::{trial, verdict};
+    use crate::verdict::{Allowed, Kind, Verdict};
     use canvass_analyzer::wire::sdo::AbortCode;
     use canvass_bus::StampTrouble;
+    use canvass_bus::observation::{Observation, Subject};
 
     fn breach(actual: Observation) -> Breach {
         Breach::new(Subject::Device, "the read is answered").expected("the value").found(actual)
     }
 
     fn judged(breaches: Vec<Breach>, health: &Health, overload: Option<&str>) -> Verdict {
-        let (breaches, end) = blameless(breaches, None, health, overload);
-        Verdict::new(breaches.into_iter().map(|breach| Ruled { breach, excuse: None }).collect(), end)
+        let overload = overload.map(str::to_owned);
+        verdict(blameless(Trial { overload, ..trial(breaches, None) }, health))
     }
 
     #[test]
@@ -238,8 +192,8 @@ mod tests {
         let reason = || Reason::new("it is reached", "yes", "no");
         let lost = Health { lost: 2, ..Health::default() };
         for end in [End::NotApplicable(reason()), End::Error(reason())] {
-            let kept = blameless(vec![breach(Observation::Silence)], Some(end.clone()), &lost, None);
-            assert_eq!(kept, (vec![breach(Observation::Silence)], Some(end)));
+            let kept = blameless(trial(vec![breach(Observation::Silence)], Some(end.clone())), &lost);
+            assert_eq!((kept.breaches, kept.end), (vec![breach(Observation::Silence)], Some(end)));
         }
         let told = |end: Option<End>, health: &Health| judged_so(Vec::new(), end, health);
         let unreached = || Some(End::Inconclusive(reason()));
@@ -263,34 +217,6 @@ mod tests {
     }
 
     fn judged_so(breaches: Vec<Breach>, end: Option<End>, health: &Health) -> String {
-        let (_, end) = blameless(breaches, end, health, None);
-        end.unwrap().reason().actual.clone()
-    }
-
-    /// What a device shows that is not operational, and what none shows for that reason.
-    #[test]
-    fn what_the_state_explains() {
-        let tpdo = Subject::Pdo { transmit: true, number: 1 };
-        let entry = |index| Subject::Entry(canvass_analyzer::Multiplexer::new(index, 0));
-        let found = |subject, actual| needs_operational(&Breach { subject, ..breach(actual) });
-        for (subject, actual) in [
-            (tpdo, Observation::Silence),
-            (tpdo, Observation::Count(0)),
-            (Subject::Device, Observation::State(State::PRE_OPERATIONAL)),
-            (Subject::Device, Observation::named("no EMCY, but the state")),
-            (entry(0x2000), Observation::Value(vec![0])),
-        ] {
-            assert!(found(subject, actual.clone()), "{subject:?} {actual:?}");
-        }
-        for (subject, actual) in [
-            (Subject::Device, Observation::State(State::OPERATIONAL)),
-            (entry(0x1017), Observation::Silence),
-            (entry(0x1017), Observation::Value(vec![0])),
-            (Subject::Service(Service::Sdo), Observation::named("seven bytes")),
-            (tpdo, Observation::Abort(AbortCode::GENERAL)),
-            (Subject::Device, Observation::BootUp),
-        ] {
-            assert!(!found(subject, actual.clone()), "{subject:?} {actual:?}");
-        }
+        blameless(trial(breaches, end), health).end.unwrap().reason().actual.clone()
     }
 }
