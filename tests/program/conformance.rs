@@ -109,7 +109,7 @@ fn mistakes_have_their_status() {
         (&["test", "sim:kuebler-sendix-58x8:63", "--node", "5"], 3, "node 5 does not answer"),
         (&["test", ENCODER, "--report", "html=/no/such/folder/x.html"], 2, "can't write"),
         (&["send", ENCODER, "63F#4"], 2, "position"),
-        (&["explain", "nonsense"], 2, "nothing is called"),
+        (&["explain", "nonsense"], 2, "nothing has the id"),
     ] {
         let ended = run(args);
         assert_eq!(ended.status, status, "{args:?}: {}", ended.stderr);

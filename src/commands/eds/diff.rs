@@ -23,7 +23,7 @@ pub struct Args {
     old: PathBuf,
     /// The description of the new release; - is standard input
     new: PathBuf,
-    /// How to print what differs
+    /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
     format: DiffFormat,
     /// The least serious class of changes that makes the exit status 1
@@ -33,7 +33,7 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum DiffFormat {
-    /// For people: each kind of change with where it is and what follows from it
+    /// For people: each kind of change, its places and its consequence
     #[default]
     Text,
     /// One JSON object
@@ -44,14 +44,14 @@ enum DiffFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
-    /// Breaking changes
+    /// Exit status 1 with breaking changes
     #[default]
     Breaking,
-    /// Notable changes too
+    /// Exit status 1 with breaking or notable changes
     Notable,
-    /// Every change
+    /// Exit status 1 with any change
     Harmless,
-    /// Nothing: the status tells only whether the files could be read
+    /// Never exit status 1 for changes; the status tells only whether the files could be read
     Never,
 }
 
@@ -82,7 +82,7 @@ impl Args {
 
     fn compare(&self) -> Result<Compared> {
         if [&self.old, &self.new].iter().all(|path| path.as_os_str() == "-") {
-            bail!("standard input can be one of the two descriptions, not both");
+            bail!("standard input can be only one of the two descriptions");
         }
         let (old, new) = (read(&self.old)?, read(&self.new)?);
         let name = |path: &Path| path.display().to_string();

@@ -1,4 +1,4 @@
-//! `canvass eds verify`: a device against its description.
+//! `canvass eds verify`: compares a device with its description.
 
 use super::device::DeviceArgs;
 use super::found::{Description, description};
@@ -13,10 +13,10 @@ use std::path::PathBuf;
 
 /// Compare a device with its description: read everything, write nothing
 ///
-/// Every described entry is read by SDO and checked: whether it exists, its length, its value against limits and
-/// default, COB-IDs and the mapping of PDOs. Objects that are not described are looked for in the communication profile
-/// area or, with --all, everywhere. A value that can be written may have been configured: a difference from its default
-/// is shown, but makes the exit status 1 only with --as-delivered. What can't be checked without writing is left out.
+/// canvass reads every described entry by SDO and checks its existence, length, value (against limits and default),
+/// COB-IDs and PDO mapping. Undescribed objects are looked for in the communication profile area or, with --all,
+/// everywhere. A writable value may have been configured: a difference from its default is shown, but makes the exit
+/// status 1 only with --as-delivered. Checks that need writing are left out.
 #[derive(clap::Args)]
 pub struct Args {
     /// An EDS, DCF, XDD or XDC file; - is standard input
@@ -26,10 +26,10 @@ pub struct Args {
     /// Look for undescribed objects at every index from 1000h to FFFFh: a minute or more on a live bus
     #[arg(long)]
     all: bool,
-    /// The device was never configured: values other than the defaults count as differences
+    /// Count every value that differs from its default: the device was never configured
     #[arg(long)]
     as_delivered: bool,
-    /// How to print what differs
+    /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
     format: VerifyFormat,
 }
@@ -45,7 +45,7 @@ enum VerifyFormat {
     Markdown,
 }
 
-/// Where undescribed objects are looked for.
+/// The default range for undescribed objects.
 const COMMUNICATION_PROFILE: RangeInclusive<u16> = 0x1000..=0x1FFF;
 const ALL: RangeInclusive<u16> = 0x1000..=0xFFFF;
 
