@@ -6,7 +6,7 @@
 
 use super::told::Told;
 use super::{Run, cct_forecast, name_in_family, quarantined, repetitions};
-use crate::junit::{Case, Outcome, Problem, Suite, write};
+use crate::document::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
 use canvass_suite::foreign;
 use canvass_suite::runner::CaseReport;

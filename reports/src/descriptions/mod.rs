@@ -4,13 +4,14 @@ pub mod dbc;
 pub mod difference;
 pub mod github;
 pub mod json;
-pub mod junit;
-pub mod markdown;
+mod report;
 pub mod rules;
 pub mod sarif;
 pub mod show;
 pub mod text;
 pub mod verification;
+
+pub use report::CheckedFiles;
 
 use crate::escape::printable;
 use canvass_analyzer::dictionary::check::{Checked, Finding};

@@ -1,7 +1,7 @@
 //! The diagnosis as JUnit XML: each rule is a case, which fails where it has found an error or a warning.
 
 use super::{Diagnosed, frame, times};
-use crate::junit::{Case, Outcome, Problem, Suite, write};
+use crate::document::junit::{Case, Outcome, Problem, Suite, write};
 use crate::provenance;
 use canvass_analyzer::findings::{Finding, Metadata, Severity, all};
 use std::io::{self, Write};

@@ -2,15 +2,8 @@
 //!
 //! Results of the same release are its samples: a case of it is as bad as in the worst of them, and flaky if they differ.
 
-mod html;
 mod json;
-mod markdown;
-mod text;
-
-pub use html::render as html;
-pub use json::render as json;
-pub use markdown::render as markdown;
-pub use text::render as text;
+mod report;
 
 use crate::provenance::Provenance;
 use crate::results::history::{self, Cell};

@@ -8,6 +8,7 @@ mod render;
 pub use json::json;
 pub(crate) use render::{html, junit_properties, markdown, short_text, text};
 
+use crate::document::{Block, Depth, Fact, Section};
 use canvass_analyzer::findings::Results;
 use canvass_suite::runner::DeviceIdentity;
 use canvass_traces::Channels;
@@ -128,8 +129,35 @@ impl Provenance {
         }
     }
 
+    /// All of it as a section. Where there is room for no more, of the options those that somebody chose.
+    pub(crate) fn section(&self, depth: Depth, are_all_options: bool) -> Section {
+        let (mut facts, mut settings) = (self.facts(), self.settings());
+        if !are_all_options {
+            settings.truncate(self.options.iter().filter(|choice| choice.by != ChosenBy::Default).count());
+        }
+        let mut blocks = Vec::new();
+        match depth {
+            Depth::Screen => facts.extend(packed(&settings)),
+            Depth::Paper => facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value))),
+            Depth::Page if settings.is_empty() => {}
+            Depth::Page => {
+                blocks.push(Block::Fold { title: "Options".to_owned(), blocks: vec![Block::Facts(settings)] });
+            }
+        }
+        blocks.insert(0, Block::Facts(facts));
+        Section { id: "about", title: "About this report".to_owned(), blocks }
+    }
+
+    /// For JUnit files: names that programs can look for, and values.
+    pub(crate) fn properties(&self) -> Vec<(String, String)> {
+        let facts =
+            self.facts().into_iter().map(|(name, value)| (format!("canvass.{}", name.replace(' ', ".")), value));
+        let settings = self.settings().into_iter().map(|(name, value)| (format!("canvass.option.{name}"), value));
+        facts.chain(settings).collect()
+    }
+
     /// All of it but the options, as names and values for people.
-    fn facts(&self) -> Vec<(String, String)> {
+    fn facts(&self) -> Vec<Fact> {
         let mut facts = vec![("canvass".to_owned(), VERSION.to_owned())];
         let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
         match &self.date {
@@ -162,7 +190,7 @@ impl Provenance {
     }
 
     /// The options with what they stand at; what was chosen comes first.
-    fn settings(&self) -> Vec<(String, String)> {
+    fn settings(&self) -> Vec<Fact> {
         let shown = |choice: &Choice| {
             let or_none = |values: &[String]| if values.is_empty() { "-".to_owned() } else { values.join(", ") };
             let value = or_none(&choice.value);
@@ -175,6 +203,26 @@ impl Provenance {
         let (usual, chosen): (Vec<&Choice>, _) = self.options.iter().partition(|choice| choice.by == ChosenBy::Default);
         chosen.into_iter().chain(usual).map(shown).collect()
     }
+}
+
+/// As many options in a line as fit; the first is named.
+fn packed(settings: &[Fact]) -> Vec<Fact> {
+    /// The columns that a line takes.
+    const WIDTH: usize = 110;
+    let mut lines: Vec<Fact> = Vec::new();
+    for (name, value) in settings {
+        let part = format!("{name}: {value}");
+        match lines.last_mut() {
+            Some((_, line)) if line.chars().count() + 2 + part.chars().count() <= WIDTH => {
+                *line += &format!("; {part}")
+            }
+            last => {
+                let name = if last.is_none() { "options" } else { "" };
+                lines.push((name.to_owned(), part));
+            }
+        }
+    }
+    lines
 }
 
 /// What a device says of itself, in a line.

@@ -5,6 +5,7 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
 use canvass_reports::conformance::terminal::{Style, Terminal};
 use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit, markdown};
+use canvass_reports::document::{self, Form, Style as TextStyle};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
@@ -29,6 +30,19 @@ pub enum ReportFormat {
     /// For merge requests and wikis
     #[value(alias = "md")]
     Markdown,
+}
+
+impl ReportFormat {
+    /// The form of the report, with such a text.
+    pub const fn form(self, style: TextStyle) -> Form {
+        match self {
+            Self::Table => Form::Text(style),
+            Self::Json => Form::Json,
+            Self::Junit => Form::Junit,
+            Self::Html => Form::Html,
+            Self::Markdown => Form::Markdown,
+        }
+    }
 }
 
 /// `FORMAT=FILE`.
@@ -111,19 +125,36 @@ impl Shown {
     ///
     /// # Errors
     /// What kept the first of them from being written. That nobody reads standard output any more is none.
-    pub fn write(&self, render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>) -> Result<()> {
-        let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
-            let whole = WholeFile::create(file)?;
-            let mut out = whole.document()?;
-            render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-            whole.complete()
-        };
+    pub fn write(&self, report: &dyn document::Report) -> Result<()> {
+        let into_file = |arg: &ReportArg| write_file(report, arg.format, WholeFile::create(&arg.file)?);
         let format = self.of_stdout()?;
         let files: Vec<Result<()>> = self.in_files().map(into_file).collect();
-        let mut out = document(false);
-        unless_closed(render(format, &mut out).and_then(|()| out.flush()))?;
+        print(report, format)?;
         files.into_iter().collect()
     }
+}
+
+/// Writes a report to standard output. That nobody reads it any more is no error.
+///
+/// # Errors
+/// If it can't be written.
+pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<()> {
+    let style = TextStyle { color: false, width: terminal_width() };
+    let mut out = document(false);
+    unless_closed(report.write(format.form(style), &mut out).and_then(|()| out.flush()))
+}
+
+/// Writes a report into a file.
+///
+/// # Errors
+/// If it can't be written.
+pub fn write_file(report: &dyn document::Report, format: ReportFormat, file: WholeFile) -> Result<()> {
+    let mut out = file.document()?;
+    report
+        .write(format.form(TextStyle::default()), &mut out)
+        .and_then(|()| out.flush())
+        .context("can't write the report")?;
+    file.complete()
 }
 
 /// A report that stays in memory.

@@ -13,6 +13,7 @@ use canvass_fuzzer::stand::{TestStand as _, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
 use canvass_reports::conformance::{self, Document, Reporter};
+use canvass_reports::document::{Form, Report as _};
 use canvass_reports::fuzz::{self, Words};
 use canvass_reports::provenance::{BusUsed, Choice, Provenance};
 use canvass_suite::bench::{Bench, Decoder, Options, Target, Timing};
@@ -265,7 +266,7 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     provenance.devices.push((format!("node {}", knowledge.node), identity_of(wish, knowledge.node)?));
     let run = fuzzed(wish, &plan, &knowledge, model, outcome, stand.has_unconfigured(), provenance);
     let (mut html, mut json) = (Vec::new(), Vec::new());
-    fuzz::html::render(&run, &mut html).and_then(|()| fuzz::json::render(&run, &mut json)).map_err(words)?;
+    run.write(Form::Html, &mut html).and_then(|()| run.write(Form::Json, &mut json)).map_err(words)?;
     Ok(Tried { html, json })
 }
 
