@@ -36,7 +36,7 @@ fn head(document: &Document) -> Markup {
         h1 { (printable(&document.title)) }
         p.outcome.(document.tone.class()) { (printable(&document.outcome)) }
         @if !document.facts.is_empty() {
-            dl.facts { @for (name, value) in &document.facts { (fact(name, value)) } }
+            dl.facts { @for (name, value) in &document.facts { (fact(&capitalised(&printable(name)), value)) } }
         }
         (blocks(&document.summary))
     }
@@ -58,14 +58,15 @@ fn blocks(blocks: &[Block]) -> Markup {
 
 fn block(block: &Block) -> Markup {
     match block {
-        Block::Text(text) => html! { @for text in text.split("\n\n") { p { (printable(text)) } } },
+        Block::Text(text) => html! { @for text in text.split("\n\n") { p { (capitalised(&printable(text))) } } },
         Block::Note(text) => html! { p.note { (printable(text)) } },
         Block::Items(items) => html! { ul { @for item in items { li { (printable(item)) } } } },
+        Block::Words(words) => html! { p { (printable(&words.join(", "))) } },
         Block::Facts(facts) => named_values(facts),
         Block::Table(table) => self::table(table),
         Block::Code(code) => self::code(code),
-        Block::Fold { title, blocks } => {
-            html! { details { summary { (capitalised(&printable(title))) } (self::blocks(blocks)) } }
+        Block::Fold { title, is_open, blocks } => {
+            html! { details open[*is_open] { summary { (capitalised(&printable(title))) } (self::blocks(blocks)) } }
         }
         Block::Finding(finding) => self::finding(finding),
         Block::Markup(markup) => markup.clone(),
@@ -74,7 +75,7 @@ fn block(block: &Block) -> Markup {
 
 fn named_values(facts: &[Fact]) -> Markup {
     html! {
-        dl.reason { @for (name, value) in facts { dt { (capitalised(&printable(name))) } dd { (printable(value)) } } }
+        dl.reason { @for (name, value) in facts { dt { (printable(name)) } dd { (printable(value)) } } }
     }
 }
 
@@ -94,8 +95,9 @@ fn table(table: &Table) -> Markup {
 
 fn row(table: &Table, row: &Row) -> Markup {
     let data = row.data.iter().map(|(name, value)| format!(" data-{name}=\"{}\"", escaped(&printable(value))));
+    let id = if row.anchor.is_empty() { String::new() } else { format!(" id=\"{}\"", escaped(&row.anchor)) };
     html! {
-        (PreEscaped(format!("<tr{}>", data.collect::<String>())))
+        (PreEscaped(format!("<tr class=\"{}\"{id}{}>", row.tone.class(), data.collect::<String>())))
         @for (cell, column) in row.cells.iter().zip(&table.columns) { (self::cell(cell, column.align == Align::Right)) }
         (PreEscaped("</tr>"))
     }

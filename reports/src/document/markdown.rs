@@ -36,16 +36,17 @@ fn blocks(blocks: &[Block], level: usize, out: &mut dyn Write) -> io::Result<()>
 /// Writes an empty line and the block; headings in it are of `level`.
 fn block(block: &Block, level: usize, out: &mut dyn Write) -> io::Result<()> {
     match block {
-        Block::Text(text) => text.split("\n\n").try_for_each(|text| writeln!(out, "\n{}", markdown(text))),
+        Block::Text(text) => text.split("\n\n").try_for_each(|text| writeln!(out, "\n{}", markdown(&capitalised(text)))),
         Block::Note(text) => writeln!(out, "\n- Note: {}", markdown(text)),
         Block::Items(list) => items(list.iter().map(|item| markdown(item)), out),
+        Block::Words(words) => writeln!(out, "\n{}", markdown(&words.join(", "))),
         Block::Facts(facts) if level > 3 => {
             items(facts.iter().map(|(name, value)| format!("{}: {}", capitalised(name), markdown(value))), out)
         }
         Block::Facts(facts) => named_values(facts, out),
         Block::Table(table) => self::table(table, out),
         Block::Code(code) => self::code(code, out),
-        Block::Fold { title, blocks } => {
+        Block::Fold { title, blocks, .. } => {
             writeln!(out, "\n{}:", markdown(&capitalised(title)))?;
             self::blocks(blocks, level, out)
         }

@@ -9,6 +9,8 @@ pub mod junit;
 mod markdown;
 mod text;
 
+pub use text::height;
+
 use crate::color::Color;
 use junit::Suite;
 use maud::Markup;
@@ -131,6 +133,8 @@ pub enum Tone {
     Good,
     Doubt,
     Bad,
+    /// Worth knowing.
+    Info,
     /// Not known.
     Odd,
     Faint,
@@ -144,6 +148,7 @@ impl Tone {
             Self::Good => "good",
             Self::Doubt => "doubt",
             Self::Bad => "bad",
+            Self::Info => "info",
             Self::Odd => "odd",
             Self::Faint => "faint",
         }
@@ -155,6 +160,7 @@ impl Tone {
             Self::Good => Some(Color::Green),
             Self::Doubt => Some(Color::Yellow),
             Self::Bad => Some(Color::Red),
+            Self::Info => Some(Color::Cyan),
             Self::Odd => Some(Color::Magenta),
             Self::Faint => Some(Color::Grey),
         }
@@ -168,6 +174,8 @@ pub enum Block {
     /// What a reader must not overlook.
     Note(String),
     Items(Vec<String>),
+    /// Short names, one after the other.
+    Words(Vec<String>),
     Facts(Vec<Fact>),
     Table(Table),
     /// Lines that stay as they are, under a title.
@@ -175,6 +183,7 @@ pub enum Block {
     /// What a page shows only when it is asked to.
     Fold {
         title: String,
+        is_open: bool,
         blocks: Vec<Self>,
     },
     Finding(Finding),
@@ -239,6 +248,9 @@ pub enum Align {
 #[derive(Debug, Default)]
 pub struct Row {
     pub cells: Vec<Cell>,
+    pub tone: Tone,
+    /// Its name in links; may be empty.
+    pub anchor: String,
     /// The lines of a terminal in place of its cells; may be empty.
     pub lines: Vec<String>,
     /// Names and values for the scripts of a page.
@@ -289,6 +301,20 @@ impl Table {
     /// With columns that stand left.
     pub fn of<const N: usize>(columns: [&str; N], rows: impl IntoIterator<Item = Row>) -> Self {
         Self::new(columns.map(Column::new), rows)
+    }
+}
+
+impl Section {
+    /// The lines that it takes on a terminal.
+    pub fn height(&self) -> usize {
+        text::height(&self.blocks)
+    }
+}
+
+impl Block {
+    /// What a page shows only when it is asked to.
+    pub fn fold(title: impl Into<String>, blocks: Vec<Self>) -> Self {
+        Self::Fold { title: title.into(), is_open: false, blocks }
     }
 }
 

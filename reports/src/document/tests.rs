@@ -19,7 +19,7 @@ impl Report for Example {
             body: vec![Block::Facts(vec![fact("expected", "silence"), fact("found", HOSTILE)]), Block::Code(code)],
             ..Finding::default()
         };
-        let fold = Block::Fold { title: HOSTILE.to_owned(), blocks: vec![Block::Note("careful".to_owned())] };
+        let fold = Block::fold(HOSTILE, vec![Block::Note("careful".to_owned())]);
         let lists = Block::Items(vec![HOSTILE.to_owned()]);
         let blocks = vec![Block::Finding(finding), Block::Table(table), fold, lists, Block::Text(HOSTILE.to_owned())];
         Document {

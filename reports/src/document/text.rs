@@ -1,30 +1,30 @@
 //! A document on a terminal: what was found comes first, the outcome last, as that is what is seen at the end.
 
-use super::{Align, Block, Cell, Code, Document, Fact, Finding, Row, Style, Table};
-use crate::color::{self, Color};
+use super::{Align, Block, Cell, Code, Document, Fact, Finding, Row, Style, Table, Tone};
+use crate::color;
 use crate::escape::{Visible, printable};
+use crate::page_text::packed;
 use crate::table;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
 
 /// The columns of a file, which has no width of its own.
 const PAGE: u16 = 120;
-/// The columns that the name of a fact takes: of the document, and within a finding.
-const WIDE: usize = 12;
-const NARROW: usize = 9;
+/// The columns that the name of a fact takes, and what follows it: of the document, and within a finding.
+const WIDE: (usize, &str) = (12, " ");
+const NARROW: (usize, &str) = (8, "  ");
 
 /// Writes the document.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(document: &Document, style: Style, out: &mut dyn Write) -> io::Result<()> {
-    let mut printer = Printer { out: &mut Visible::new(out, style.color), style, is_begun: false };
-    for section in &document.sections {
+    let mut printer = Printer { out: &mut Visible::new(out, style.color), style, is_apart: true };
+    for section in document.sections.iter().filter(|section| !section.blocks.is_empty()) {
+        printer.apart()?;
         printer.blocks(&section.blocks, 0)?;
     }
-    if document.sections.iter().any(|section| !section.blocks.is_empty()) {
-        printer.line(0, "")?;
-    }
+    printer.apart()?;
     if let Some(about) = &document.about {
         printer.blocks(&about.blocks, 0)?;
         printer.line(0, "")?;
@@ -35,16 +35,37 @@ pub fn render(document: &Document, style: Style, out: &mut dyn Write) -> io::Res
     printer.out.flush()
 }
 
+/// The lines that blocks take, as far as they don't depend on the width.
+pub fn height(blocks: &[Block]) -> usize {
+    let mut lines = Vec::new();
+    let mut printer = Printer { out: &mut lines, style: Style::default(), is_apart: false };
+    // Writing to memory can't fail.
+    let _ = printer.blocks(blocks, 0);
+    lines.iter().filter(|byte| **byte == b'\n').count()
+}
+
 struct Printer<'a> {
     out: &'a mut dyn Write,
     style: Style,
-    /// Whether something was found above, from which the next finding stands apart.
-    is_begun: bool,
+    /// Whether nothing stands above, or an empty line.
+    is_apart: bool,
 }
 
 impl Printer<'_> {
     fn line(&mut self, indent: usize, text: &str) -> io::Result<()> {
+        self.is_apart = text.is_empty();
         writeln!(self.out, "{}", format!("{:indent$}{}", "", printable(text)).trim_end())
+    }
+
+    fn painted(&mut self, indent: usize, tone: Tone, text: &str) -> io::Result<()> {
+        self.is_apart = false;
+        let text = painted(tone, printable(text).trim_end(), self.style.color);
+        writeln!(self.out, "{:indent$}{text}", "")
+    }
+
+    /// Writes an empty line, unless there is nothing above or one already.
+    fn apart(&mut self) -> io::Result<()> {
+        if self.is_apart { Ok(()) } else { self.line(0, "") }
     }
 
     fn blocks(&mut self, blocks: &[Block], indent: usize) -> io::Result<()> {
@@ -56,11 +77,13 @@ impl Printer<'_> {
             Block::Text(text) => self.line(indent, text),
             Block::Note(text) => self.line(indent, &format!("note  {text}")),
             Block::Items(items) => items.iter().try_for_each(|item| self.line(indent, item)),
+            Block::Words(words) => self.words(words, indent),
             Block::Facts(facts) => self.facts(facts, indent),
             Block::Table(table) if table.is_framed => self.framed(table),
-            Block::Table(table) => self.columns(table, indent),
+            // What proves something stands below it.
+            Block::Table(table) => self.columns(table, if indent > 0 { indent + 2 } else { 0 }),
             Block::Code(code) => self.code(code, indent),
-            Block::Fold { title, blocks } => {
+            Block::Fold { title, blocks, .. } => {
                 self.line(indent, title)?;
                 self.blocks(blocks, indent + 2)
             }
@@ -69,9 +92,14 @@ impl Printer<'_> {
         }
     }
 
+    fn words(&mut self, words: &[String], indent: usize) -> io::Result<()> {
+        let width = usize::from(self.style.width.unwrap_or(PAGE)).saturating_sub(indent);
+        packed(words, ",", width).iter().try_for_each(|line| self.line(indent, line))
+    }
+
     fn facts(&mut self, facts: &[Fact], indent: usize) -> io::Result<()> {
-        let width = if indent == 0 { WIDE } else { NARROW };
-        facts.iter().try_for_each(|(name, value)| self.line(indent, &format!("{name:width$} {value}")))
+        let (width, gap) = if indent == 0 { WIDE } else { NARROW };
+        facts.iter().try_for_each(|(name, value)| self.line(indent, &format!("{name:width$}{gap}{value}")))
     }
 
     fn code(&mut self, code: &Code, indent: usize) -> io::Result<()> {
@@ -83,11 +111,10 @@ impl Printer<'_> {
 
     /// `error  node 5: no heartbeat  [heartbeat/missing]`, and what is known of it.
     fn finding(&mut self, finding: &Finding, indent: usize) -> io::Result<()> {
-        let badge = painted(finding.tone.color(), &printable(&finding.badge), self.style.color);
+        let badge = painted(finding.tone, &printable(&finding.badge), self.style.color);
         let id = if finding.id.is_empty() { String::new() } else { format!("  [{}]", printable(&finding.id)) };
-        if std::mem::replace(&mut self.is_begun, true) {
-            self.line(0, "")?;
-        }
+        self.apart()?;
+        self.is_apart = false;
         writeln!(self.out, "{:indent$}{badge}  {}{id}", "", printable(&finding.title))?;
         self.blocks(&finding.body, indent + 2)
     }
@@ -101,9 +128,9 @@ impl Printer<'_> {
         let widths: Vec<usize> = (0..table.columns.len()).map(width).collect();
         for row in &table.rows {
             if row.lines.is_empty() {
-                self.line(indent, &aligned(table, row, &widths))?;
+                self.painted(indent, row.tone, &aligned(table, row, &widths))?;
             }
-            row.lines.iter().try_for_each(|line| self.line(indent, line))?;
+            row.lines.iter().try_for_each(|line| self.painted(indent, row.tone, line))?;
         }
         Ok(())
     }
@@ -119,6 +146,7 @@ impl Printer<'_> {
                 column.set_cell_alignment(CellAlignment::Right);
             }
         }
+        self.is_apart = false;
         writeln!(self.out, "{drawn}")
     }
 }
@@ -141,6 +169,6 @@ fn cell(cell: &Cell) -> comfy_table::Cell {
     }
 }
 
-fn painted(color: Option<Color>, text: &str, wanted: bool) -> String {
-    color.map_or_else(|| text.to_owned(), |color| color.paint(text, wanted))
+fn painted(tone: Tone, text: &str, wanted: bool) -> String {
+    tone.color().map_or_else(|| text.to_owned(), |color| color.paint(text, wanted))
 }

@@ -78,11 +78,15 @@ fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {
         fact("found", &violation.actual),
         fact("this", reliability(found, run.outcome.dead)),
     ];
+    let sequence = match found.sequence.stimuli.is_empty() {
+        true => "none: it shows without any frame".to_owned(),
+        false => annotated(found, words),
+    };
     let mut body = vec![
         Block::Text(violation.property.title().to_owned()),
         Block::Facts(facts.to_vec()),
-        code("sequence", "text", annotated(found, words)),
-        Block::Fold { title: "on the bus, times in ms".to_owned(), blocks: vec![frames(found, words, depth)] },
+        code("sequence", "text", sequence),
+        Block::fold("on the bus, times in ms", vec![frames(found, words, depth)]),
         code("log for canplayer and canvass fuzz --replay", "text", reproducer::candump(&found.sequence)),
     ];
     if depth > Depth::Screen {

@@ -5,6 +5,7 @@
 mod json;
 mod report;
 
+use crate::conformance::is_bad;
 use crate::provenance::Provenance;
 use crate::results::history::{self, Cell};
 use crate::results::{TestResult, Verdict};
@@ -54,10 +55,6 @@ pub struct Course {
     pub new_in: Option<usize>,
     /// The release from which on it did not run any more.
     pub gone_in: Option<usize>,
-}
-
-const fn is_bad(kind: Kind) -> bool {
-    matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive)
 }
 
 impl History {

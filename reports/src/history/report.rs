@@ -20,8 +20,8 @@ impl Report for History {
         ];
         if depth == Depth::Page {
             let all = matrix(self, self.cases.iter().map(|row| (row, row.course())));
-            let title = format!("{} cases", self.cases.len());
-            sections.push(section("matrix", "All cases", vec![Block::Fold { title, blocks: vec![all] }]));
+            let all = Block::fold(format!("{} cases", self.cases.len()), vec![all]);
+            sections.push(section("matrix", "All cases", vec![all]));
             sections.push(section("times", "Times", vec![times()]));
         }
         Document {
@@ -76,8 +76,8 @@ fn line(history: &History, row: &ReleaseRow, course: &Course) -> Row {
     let first_bad = course.first_bad.map(|at| ("first-bad", history.name(at).to_owned()));
     Row {
         cells: [Cell::from(&*row.id)].into_iter().chain(marks).chain([told]).collect(),
-        lines: Vec::new(),
         data: [("case", row.id.clone())].into_iter().chain(first_bad).collect(),
+        ..Row::default()
     }
 }
 

@@ -12,7 +12,7 @@ use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::stand::{TestStand as _, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
-use canvass_reports::conformance::{self, Document, Reporter};
+use canvass_reports::conformance::{Reporter, RunReport};
 use canvass_reports::document::{Form, Report as _};
 use canvass_reports::fuzz::{self, Words};
 use canvass_reports::provenance::{BusUsed, Choice, Provenance};
@@ -196,9 +196,8 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let options = Options { allow: touches(wish), ..Options::default() };
     let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
     let kept: [Kept; 2] = Default::default();
-    let renders: [conformance::Render; 2] = [conformance::html::render, conformance::json::render];
-    let mut reports: Vec<_> =
-        kept.iter().zip(renders).map(|(kept, render)| Document::new(kept.clone(), render)).collect();
+    let forms = [Form::Html, Form::Json];
+    let mut reports: Vec<_> = kept.iter().zip(forms).map(|(kept, form)| RunReport::new(kept.clone(), form)).collect();
     let mut decoder = Decoder::new(&target);
     let cancel = AtomicBool::new(false);
     let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
