@@ -1,15 +1,11 @@
-//! Reports of a run of the fuzzer: [`text`], [`json`], [`junit`], [`markdown`] and [`html`]. All are made from one
-//! [`Run`], and on the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
+//! The report of a run of the fuzzer, made from one [`Run`]. On the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
 //! provenance is of the wall clock.
 
 pub mod detection;
 pub mod faults_page;
-pub mod html;
-pub mod json;
-pub mod junit;
-pub mod markdown;
+mod json;
 pub mod properties;
-pub mod text;
+mod report;
 
 use crate::provenance::Provenance;
 use canvass_analyzer::NodeId;
@@ -20,10 +16,9 @@ use canvass_fuzzer::{FinalState, Kept, Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
 use canvass_suite::zero_point::Moved;
-use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::{self, Write};
 
 /// A whole run, as the reports need it.
 #[derive(Clone, Debug)]
@@ -84,9 +79,6 @@ impl Words {
         Self { sequence, evidence }
     }
 }
-
-/// Writes a report.
-pub type Render = fn(&Run, &mut dyn Write) -> io::Result<()>;
 
 /// Of that many combinations of state and command so many were exercised.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -238,7 +230,7 @@ fn then(then: Then) -> String {
 fn annotated(found: &Found, words: &Words) -> String {
     let stimuli = found.sequence.stimuli.iter().zip(&words.sequence);
     stimuli.fold(String::new(), |mut text, (stimulus, words)| {
-        let frame = compact(&stimulus.frame);
+        let frame = stimulus.frame.to_string();
         let then = match then(stimulus.then) {
             then if then.is_empty() => then,
             then => format!(" [{then}]"),
@@ -247,11 +239,6 @@ fn annotated(found: &Found, words: &Words) -> String {
         let _ = writeln!(text, "{frame:24} {words}{then}");
         text
     })
-}
-
-/// As candump writes it, without the time.
-fn compact(frame: &Frame) -> String {
-    frame.to_string()
 }
 
 /// The Rust test that shows the violation.
