@@ -39,6 +39,12 @@ impl Bench<'_> {
         self.keep(multiplexer)
     }
 
+    /// The value that an object had before the case changed it, where it could be read.
+    pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+        let change = self.changes.iter().find(|change| change.multiplexer == multiplexer)?;
+        Some(change.value.clone())
+    }
+
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
         if !known && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome {
