@@ -37,6 +37,12 @@ impl Bench<'_> {
         self.keep(multiplexer)
     }
 
+    /// The value that an object had before the case changed it, where it could be read.
+    pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+        let change = self.changes.originals().iter().find(|change| change.multiplexer == multiplexer)?;
+        Some(change.value.clone())
+    }
+
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         if !self.changes.knows(multiplexer)
             && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome
