@@ -1,14 +1,13 @@
 //! `canvass compare`: what changed between two results of `canvass test`.
 
-use super::test::reports::{ReportFormat, Shown};
+use super::test::reports::Shown;
 use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::comparison::{Comparison, Missing, compare, html, json, junit, markdown};
+use canvass_reports::comparison::{Missing, compare};
 use canvass_reports::results::{self, TestResult};
 use canvass_traces::small_file::{self, OF_PROGRAM};
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Compare two results of `canvass test --format json`
@@ -53,18 +52,8 @@ impl Args {
         });
         comparison.recall(&earlier.collect::<anyhow::Result<Vec<_>>>()?);
         comparison.provenance = provenance.0;
-        self.shown.write(&|format, out| render(&comparison, format, out))?;
+        self.shown.write(&comparison)?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })
-    }
-}
-
-fn render(comparison: &Comparison, format: ReportFormat, out: &mut dyn Write) -> io::Result<()> {
-    match format {
-        ReportFormat::Table => out.write_all(comparison.text().as_bytes()),
-        ReportFormat::Json => json(comparison, out),
-        ReportFormat::Junit => junit::render(comparison, out),
-        ReportFormat::Html => html::render(comparison, out),
-        ReportFormat::Markdown => markdown::render(comparison, out),
     }
 }
 

@@ -12,7 +12,8 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
-use canvass_reports::diagnosis::{self, Advice, Diagnosed, Reading, Style, html};
+use canvass_reports::diagnosis::{Advice, Diagnosed, DiagnosisReport, Reading, html};
+use canvass_reports::document::{Form, Report as _, Style};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -206,16 +207,15 @@ impl Args {
             None => Box::new(document(color.on_stdout())),
         };
         let mut out = io::BufWriter::new(sink);
+        let (is_verbose, fail_on) = (self.verbose, self.fail_on.least());
+        let report = DiagnosisReport { diagnosed, is_verbose, advice: ADVICE, fail_on };
+        let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
+        let style = Style { color: color.on_stdout() && !to_file, width };
         let written = match self.format {
-            DiagnoseFormat::Table => {
-                let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
-                let style =
-                    Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose, advice: ADVICE };
-                diagnosis::table(diagnosed, style, &mut out)
-            }
-            DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),
-            DiagnoseFormat::Markdown => diagnosis::markdown(diagnosed, &mut out),
-            DiagnoseFormat::Junit => diagnosis::junit(diagnosed, self.fail_on.least(), &mut out),
+            DiagnoseFormat::Table => report.write(Form::Text(style), &mut out),
+            DiagnoseFormat::Json => report.write(Form::Json, &mut out),
+            DiagnoseFormat::Markdown => report.write(Form::Markdown, &mut out),
+            DiagnoseFormat::Junit => report.write(Form::Junit, &mut out),
             DiagnoseFormat::Html => html::render(diagnosed, collector.unwrap_or_default(), &mut out),
         };
         let written = written.and_then(|()| out.flush());

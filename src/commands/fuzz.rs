@@ -5,24 +5,24 @@ mod progress;
 mod regressions;
 mod reproducers;
 
-use super::test::reports::{ReportArg, ReportFormat, Shown};
+use super::test::reports::{ReportArg, ReportFormat, Shown, print, write_file};
 use crate::allow::{Allow, touches};
 use crate::devices::parse_node;
 use crate::files::Files;
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
-use crate::output::{diagnostic, document, unless_closed};
+use crate::output::diagnostic;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::reconnect::ReconnectArg;
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::campaign::{self, Outcome, Plan};
 use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
-use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
+use canvass_reports::fuzz::{Run, Words};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::identity;
 use canvass_suite::touch::Touch;
@@ -30,7 +30,6 @@ use canvass_traces::Duration;
 use device::Device;
 use progress::Progress;
 use regressions::Regressions;
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -120,6 +119,7 @@ impl Args {
             only_regressions: self.replay.is_some(),
         };
         self.resolve(&mut provenance, &mut device, &plan, span)?;
+        let before = device.zero_point();
         // The time limit starts here, after the first questions to the device.
         plan.time.ends = self.ends(span, simulated);
         let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
@@ -129,11 +129,12 @@ impl Args {
         };
         let kept = kept
             .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
-        let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
-        let printed = render_of(of_stdout)(&run, &mut document(false));
+        let moved = before.and_then(|before| before.moved(&device.zero_point()?));
+        let run = Run { zero_point: moved, ..self.result(&device, provenance.0, &plan, outcome, interrupt.came()) };
+        let printed = print(&run, of_stdout);
         // All reports are written even if one of them fails.
-        let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
-        unless_closed(printed)?;
+        let reported: Vec<_> = reports.into_iter().map(|(format, file)| write_file(&run, format, file)).collect();
+        printed?;
         kept?;
         reported.into_iter().collect::<Result<(), _>>()?;
         Ok(status(&run))
@@ -229,6 +230,7 @@ impl Args {
             sdo_reach: SdoReach::of(knowledge),
             reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
+            zero_point: None,
             words,
         }
     }
@@ -257,8 +259,8 @@ impl Args {
     }
 
     /// Creates all report files before the first frame is sent, so that an unwritable path is reported at once.
-    fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
-        let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
+    fn open_reports(&self) -> Result<Vec<(ReportFormat, WholeFile)>, Failure> {
+        let open = |arg: &ReportArg| Ok((arg.format(), WholeFile::create(arg.file())?));
         self.shown.in_files().map(open).collect()
     }
 }
@@ -270,22 +272,6 @@ fn status(run: &Run) -> Status {
         outcome if outcome.ended_by.is_some() => Status::Unreachable,
         _ if run.cancelled => Status::Findings,
         _ => Status::Good,
-    }
-}
-
-fn write_report(render: Render, run: &Run, file: WholeFile) -> anyhow::Result<()> {
-    let mut out = file.document()?;
-    render(run, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-    file.complete()
-}
-
-fn render_of(format: ReportFormat) -> Render {
-    match format {
-        ReportFormat::Table => text::render,
-        ReportFormat::Json => json::render,
-        ReportFormat::Junit => junit::render,
-        ReportFormat::Html => html::render,
-        ReportFormat::Markdown => markdown::render,
     }
 }
 

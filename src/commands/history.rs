@@ -6,8 +6,7 @@ use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
-use canvass_reports::history::{History, Release, html, json, markdown, text};
-use std::io;
+use canvass_reports::history::{History, Release};
 use std::path::PathBuf;
 
 /// Show many results of `canvass test --format json`, over releases and samples
@@ -52,16 +51,7 @@ impl Args {
         }
         let mut history = History::of(&releases);
         history.provenance = provenance.0;
-        self.shown.write(&|format, out| render(&history, format, out))?;
+        self.shown.write(&history)?;
         Ok(Status::Good)
-    }
-}
-
-fn render(history: &History, format: ReportFormat, out: &mut dyn io::Write) -> io::Result<()> {
-    match format {
-        ReportFormat::Json => json(history, out),
-        ReportFormat::Html => html(history, out),
-        ReportFormat::Markdown => markdown(history, out),
-        ReportFormat::Table | ReportFormat::Junit => text(history, out),
     }
 }

@@ -29,6 +29,7 @@ mod scripted;
 pub mod selftest;
 pub mod situation;
 pub mod touch;
+mod trial;
 pub mod verdict;
 pub mod waiver;
 pub mod zero_point;

@@ -110,7 +110,7 @@ impl Case {
     }
 
     fn ask(&self, bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
-        match bench.known(need.id).cloned() {
+        match bench.knowledge.known(need.id).cloned() {
             Some(Found::Known(met)) if !need.fleeting => return Ok(met),
             Some(Found::Broken { why, reported_in }) if reported_in != self.id => {
                 let actual = format!("{}, as {reported_in} reports", why.actual);
@@ -122,12 +122,12 @@ impl Case {
             Err(Stop::NotApplicable(reason)) => Err(reason.actual),
             Err(Stop::Breach(breach)) if self.level != Level::Open => {
                 let why = Reason::from(&*breach);
-                bench.learned(need.id, Found::Broken { why, reported_in: self.id });
+                bench.knowledge.learned(need.id, Found::Broken { why, reported_in: self.id });
                 return Err(Stop::Breach(breach));
             }
             other => other.map_err(Stop::unreached)?,
         };
-        bench.learned(need.id, Found::Known(met.clone()));
+        bench.knowledge.learned(need.id, Found::Known(met.clone()));
         Ok(met)
     }
 }
@@ -137,9 +137,9 @@ impl Case {
 fn asked_undisturbed(bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
     const TRIES: usize = 3;
     for _ in 0..TRIES {
-        let before = bench.collisions();
+        let before = bench.traffic.clients.collisions();
         let met = bench.unjudged(need.check);
-        if bench.collisions() == before || matches!(met, Ok(Ok(())) | Err(Stop::Error(_))) {
+        if bench.traffic.clients.collisions() == before || matches!(met, Ok(Ok(())) | Err(Stop::Error(_))) {
             return met;
         }
     }

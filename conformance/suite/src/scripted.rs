@@ -1,6 +1,9 @@
 //! A bus for the tests of bench and runner, with a device of a few lines on it. Its time is virtual.
 
 use crate::bench::{Bench, Options, Target};
+use crate::case::Case;
+use crate::clause::{Clause, Confidence, Level};
+use crate::verdict::Judged;
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, BusError};
 use canvass_traces::{ChannelId, Direction, Duration, Frame, Record, Timestamp};
@@ -107,6 +110,14 @@ pub fn described(sections: &[(&str, &str)]) -> Target {
     }
     let description = canvass_analyzer::dictionary::eds::read(eds.as_bytes()).unwrap();
     Target { description: Some(description), ..Target::unknown(NodeId::new(NODE).unwrap()) }
+}
+
+/// A case that needs nothing.
+pub const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
+    let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
+    let (needs, touches, catches) = (&[], &[], &[]);
+    let answers = &[];
+    Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, answers, cct: None, run }
 }
 
 /// A frame in the notation of `cansend`.

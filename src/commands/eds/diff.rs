@@ -7,8 +7,7 @@ use anyhow::{Result, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::difference::{Class, compare};
 use canvass_reports::descriptions::difference::Compared;
-use canvass_reports::escape::Printable;
-use std::io::Write;
+use canvass_reports::document::{Form, Report as _, Style};
 use std::path::{Path, PathBuf};
 
 /// Compare two device descriptions: what a release changed, and which changes are breaking
@@ -69,13 +68,14 @@ impl FailOn {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let compared = self.compare()?;
-        let mut output = Output::text(color.on_stdout());
-        let text = match self.format {
-            DiffFormat::Text => compared.text(color.on_stdout()),
-            DiffFormat::Json => Printable::pretty_json(&compared.json()).into_string(),
-            DiffFormat::Markdown => compared.markdown(),
+        let style = Style { color: color.on_stdout(), width: None };
+        let form = match self.format {
+            DiffFormat::Text => Form::Text(style),
+            DiffFormat::Json => Form::Json,
+            DiffFormat::Markdown => Form::Markdown,
         };
-        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let mut output = Output::text(style.color);
+        unless_closed(compared.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
         let fails = self.fail_on_change.least().is_some_and(|least| compared.has(least));
         Ok(if fails { Status::Findings } else { Status::Good })
     }

@@ -5,9 +5,8 @@ use super::found::{Description, description};
 use crate::output::{Color, Output, terminal_width, unless_closed};
 use crate::status::{Failure, Status};
 use canvass_analyzer::dictionary::survey::compare::{IDENTITY, compare};
-use canvass_reports::descriptions::verification::{Style, Verification};
-use canvass_reports::escape::Printable;
-use std::io::Write;
+use canvass_reports::descriptions::verification::Verification;
+use canvass_reports::document::{Form, Report as _, Style};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -52,14 +51,14 @@ const ALL: RangeInclusive<u16> = 0x1000..=0xFFFF;
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let verification = self.verify()?;
-        let style = Style { colors: color.on_stdout(), width: terminal_width().unwrap_or(120) };
-        let text = match self.format {
-            VerifyFormat::Text => verification.text(style),
-            VerifyFormat::Json => Printable::pretty_json(&verification.json()).into_string(),
-            VerifyFormat::Markdown => verification.markdown(),
+        let style = Style { color: color.on_stdout(), width: terminal_width() };
+        let form = match self.format {
+            VerifyFormat::Text => Form::Text(style),
+            VerifyFormat::Json => Form::Json,
+            VerifyFormat::Markdown => Form::Markdown,
         };
-        let mut output = Output::text(style.colors);
-        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let mut output = Output::text(style.color);
+        unless_closed(verification.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
         let differs = verification.differences().next().is_some();
         Ok(if differs { Status::Findings } else { Status::Good })
     }

@@ -13,7 +13,8 @@ use canvass_fuzzer::Knowledge;
 use canvass_fuzzer::Live;
 use canvass_fuzzer::stand::{Simulated, TestStand, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
-use canvass_suite::bench::{Decoder, Target};
+use canvass_suite::bench::{Decoder, Target, zero_point_of};
+use canvass_suite::zero_point::ZeroPoint;
 
 /// The device with its bus.
 pub struct Device {
@@ -102,6 +103,14 @@ impl Device {
         match &mut self.place {
             Place::Live(bus) => Ok(work(&mut PatientBus::new(bus.as_mut(), endurance))),
             Place::Simulated(_) => Ok(work(&mut *open_bus_of(address, seed, self.knowledge.node)?)),
+        }
+    }
+
+    /// Where its zero point is; `None`: nothing moves one, it does not answer, or it is simulated and made anew.
+    pub fn zero_point(&mut self) -> Option<ZeroPoint> {
+        match &mut self.place {
+            Place::Live(bus) => zero_point_of(bus.as_mut(), &self.target),
+            Place::Simulated(_) => None,
         }
     }
 

@@ -3,8 +3,8 @@
 use crate::output::{Color, document, is_seen, show_progress, terminal_width, unless_closed};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
-use canvass_reports::conformance::terminal::{Style, Terminal};
-use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit, markdown};
+use canvass_reports::conformance::{Reporter, RunReport};
+use canvass_reports::document::{self, Form, Style};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
@@ -29,6 +29,19 @@ pub enum ReportFormat {
     /// For merge requests and wikis
     #[value(alias = "md")]
     Markdown,
+}
+
+impl ReportFormat {
+    /// The form of the report, with such a text.
+    pub const fn form(self, style: Style) -> Form {
+        match self {
+            Self::Table => Form::Text(style),
+            Self::Json => Form::Json,
+            Self::Junit => Form::Junit,
+            Self::Html => Form::Html,
+            Self::Markdown => Form::Markdown,
+        }
+    }
 }
 
 /// A value of `--report`: `FORMAT=FILE`.
@@ -112,19 +125,36 @@ impl Shown {
     ///
     /// # Errors
     /// The first output that could not be written. A closed standard output is no error.
-    pub fn write(&self, render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>) -> Result<()> {
-        let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
-            let whole = WholeFile::create(file)?;
-            let mut out = whole.document()?;
-            render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-            whole.complete()
-        };
+    pub fn write(&self, report: &dyn document::Report) -> Result<()> {
+        let into_file = |arg: &ReportArg| write_file(report, arg.format, WholeFile::create(&arg.file)?);
         let format = self.of_stdout()?;
         let files: Vec<Result<()>> = self.in_files().map(into_file).collect();
-        let mut out = document(false);
-        unless_closed(render(format, &mut out).and_then(|()| out.flush()))?;
+        print(report, format)?;
         files.into_iter().collect()
     }
+}
+
+/// Writes a report to standard output. That nobody reads it any more is no error.
+///
+/// # Errors
+/// If it can't be written.
+pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<()> {
+    let style = Style { color: false, width: terminal_width() };
+    let mut out = document(false);
+    unless_closed(report.write(format.form(style), &mut out).and_then(|()| out.flush()))
+}
+
+/// Writes a report into a file.
+///
+/// # Errors
+/// If it can't be written.
+pub fn write_file(report: &dyn document::Report, format: ReportFormat, file: WholeFile) -> Result<()> {
+    let mut out = file.document()?;
+    report
+        .write(format.form(Style::default()), &mut out)
+        .and_then(|()| out.flush())
+        .context("can't write the report")?;
+    file.complete()
 }
 
 /// A report that stays in memory.
@@ -164,13 +194,14 @@ const ALLOW: &str = "--allow ";
 impl Reports {
     /// Creates all files before the device is touched, so that an unwritable path is reported at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
-        let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width(), allow: ALLOW };
-        let reporter_of_stdout = reporter(shown.of_stdout()?, Box::new(document(style.color)), style);
-        let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
+        let (format, style) = (shown.of_stdout()?, Style { color: color.on_stdout(), width: terminal_width() });
+        let of_stdout = reporter(format, Box::new(document(style.color)), style);
+        let is_watched = is_seen() && format == ReportFormat::Table;
+        let of_stdout = if is_watched { of_stdout.with_progress(show_progress) } else { of_stdout };
+        let mut reports = vec![Report { reporter: Box::new(of_stdout), file: None, written: Ok(()) }];
         for ReportArg { format, file } in shown.in_files() {
             let file = WholeFile::create(file)?;
-            let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
-            let reporter = reporter(*format, Box::new(file.document()?), plain);
+            let reporter = Box::new(reporter(*format, Box::new(file.document()?), Style::default()));
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))
@@ -179,8 +210,8 @@ impl Reports {
     /// Adds a report in memory, for the program's own use.
     pub fn keep(&mut self, format: ReportFormat) -> Kept {
         let kept = Kept::default();
-        let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
-        self.0.push(Report { reporter: reporter(format, Box::new(kept.clone()), plain), file: None, written: Ok(()) });
+        let reporter = Box::new(reporter(format, Box::new(kept.clone()), Style::default()));
+        self.0.push(Report { reporter, file: None, written: Ok(()) });
         kept
     }
 
@@ -218,13 +249,6 @@ impl Report {
     }
 }
 
-fn reporter(format: ReportFormat, out: Box<dyn Write>, style: Style) -> Box<dyn Reporter> {
-    let render: Render = match format {
-        ReportFormat::Table => return Box::new(Terminal::new(out, show_progress, style)),
-        ReportFormat::Json => json::render,
-        ReportFormat::Junit => junit::render,
-        ReportFormat::Html => html::render,
-        ReportFormat::Markdown => markdown::render,
-    };
-    Box::new(Document::new(out, render))
+fn reporter(format: ReportFormat, out: Box<dyn Write>, style: Style) -> RunReport<Box<dyn Write>> {
+    RunReport::new(out, format.form(style)).allowed_by(ALLOW)
 }

@@ -89,9 +89,9 @@ impl Bench<'_> {
     /// Looks where the zero point is, before anything is reset. `has_operational`: the device is operational at some time, before
     /// the run or in it.
     pub(crate) fn note_zero_point(&mut self, has_operational: bool) {
-        self.baseline.has_operational = has_operational;
+        self.changes.baseline.has_operational = has_operational;
         // A device that does not tell it has none that could be compared.
-        self.baseline.zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
+        self.changes.baseline.zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
     }
 
     /// Restarts the device once, and learns what a start brings: what it has stored. `known`: its objects.
@@ -107,17 +107,16 @@ impl Bench<'_> {
                 continue;
             }
             let value = if self.is_unseen(*at) {
-                self.baseline.unseen.push(*at);
+                self.changes.baseline.unseen.push(*at);
                 Some(in_use.clone())
             } else {
                 self.unjudged(|bench| bench.value_at_last(*at))?
             };
             stored.extend(value.map(|value| Original { multiplexer: *at, value }));
         }
-        self.baseline.stored_zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
-        self.journal_memory(&stored)?;
-        self.baseline.stored = Some(stored);
-        self.baseline.behaviour = Some(self.unjudged(Self::behaviour)?);
+        self.changes.baseline.stored_zero_point = self.unjudged(Self::look_at_zero_point).ok().flatten();
+        self.changes.learn_memory(stored)?;
+        self.changes.baseline.behaviour = Some(self.unjudged(Self::behaviour)?);
         Ok(())
     }
 
@@ -142,8 +141,8 @@ impl Bench<'_> {
     pub(crate) fn settle_memory(&mut self, touches: &[Touch]) {
         let may_store =
             touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
-        let is_suspect = may_store || self.watch.has_stored() || std::mem::take(&mut self.wrote_memory);
-        if is_suspect && !self.has_gone() && self.baseline.stored.is_some() {
+        let is_suspect = may_store || self.traffic.watch.has_stored() || std::mem::take(&mut self.changes.wrote_memory);
+        if is_suspect && !self.knowledge.has_gone() && self.changes.baseline.stored.is_some() {
             let may_store = self.may_store();
             let may_preset = self.options.allow.contains(&Touch::Preset)
                 && touches.iter().any(|touch| matches!(touch, Touch::Preset | Touch::FactoryDefaults));
@@ -155,7 +154,7 @@ impl Bench<'_> {
     /// Whether restoring the defaults would move the zero point, which only the leave to preset lets a case put back: it is not
     /// that of the delivery, or the device does not tell.
     pub(crate) fn would_lose_zero_point(&self) -> bool {
-        let moved = self.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
+        let moved = self.changes.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
         let may_preset = self.options.allow.contains(&Touch::Preset);
         moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
     }
@@ -167,7 +166,7 @@ impl Bench<'_> {
             bench.restart()?;
             let mut left = bench.memory_left()?;
             // What does not show may have changed.
-            if may_store && !(left.changes.is_empty() && bench.baseline.unseen.is_empty()) {
+            if may_store && !(left.changes.is_empty() && bench.changes.baseline.unseen.is_empty()) {
                 bench.store_settings()?;
                 bench.restart()?;
                 left = bench.memory_left()?;
@@ -182,8 +181,8 @@ impl Bench<'_> {
     /// What a start has brought that is not as before the run. The device has just started.
     fn memory_left(&mut self) -> Result<MemoryLeft, Stop> {
         let mut changes = Vec::new();
-        for original in self.baseline.stored.clone().unwrap_or_default() {
-            if self.baseline.unseen.contains(&original.multiplexer) {
+        for original in self.changes.baseline.stored.clone().unwrap_or_default() {
+            if self.changes.baseline.unseen.contains(&original.multiplexer) {
                 continue;
             }
             let now = self.value_at_last(original.multiplexer)?;
@@ -194,7 +193,7 @@ impl Bench<'_> {
         }
         changes.iter_mut().for_each(|change| self.see_whether_it_moves(change));
         changes.retain(Change::is_left);
-        let zero_point = match self.baseline.stored_zero_point {
+        let zero_point = match self.changes.baseline.stored_zero_point {
             Some(before) => self.look_at_zero_point()?.and_then(|now| before.moved(&now)),
             None => None,
         };
@@ -203,7 +202,7 @@ impl Bench<'_> {
     }
 
     fn put_back_stored_zero_point(&mut self, may_store: bool) -> Result<Option<Moved>, Stop> {
-        let Some(before) = self.baseline.stored_zero_point else { return Ok(None) };
+        let Some(before) = self.changes.baseline.stored_zero_point else { return Ok(None) };
         self.put_back_zero_point(&before)?;
         // The other settings are those that are stored: the device has just started.
         if may_store {
@@ -216,7 +215,7 @@ impl Bench<'_> {
 
     /// Writes the settings that a start brought before the run, and stores them.
     fn store_settings(&mut self) -> Result<(), Stop> {
-        let originals = self.baseline.stored.clone().unwrap_or_default();
+        let originals = self.changes.baseline.stored.clone().unwrap_or_default();
         self.write_back(&originals);
         self.save()
     }
@@ -257,11 +256,11 @@ impl Bench<'_> {
         operational: bool,
         before: &[(Multiplexer, Vec<u8>)],
     ) -> Comparison {
-        let memory = match self.baseline.stored {
+        let memory = match self.changes.baseline.stored {
             // What fails here shows in the dictionary.
             // Each case has put back what it stored: what is left here was stored unasked.
             Some(_) => {
-                let may_store = self.may_store() && (self.stores() > 0 || !self.baseline.unseen.is_empty());
+                let may_store = self.may_store() && (self.stores() > 0 || !self.changes.baseline.unseen.is_empty());
                 let left = self.uncancelled(|bench| bench.put_back_memory(may_store, false)).unwrap_or_default();
                 MemoryLeft { behaviour: self.changed_behaviour(), ..left }
             }
@@ -294,7 +293,7 @@ impl Bench<'_> {
 
     /// By how much the zero point is moved that was in use before the run.
     fn moved_in_use(&mut self) -> Option<Moved> {
-        let before = self.baseline.zero_point?;
+        let before = self.changes.baseline.zero_point?;
         // Whether the device answers is told apart from this.
         let now = self.uncancelled(|bench| bench.unjudged(Self::look_at_zero_point)).ok().flatten()?;
         before.moved(&now)
@@ -303,7 +302,7 @@ impl Bench<'_> {
     /// Why a reset, with which each case begins, would take something from the device that no case puts back; `None`: it would
     /// not, as far as is known.
     pub(crate) fn harm_of_a_reset(&mut self, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
-        let zero_point = self.baseline.zero_point.filter(|_| !self.options.zero_point_is_stored);
+        let zero_point = self.changes.baseline.zero_point.filter(|_| !self.options.zero_point_is_stored);
         if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {
             let is_stored = self.stores_at_once(zero_point.preset());
             if !is_stored {
@@ -324,9 +323,9 @@ impl Bench<'_> {
 
     /// Acts to the end, with leave to move a zero point back to where it was.
     pub(crate) fn with_leave_to_move<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let before = std::mem::replace(&mut self.moving_zero_point, true);
+        let before = std::mem::replace(&mut self.changes.moving_zero_point, true);
         let result = self.uncancelled(act);
-        self.moving_zero_point = before;
+        self.changes.moving_zero_point = before;
         result
     }
 

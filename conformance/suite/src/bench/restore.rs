@@ -8,7 +8,6 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Outcome};
-use canvass_bus::observation::Subject;
 use canvass_traces::hex;
 
 /// Stores all parameters.
@@ -30,8 +29,7 @@ impl Bench<'_> {
 
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
     pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
-        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if known || self.acts(multiplexer) {
+        if self.changes.knows(multiplexer) || self.acts(multiplexer) {
             return Ok(());
         }
         // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
@@ -39,73 +37,72 @@ impl Bench<'_> {
         self.keep(multiplexer)
     }
 
+    /// The value that an object had before the case changed it, where it could be read.
+    pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+        let change = self.changes.originals().iter().find(|change| change.multiplexer == multiplexer)?;
+        Some(change.value.clone())
+    }
+
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
-        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if !known && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome {
-            self.journal_value(multiplexer, &value)?;
-            self.changes.push(Original { multiplexer, value });
+        if !self.changes.knows(multiplexer)
+            && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome
+        {
+            self.changes.keep(Original { multiplexer, value })?;
         }
         Ok(())
     }
 
     /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
     pub(crate) fn uncancelled<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let before = std::mem::replace(&mut self.restoring, true);
+        let before = std::mem::replace(&mut self.traffic.restoring, true);
         let result = act(self);
-        self.restoring = before;
+        self.traffic.restoring = before;
         result
     }
 
     /// The case was cancelled, or could not go on: it has not come to what it does at its end. Its node-ID and bit rate are put
     /// right by `rescue`; what it stored, by [`Bench::settle_memory`].
     pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
-        let stored = self.watch.has_stored();
+        let stored = self.traffic.watch.has_stored();
         // What can fail here shows in the answers of the device, which are compared after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
     /// Puts back what the case changed, and what could not be put back before; also after a failure and after Ctrl-C. What
-    /// the device does not have again is kept: it is tried anew after the next case, and told at the end of the run.
+    /// the device does not have again is kept.
     pub(super) fn restore(&mut self) {
-        let before = std::mem::replace(&mut self.restoring, true);
-        let mut originals = std::mem::take(&mut self.unrestored);
-        for change in std::mem::take(&mut self.changes) {
-            if !originals.iter().any(|known| known.multiplexer == change.multiplexer) {
-                originals.push(change);
-            }
-        }
-        if self.has_gone() {
-            // There is nobody to write to: it is tried after the first case in which the device is back.
-            self.unrestored = originals;
-            self.restoring = before;
-            return;
-        }
+        let originals = self.changes.take();
+        // Where the device has gone there is nobody to write to: it is tried after the first case in which the device is back.
+        let unrestored = if self.knowledge.has_gone() {
+            originals
+        } else {
+            self.uncancelled(|bench| bench.put_back_values(&originals))
+        };
+        self.changes.leave(unrestored);
+    }
+
+    fn put_back_values(&mut self, originals: &[Original]) -> Vec<Original> {
         if !originals.is_empty()
             && let Err(stop) = self.wake()
         {
-            self.notes.push(format!("not restored: {}", stop.reason()));
+            self.note(format!("not restored: {}", stop.reason()));
         }
-        let mut stuck = self.write_back(&originals);
+        let mut stuck = self.write_back(originals);
         // What was not stored is back after a reset.
         if !stuck.is_empty() && self.reset(Command::RESET_NODE).is_ok() {
-            stuck = self.write_back(&originals);
+            stuck = self.write_back(originals);
         }
         for Original { multiplexer, value } in &stuck {
-            self.notes.push(format!("{multiplexer} could not be set back to {}", Bytes(value)));
+            self.note(format!("{multiplexer} could not be set back to {}", Bytes(value)));
         }
-        self.unrestored = stuck;
-        self.restoring = before;
-    }
-
-    /// Whether an earlier case has left an object behind with a value that is not the device's own.
-    pub(crate) fn is_left_behind(&self, subject: Subject) -> bool {
-        self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
+        stuck
     }
 
     /// What cases could not put back and the dictionary does not show: objects that nobody described.
     pub(super) fn left_behind(&mut self, known: &[Change]) -> Vec<Change> {
         let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
-        let stuck: Vec<Original> = self.unrestored.iter().filter(|original| !is_told(original)).cloned().collect();
+        let stuck: Vec<Original> =
+            self.changes.unrestored().iter().filter(|original| !is_told(original)).cloned().collect();
         let stuck = self.write_back(&stuck);
         let change = |Original { multiplexer, value }| {
             let after = self.value_of(multiplexer);
@@ -130,7 +127,7 @@ impl Bench<'_> {
         if stored.is_empty() || !can_store {
             return self.writing(bus, before, changes);
         }
-        let known = self.baseline.stored.clone().unwrap_or_default();
+        let known = self.changes.baseline.stored.clone().unwrap_or_default();
         let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
         let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), self.node())];
         commands.extend(self.writing(bus, &known, stored));
@@ -207,15 +204,13 @@ mod tests {
     #[test]
     fn a_device_that_is_gone_is_not_written_to_after_each_case() {
         let (took, left) = with_bench(table(&[]), |bench| {
-            bench.gone = Some("301/a/case");
-            bench.changes.push(Original {
-                multiplexer: Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0),
-                value: vec![0, 0],
-            });
+            bench.knowledge.gone = Some("301/a/case");
+            let multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
+            bench.changes.keep(Original { multiplexer, value: vec![0, 0] }).unwrap();
             let begun = bench.now();
             bench.restore();
             bench.restore();
-            (bench.now().since(begun), bench.unrestored.clone())
+            (bench.now().since(begun), bench.changes.unrestored().to_vec())
         });
         assert_eq!(took, Duration::ZERO);
         let left: Vec<_> = left.into_iter().map(|Original { multiplexer, value }| (multiplexer, value)).collect();

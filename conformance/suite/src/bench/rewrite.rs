@@ -60,13 +60,14 @@ const PRODUCES: u32 = 1 << 30;
 const CONSUMES: u32 = 1 << 31;
 
 impl Bench<'_> {
-    /// Writes values back; returns those that the device does not have again.
+    /// Writes values back, but no object that acts; returns those that the device does not have again.
     pub(super) fn write_back(&mut self, originals: &[Original]) -> Vec<Original> {
-        let wrong: Vec<&Original> = originals.iter().filter(|original| !self.has_again(original)).collect();
+        let settings: Vec<&Original> = originals.iter().filter(|original| !self.acts(original.multiplexer)).collect();
+        let wrong: Vec<&Original> = settings.iter().copied().filter(|original| !self.has_again(original)).collect();
         let companions = wrong.iter().flat_map(|original| companions(original.multiplexer));
         let needed: Vec<Multiplexer> =
             wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
-        let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
+        let rewritten = settings.iter().copied().filter(|original| needed.contains(&original.multiplexer));
         let held: Vec<(Multiplexer, u32)> = needed
             .iter()
             .filter(|at| is_cob_id(**at))
@@ -80,7 +81,7 @@ impl Bench<'_> {
             let _ = self.download_as(multiplexer, &value, Mode::Shortest);
         }
         let again: Vec<&Original> =
-            originals.iter().filter(|original| needed.contains(&original.multiplexer)).collect();
+            settings.into_iter().filter(|original| needed.contains(&original.multiplexer)).collect();
         again.into_iter().filter(|original| !self.has_again(original)).cloned().collect()
     }
 

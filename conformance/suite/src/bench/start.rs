@@ -24,7 +24,7 @@ impl Bench<'_> {
         }
         self.listen(SHOWN)?;
         let started = self.heard_since(begun);
-        let operational = match self.baseline.has_operational {
+        let operational = match self.changes.baseline.has_operational {
             true => {
                 self.command(Command::START)?;
                 self.listen(SHOWN)?
@@ -52,7 +52,7 @@ impl Bench<'_> {
 
     /// What it does otherwise than before the run.
     pub(super) fn changed_behaviour(&mut self) -> Vec<Changed> {
-        let Some(before) = self.baseline.behaviour.clone() else { return Vec::new() };
+        let Some(before) = self.changes.baseline.behaviour.clone() else { return Vec::new() };
         // Whether the device starts at all shows in the dictionary.
         let after = self.uncancelled(|bench| bench.unjudged(Self::behaviour));
         after.map(|after| before.changed(&after)).unwrap_or_default()

@@ -1,12 +1,12 @@
 //! What a run counts, what it tells on its way, and in which order.
 
-use super::tests::test_case;
 use super::{HostTiming, Plan, RunError, RunEvent, Summary, put_back, run};
 use crate::bench::{Bench, Options, Target};
 use crate::case::Case;
 use crate::clause::Level;
 use crate::journal::Interrupted;
 use crate::quarantine::Quarantine;
+use crate::scripted::test_case;
 use crate::scripted::{Row, ScriptedBus, dictionary, frame, with_bench, with_options, with_target};
 use crate::touch::Touch;
 use crate::verdict::{Breach, Kind, Lack, Reason, Stop};

@@ -1,10 +1,9 @@
 //! What a run leaves behind is reported with the commands that put it back, and is no good end.
 
-use super::tests::test_case;
 use super::{Plan, RunEvent, Summary, run};
 use crate::case::Case;
 use crate::comparison::{Comparison, Nature};
-use crate::scripted::with_bench;
+use crate::scripted::{test_case, with_bench};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_traces::{CanId, Duration, Frame};

@@ -1,23 +1,18 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-mod blame;
 #[cfg(test)]
 mod counts;
 mod event;
-mod lateness;
 #[cfg(test)]
 mod left_behind;
 mod nonsense;
-mod one_case;
-mod others;
 mod repetition;
-mod restart;
 mod summary;
 #[cfg(test)]
 mod tests;
 
-pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
-pub use one_case::run_case;
+pub use crate::trial::{CaseReport, run_case};
+pub use event::{DeviceIdentity, RunEvent, RunInfo};
 pub use summary::{EndedEarly, HostTiming, Summary};
 
 use crate::bench::{Bench, Harm, objects};
@@ -103,7 +98,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let was_operational = asks && reach_device(bench)?;
     let dictionary = if asks { bench.dump() } else { Vec::new() };
     if asks {
-        bench.learn_addresses(&dictionary);
+        bench.traffic.clients.learn_addresses(&dictionary);
         is_left_alone(bench, |_| true)?;
     }
     let info = RunInfo {
@@ -143,17 +138,17 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         let comparison = bench.put_back_device(plan.bus, was_operational, &info.dictionary);
         summary.is_as_found = comparison.is_as_found();
         report(&RunEvent::DictionaryCompared(&comparison));
-        let notice = bench.end_journal(comparison.is_as_found());
+        let notice = bench.changes.end_journal(comparison.is_as_found());
         notice.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
     }
-    bench.end_journal(true);
-    if let Some(notice) = bench.fd_notice() {
+    bench.changes.end_journal(true);
+    if let Some(notice) = bench.traffic.fd_notice() {
         report(&RunEvent::Noticed(&notice));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
     }
-    let others = bench.foreign_messages_of_run();
+    let others = bench.traffic.clients.messages_of_run();
     if !others.is_empty() {
         report(&RunEvent::OtherClients(&others));
         report(&RunEvent::Noticed(&format!("others used the device during the run: {}", told(&others))));
@@ -211,7 +206,7 @@ fn run_cases(
             return (undescribed, Some(EndedEarly::FirstFailure));
         }
     }
-    let late = bench.is_out_of_time().then_some(EndedEarly::TimeIsOver);
+    let late = bench.traffic.is_out_of_time().then_some(EndedEarly::TimeIsOver);
     (undescribed, late)
 }
 
@@ -226,7 +221,7 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
     let case = run.case.as_deref().and_then(catalogue::find);
     if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
-        bench.assume_configured_bit_rate();
+        bench.traffic.watch.assume_configured_bit_rate();
     }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
     bench.put_back(run, rescue).ok_or(unreachable)
@@ -268,7 +263,7 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
 
 /// A device that others use is not reset under them: only where the user says so.
 fn is_left_alone(bench: &Bench<'_>, counts: impl Fn(ForeignKind) -> bool) -> Result<(), RunError> {
-    let mut messages = bench.foreign_messages_of_run();
+    let mut messages = bench.traffic.clients.messages_of_run();
     messages.retain(|sent| counts(sent.kind));
     if messages.is_empty() || bench.options().allow.contains(&Touch::OtherClients) {
         return Ok(());

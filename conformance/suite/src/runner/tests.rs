@@ -1,23 +1,13 @@
 //! Runs on devices of a few lines: what becomes of the cases, and what is reported about them.
 
-use super::one_case::rule;
 use super::*;
-use crate::clause::{Clause, Confidence, Level};
-use crate::scripted::{frame, table, with_bench};
+use crate::scripted::{frame, table, test_case, with_bench};
 use crate::touch::Touch;
-use crate::verdict::Deviation;
-use crate::verdict::{Authority, Breach, Judged};
+use crate::verdict::Breach;
 use canvass_bus::observation::{Observation, Subject};
 
 /// A device that answers only when its device type is read or it is reset.
 const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
-
-pub(super) const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
-    let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
-    let (needs, touches, catches) = (&[], &[], &[]);
-    let answers = &[];
-    Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, answers, cct: None, run }
-}
 
 static PASSES: Case = test_case("test/passes", |_| Ok(()));
 static PANICS: Case = test_case("test/panics", |_| panic!("out of luck"));
@@ -74,25 +64,6 @@ fn a_restart_fails_a_case_that_passed() {
 fn a_device_that_is_not_there_is_no_failure_of_a_device() {
     let (result, events) = run_cases(&[], &[&PASSES]);
     assert!(matches!(result, Err(RunError::Unreachable { .. })) && events.is_empty());
-}
-
-#[test]
-fn a_documented_breach_is_a_deviation_and_hides_no_other() {
-    let silent = Breach::new(Subject::Device, "it works").found(Observation::Silence);
-    let deviations = [Deviation {
-        case: "test/*".to_owned(),
-        subject: Subject::Device,
-        does: "silence".parse().unwrap(),
-        documented: "manual, 5.1".to_owned(),
-        by: Authority::Manual,
-    }];
-    let kind = |breach: &Breach| rule(breach.clone(), &PASSES, &deviations).kind();
-    assert_eq!(kind(&silent), Kind::Deviation);
-    assert_eq!(kind(&silent.clone().found(Observation::Confirmation)), Kind::Fail, "it does something else");
-    let elsewhere = Breach { subject: Multiplexer::new(object::DEVICE_TYPE, 0).into(), ..silent.clone() };
-    assert_eq!(kind(&elsewhere), Kind::Fail, "another object does it");
-    let other_case = test_case("other/case", |_| Ok(()));
-    assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);
 }
 
 static UNREACHED: Case =

@@ -10,10 +10,10 @@ use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
 use canvass_reports::descriptions::text::{self, Style};
-use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
+use canvass_reports::descriptions::{CheckedFile, CheckedFiles, Counts, github, sarif};
+use canvass_reports::document::{Form, Report as _};
 use canvass_reports::escape::Printable;
 use selection::Selection;
-use serde_json::json;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -149,19 +149,21 @@ impl Args {
     fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
         let text = match self.format {
             CheckFormat::Text => summary(files),
-            CheckFormat::Json => Printable::pretty_json(&json!(json::document(files))).into_string(),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
-            CheckFormat::Markdown => markdown::document(files),
             CheckFormat::Github => files.iter().map(github::render).collect(),
-            CheckFormat::Junit => {
-                let mut bytes = Vec::new();
-                junit::render(files, self.fail_on.least(), &mut bytes)?;
-                String::from_utf8_lossy(&bytes).into_owned()
-            }
+            CheckFormat::Json => self.report(files, Form::Json)?,
+            CheckFormat::Markdown => self.report(files, Form::Markdown)?,
+            CheckFormat::Junit => self.report(files, Form::Junit)?,
         };
         let mut output = output.clone();
         unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
         Ok(())
+    }
+
+    fn report(&self, files: &[CheckedFile], form: Form) -> std::io::Result<String> {
+        let mut bytes = Vec::new();
+        CheckedFiles { files, fail_on: self.fail_on.least() }.write(form, &mut bytes)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 }
 

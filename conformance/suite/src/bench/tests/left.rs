@@ -52,7 +52,7 @@ fn a_dictionary_is_put_back() {
         assert_eq!(untouched.objects, before.len());
         // As by somebody else: the bench remembers nothing of it.
         bench.write(heartbeat_time, &[0xE8, 3]).unwrap();
-        bench.changes.clear();
+        bench.changes.take();
         let back = bench.put_back_dictionary("sim:test", &before);
         assert!(back.is_as_found(), "{back:?}");
         assert_eq!(bench.read_number(heartbeat_time), Ok(0));
@@ -66,16 +66,16 @@ fn a_journal_is_kept_where_something_is_left() {
     let path = folder.path().join("journal");
     let options = Options { journal: Some(path.clone()), ..Options::default() };
     with(&options, |bench| {
-        assert_eq!(bench.end_journal(false), None, "there is none");
+        assert_eq!(bench.changes.end_journal(false), None, "there is none");
         bench.begin_journal("sim:test", false, &[]).unwrap();
         assert!(path.exists());
-        let told = bench.end_journal(false).unwrap();
+        let told = bench.changes.end_journal(false).unwrap();
         assert_eq!(told, format!("{} lists what could not be restored", path.display()));
         assert!(path.exists());
         assert!(bench.begin_journal("sim:test", false, &[]).is_err(), "it is not written over");
         std::fs::remove_file(&path).unwrap();
         bench.begin_journal("sim:test", false, &[]).unwrap();
-        assert_eq!((bench.end_journal(true), path.exists()), (None, false));
+        assert_eq!((bench.changes.end_journal(true), path.exists()), (None, false));
     });
 }
 

@@ -44,7 +44,7 @@ fn at_work(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     bench.listen(Duration::from_millis(500)).unwrap();
     bench.write(HEARTBEAT, &[0xE8, 3]).unwrap();
     bench.begin();
-    bench.changes.clear();
+    bench.changes.take();
     bench.note_zero_point(true);
     let dictionary = bench.dump();
     bench.learn_memory(&dictionary).unwrap();
@@ -182,11 +182,11 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
         let (_, dictionary) = moved(bench);
         // As `canvass restore` finds it: without any leave.
-        let (before, options) = (bench.baseline.clone(), Options::default());
+        let (before, options) = (bench.changes.baseline.clone(), Options::default());
         let cancel = AtomicBool::new(false);
         let mut annotate = |record: &Record| record.frame.to_string();
-        let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
-        other.baseline = before;
+        let mut other = Bench::new(&mut *bench.traffic.bus, bench.target, &options, &mut annotate, &cancel);
+        other.changes.baseline = before;
         let comparison = other.put_back_device("sim:x", false, &dictionary);
         let told: Vec<(i64, bool)> =
             comparison.zero_points.iter().map(|moved| (moved.steps, moved.is_stored)).collect();
@@ -207,10 +207,10 @@ fn defaults_are_not_restored_over_a_zero_point_without_leave() {
                 None => drop(at_work(bench)),
             }
             let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
-            let (cancel, baseline) = (AtomicBool::new(false), bench.baseline.clone());
+            let (cancel, baseline) = (AtomicBool::new(false), bench.changes.baseline.clone());
             let mut annotate = |record: &Record| record.frame.to_string();
-            let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
-            other.baseline = baseline;
+            let mut other = Bench::new(&mut *bench.traffic.bus, bench.target, &options, &mut annotate, &cancel);
+            other.changes.baseline = baseline;
             other.would_lose_zero_point()
         })
     };

@@ -186,12 +186,12 @@ fn a_reset_brings_back_what_was_not_stored() {
     let restored = |takes| {
         let now = values(&[row(0x1017, 0, &[0xE8, 3])]);
         with_bench(device(&now, &before, takes), |bench| {
-            bench.changes = vec![original(0x1017, 0, &[0, 0])];
+            bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
             bench.restore();
-            let left = bench.is_left_behind(Subject::from(HEARTBEAT_TIME));
-            assert!(!bench.is_left_behind(Subject::from(GUARD_TIME)));
+            let left = bench.changes.is_left_behind(Subject::from(HEARTBEAT_TIME));
+            assert!(!bench.changes.is_left_behind(Subject::from(GUARD_TIME)));
             let resets = sent(bench, 0).iter().filter(|frame| *frame == "NMT 81 3F").count();
-            (bench.notes.clone(), left, resets)
+            (bench.log.notes.clone(), left, resets)
         })
     };
     assert_eq!(restored(Takes::All), (Vec::new(), false, 0));
@@ -199,15 +199,15 @@ fn a_reset_brings_back_what_was_not_stored() {
     assert_eq!(restored(Takes::Nothing), (vec!["1017h:00 could not be set back to 00 00".to_owned()], true, 1));
     let now = values(&[row(0x1017, 0, &[0xE8, 3])]);
     with_bench(device(&now, &[], Takes::Nothing), |bench| {
-        bench.changes = vec![original(0x1017, 0, &[0, 0])];
+        bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
         assert_eq!(bench.finish().notes.len(), 1);
         bench.begin();
         // The case after it changes the same object: what it finds there is not the device's own value.
-        bench.changes = vec![original(0x1017, 0, &[0xE8, 3])];
+        bench.changes.keep(original(0x1017, 0, &[0xE8, 3])).unwrap();
         assert_eq!(bench.finish().notes, ["1017h:00 could not be set back to 00 00"]);
         now.borrow_mut().insert((0x1017, 0), vec![0, 0]);
         assert_eq!(bench.finish().notes, Vec::<String>::new());
-        assert!(!bench.is_left_behind(Subject::from(HEARTBEAT_TIME)));
+        assert!(!bench.changes.is_left_behind(Subject::from(HEARTBEAT_TIME)));
     });
 }
 
@@ -222,9 +222,9 @@ fn a_stopped_device_is_woken_before_values_are_written_back() {
             if silent { Vec::new() } else { inner(request) }
         };
         with_bench(script, |bench| {
-            bench.changes = vec![original(0x1017, 0, &[0, 0])];
+            bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
             bench.restore();
-            assert_eq!((bench.notes.clone(), bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
+            assert_eq!((bench.log.notes.clone(), bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
             sent(bench, 0)
         })
     };
@@ -253,15 +253,15 @@ fn the_value_before_the_first_change_is_kept() {
     with_bench(device(&now, &[], Takes::All), |bench| {
         bench.write(HEARTBEAT_TIME, &[1, 0]).unwrap();
         bench.write(HEARTBEAT_TIME, &[2, 0]).unwrap();
-        assert_eq!(bench.changes, [original(0x1017, 0, &[0, 0])]);
+        assert_eq!(bench.changes.originals(), [original(0x1017, 0, &[0, 0])]);
         bench.write(Multiplexer::new(0x1A00, 0), &[0]).unwrap();
-        assert_eq!(bench.changes[1..], [original(0x1800, 1, &[1, 0, 0, 0]), original(0x1A00, 0, &[1])]);
+        assert_eq!(bench.changes.originals()[1..], [original(0x1800, 1, &[1, 0, 0, 0]), original(0x1A00, 0, &[1])]);
         let since = seen(bench);
         for index in [0x1003, 0x1010, 0x1011, 0x1013, 0x6003, 0x6009] {
             bench.remember(Multiplexer::new(index, 1)).unwrap();
         }
         bench.remember(HEARTBEAT_TIME).unwrap();
-        assert_eq!((seen(bench), bench.changes.len()), (since, 3), "nothing is read for these");
+        assert_eq!((seen(bench), bench.changes.originals().len()), (since, 3), "nothing is read for these");
     });
 }
 
@@ -332,7 +332,7 @@ fn an_interrupted_run_is_put_back() {
         with_bench(device(&now, &[], takes), |bench| {
             let comparison = bench.put_back(run, Some(rescue)).unwrap();
             let left: Vec<String> = comparison.left().map(|change| change.multiplexer.to_string()).collect();
-            assert!(!bench.restoring && comparison.is_complete);
+            assert!(!bench.traffic.restoring && comparison.is_complete);
             (left, sent(bench, 0), rescued(bench))
         })
     };
@@ -378,7 +378,7 @@ fn what_the_dictionary_does_not_show_is_told_too() {
     let now = values(&[row(0x2041, 0, &[9]), row(0x2042, 0, &[9])]);
     let left = |takes: Takes| {
         with_bench(device(&now, &[], takes), |bench| {
-            bench.unrestored = vec![original(0x2041, 0, &[7]), original(0x2042, 0, &[7])];
+            bench.changes.leave(vec![original(0x2041, 0, &[7]), original(0x2042, 0, &[7])]);
             let known = bench.change(Multiplexer::new(0x2041, 0), Some(vec![7]), Some(vec![9]));
             bench.left_behind(&[known])
         })
@@ -439,7 +439,7 @@ fn commands_put_settings_back() {
         let preset = setting(0x6003, 0, Some(&[0, 0, 0, 0]));
         assert_eq!(commands(bench, &[preset, setting(0x1010, 1, Some(&[1, 0, 0, 0]))]), Vec::<String>::new());
         // The memory first, from a start on; then what was in use and is not what a start brings.
-        bench.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
+        bench.changes.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
         let stored = setting(0x1017, 0, Some(&[0xD0, 7]));
         let memory: Vec<String> = bench.commands("can0", &before, &[], &[stored]).iter().map(short).collect();
         let reset = "canvass nmt can0 reset-node 63";
@@ -531,25 +531,25 @@ fn the_journal_names_the_case_that_was_under_way() {
         bench.begin_journal("can0", true, &[(HEARTBEAT_TIME, vec![0, 0])]).unwrap();
         assert_eq!((written().operational, written().begun, written().node), (true, true, bench.node()));
         for touch in [Touch::NodeId, Touch::BitRate, Touch::Nvm, Touch::FactoryDefaults, Touch::Preset] {
-            bench.journal_case("301/a", &[Touch::OtherNodes, touch]).unwrap();
+            bench.changes.begin_case("301/a", &[Touch::OtherNodes, touch]).unwrap();
             assert_eq!(written().case.as_deref(), Some("301/a"), "{touch}");
             bench.finish();
             assert_eq!(written().case.as_deref(), Some("301/a"), "its memory may not be as it was");
-            bench.settle_journal();
+            bench.changes.settle_journal();
             assert_eq!(written().case, None);
         }
-        bench.journal_case("301/b", &[Touch::OtherNodes]).unwrap();
+        bench.changes.begin_case("301/b", &[Touch::OtherNodes]).unwrap();
         assert_eq!(written().case, None, "it leaves nothing behind");
         bench.write(Multiplexer::new(0x2041, 0), &[8]).unwrap();
         assert_eq!(written().more, [(Multiplexer::new(0x2041, 0), vec![7])]);
         bench.write(HEARTBEAT_TIME, &[8, 0]).unwrap();
         assert_eq!(written().more.len(), 1, "that one is in the dictionary");
         assert!(!written().stored);
-        bench.journal_case("301/c", &[Touch::Nvm]).unwrap();
+        bench.changes.begin_case("301/c", &[Touch::Nvm]).unwrap();
         bench.download(STORE, b"save").unwrap();
         assert!(written().stored);
         bench.finish();
-        bench.settle_journal();
+        bench.changes.settle_journal();
         assert!(!written().stored);
         // Another node's store is not this device's, nor is a read of 1010h.
         bench.send_bytes(0x640, &[0x23, 0x10, 0x10, 1, 0x73, 0x61, 0x76, 0x65]).unwrap();
