@@ -124,6 +124,8 @@ fn in_full(report: &CaseReport, depth: Depth) -> Vec<Block> {
     let mut blocks = vec![Block::Text(report.case.requirement.to_owned())];
     blocks.extend(Told::all(report).iter().map(|told| Block::Facts(facts(told))));
     let mut remarks = remarks(report);
+    let comparable = report.case.cct.filter(|_| cct_forecast(report).is_none());
+    remarks.extend(comparable.map(|number| fact("comparable", format!("with case {number} of CiA's test tool"))));
     remarks
         .extend([fact("level", report.case.level.name()), fact("duration", format!("{} on the bus", report.duration))]);
     blocks.push(Block::Facts(remarks));

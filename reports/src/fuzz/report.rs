@@ -20,6 +20,8 @@ impl Report for Run {
         let model = if self.model.is_empty() { String::new() } else { format!(": {}", self.model) };
         let is_good = self.outcome.violations.is_empty() && self.outcome.ended_by.is_none();
         let findings = self.violations().map(|(found, words)| Block::Finding(finding(self, found, words, depth)));
+        let none = depth > Depth::Screen && self.outcome.violations.is_empty();
+        let findings = findings.chain(none.then(|| Block::Text("None.".to_owned())));
         let violations = section("violations", "Violations", findings.collect());
         let coverage = (depth == Depth::Page).then(|| section("coverage", "Coverage", coverage(self)));
         Document {
@@ -51,7 +53,7 @@ fn facts(run: &Run, depth: Depth) -> Vec<Fact> {
     let facts = [
         fact("bus", &run.bus),
         fact("target", run.targets),
-        fact("not allowed", run.forbidden()),
+        fact("never done", never_done(run)),
         fact("seed", run.seed),
         fact("exchanges", run.outcome.executions),
         fact("frames sent", run.outcome.frames),
@@ -63,6 +65,12 @@ fn facts(run: &Run, depth: Depth) -> Vec<Fact> {
     ];
     let repeat = (depth != Depth::Paper).then(|| fact("repeat with", &run.repeat));
     facts.into_iter().filter(|(_, value)| !value.is_empty()).chain(repeat).collect()
+}
+
+/// What the sequences never did, because nobody allowed it; empty if all was allowed.
+fn never_done(run: &Run) -> String {
+    let forbidden = run.forbidden();
+    if forbidden.is_empty() { forbidden } else { forbidden + " (not allowed)" }
 }
 
 /// The command that repeats the run, as something to copy: in a table of Markdown its signs are escaped.
