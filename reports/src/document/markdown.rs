@@ -36,7 +36,9 @@ fn blocks(blocks: &[Block], level: usize, out: &mut dyn Write) -> io::Result<()>
 /// Writes an empty line and the block; headings in it are of `level`.
 fn block(block: &Block, level: usize, out: &mut dyn Write) -> io::Result<()> {
     match block {
-        Block::Text(text) => text.split("\n\n").try_for_each(|text| writeln!(out, "\n{}", markdown(&capitalised(text)))),
+        Block::Text(text) => {
+            text.split("\n\n").try_for_each(|text| writeln!(out, "\n{}", markdown(&capitalised(text))))
+        }
         Block::Note(text) => writeln!(out, "\n- Note: {}", markdown(text)),
         Block::Items(list) => items(list.iter().map(|item| markdown(item)), out),
         Block::Words(words) => writeln!(out, "\n{}", markdown(&words.join(", "))),
