@@ -1,15 +1,9 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-#[cfg(test)]
-mod counts;
 mod event;
-#[cfg(test)]
-mod left_behind;
 mod nonsense;
 mod repetition;
 mod summary;
-#[cfg(test)]
-mod tests;
 
 pub use crate::trial::{CaseReport, run_case};
 pub use event::{DeviceIdentity, RunEvent, RunInfo};
