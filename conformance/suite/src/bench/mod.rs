@@ -28,6 +28,7 @@ mod frames;
 pub(crate) mod interrupted;
 mod knowledge;
 mod measurement;
+mod nanos;
 pub mod nmt;
 pub mod objects;
 mod operational;
