@@ -1,9 +1,7 @@
 //! `run.json`: the options and inputs of a run, from which its recording can be judged again.
 
-use anyhow::{Context, Result, anyhow, bail};
-use canvass_suite::bench::{Options, Timing};
-use canvass_suite::touch::Touch;
-use canvass_traces::Duration;
+use anyhow::{Context, Result, bail};
+use canvass_suite::bench::Options;
 use serde::{Deserialize, Serialize};
 
 /// Name of this file in the bundle.
@@ -32,34 +30,14 @@ pub struct Setup {
     pub cases: Vec<String>,
     /// Why the run can't be repeated; `None` if it can.
     pub not_repeatable: Option<String>,
-    allow: Vec<String>,
-    repeat: u32,
-    retries: u32,
-    fail_fast: bool,
-    exhaustive: bool,
-    /// Programs before this option wrote no such field.
-    #[serde(default)]
-    zero_point_is_stored: bool,
-    limit_ns: Option<u64>,
-    timing: Times,
-}
-
-/// All waiting times in nanoseconds.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Times {
-    sdo_response_ns: u64,
-    store_ns: u64,
-    lss_ns: u64,
-    boot_up_ns: u64,
-    reaction_ns: u64,
-    silence_ns: u64,
-    period_tolerance: u32,
+    /// How was tested. Commands of the user and paths of the machine are not written.
+    #[serde(flatten)]
+    pub options: Options,
 }
 
 impl Setup {
     /// Records these options; the caller adds the bus, the device and the cases.
     pub fn new(options: &Options) -> Self {
-        let of = &options.timing;
         Self {
             schema: SCHEMA.to_owned(),
             bus: String::new(),
@@ -71,22 +49,7 @@ impl Setup {
             seed: 0,
             cases: Vec::new(),
             not_repeatable: None,
-            allow: options.allow.iter().map(|touch| touch.name().to_owned()).collect(),
-            repeat: options.repeat,
-            retries: options.retries,
-            fail_fast: options.fail_fast,
-            exhaustive: options.exhaustive,
-            zero_point_is_stored: options.zero_point_is_stored,
-            limit_ns: options.limit.map(Duration::nanos),
-            timing: Times {
-                sdo_response_ns: of.sdo_response.nanos(),
-                store_ns: of.store.nanos(),
-                lss_ns: of.lss.nanos(),
-                boot_up_ns: of.boot_up.nanos(),
-                reaction_ns: of.reaction.nanos(),
-                silence_ns: of.silence.nanos(),
-                period_tolerance: of.period_tolerance,
-            },
+            options: options.clone(),
         }
     }
 
@@ -98,7 +61,7 @@ impl Setup {
             bail!("run.json: expected a document of schema {SCHEMA}, found \"{}\"", setup.schema);
         }
         // The same limits as on the command line: a forged bundle must not keep the program busy without end.
-        if setup.repeat > MOST_RUNS || setup.retries > MOST_RUNS {
+        if setup.options.repeat.max(setup.options.retries) > MOST_RUNS {
             bail!("run.json: expected at most {MOST_RUNS} runs of a case");
         }
         Ok(setup)
@@ -108,37 +71,14 @@ impl Setup {
     pub fn text(&self) -> Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
-
-    /// The options of the run, without its shell commands: a bundle from elsewhere must not start programs.
-    pub fn options(&self) -> Result<Options> {
-        let allow = self.allow.iter().map(|name| name.parse::<Touch>().map_err(|error| anyhow!("run.json: {error}")));
-        let of = &self.timing;
-        Ok(Options {
-            allow: allow.collect::<Result<_>>()?,
-            timing: Timing {
-                sdo_response: Duration(of.sdo_response_ns),
-                store: Duration(of.store_ns),
-                lss: Duration(of.lss_ns),
-                boot_up: Duration(of.boot_up_ns),
-                reaction: Duration(of.reaction_ns),
-                silence: Duration(of.silence_ns),
-                period_tolerance: of.period_tolerance,
-            },
-            repeat: self.repeat,
-            retries: self.retries,
-            power_cycle: None,
-            fail_fast: self.fail_fast,
-            exhaustive: self.exhaustive,
-            zero_point_is_stored: self.zero_point_is_stored,
-            limit: self.limit_ns.map(Duration),
-            journal: None,
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_suite::bench::Timing;
+    use canvass_suite::touch::Touch;
+    use canvass_traces::Duration;
 
     #[test]
     fn options_go_through_the_bundle_and_commands_do_not() {
@@ -155,7 +95,7 @@ mod tests {
             journal: None,
         };
         let text = Setup::new(&options).text().unwrap();
-        let read = Setup::read(text.as_bytes()).unwrap().options().unwrap();
+        let read = Setup::read(text.as_bytes()).unwrap().options;
         assert_eq!(read, Options { power_cycle: None, ..options });
         assert!(!text.contains("rm -r"));
     }

@@ -127,11 +127,11 @@ fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
     let mut replay = Replay::new(records(entries, folder.path())?, transcript);
     let known = |id: &String| catalogue::find(id).with_context(|| format!("there is no case {id} in this version"));
     let cases: Vec<&'static Case> = setup.cases.iter().map(known).collect::<Result<_>>()?;
-    let options = setup.options()?;
+    let options = &setup.options;
     let plan = Plan { cases: &cases, bus: &setup.bus, bit_rate: replay.bit_rate(), seed: setup.seed };
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
     let mut found: Vec<(&str, Kind)> = Vec::new();
-    let mut bench = Bench::new(&mut replay, &target, &options, &mut annotate, &cancel);
+    let mut bench = Bench::new(&mut replay, &target, options, &mut annotate, &cancel);
     // The verdicts are compared even if the run as a whole judged nothing.
     let _ = run(&mut bench, &plan, &mut |event| {
         if let RunEvent::CaseFinished(report) = event {

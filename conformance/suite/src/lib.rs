@@ -25,6 +25,7 @@ pub mod needs;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]
+#[path = "../tests/scripted/mod.rs"]
 mod scripted;
 pub mod selftest;
 pub mod situation;
@@ -33,6 +34,10 @@ mod trial;
 pub mod verdict;
 pub mod waiver;
 pub mod zero_point;
+
+// What tests of the crate and tests beside it share names it by its name.
+#[cfg(test)]
+extern crate self as canvass_suite;
 
 pub(crate) use canvass_device::Fault;
 use canvass_macros::case;

@@ -72,45 +72,45 @@ impl Bench<'_> {
     pub(super) fn note_answer(&mut self, asked: Timestamp) {
         self.knowledge.promptness.note(self.traffic.taken_at().since(asked));
     }
+}
 
-    /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
-    /// `enough`, or often enough. One that does not answer is not late.
-    pub(crate) fn lateness(&mut self, enough: Duration) -> Duration {
-        if self.knowledge.promptness.is_known(enough) {
-            return self.knowledge.promptness.lateness();
-        }
-        let looked = self.uncancelled(|bench| bench.unjudged(|bench| bench.look_beside(enough)));
-        // A look that ends early has seen what it has seen.
-        drop(looked);
-        self.knowledge.promptness.lateness()
+/// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
+/// `enough`, or often enough. One that does not answer is not late.
+pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
+    if bench.knowledge.promptness.is_known(enough) {
+        return bench.knowledge.promptness.lateness();
     }
+    let looked = bench.uncancelled(|bench| bench.unjudged(|bench| look_beside(bench, enough)));
+    // A look that ends early has seen what it has seen.
+    drop(looked);
+    bench.knowledge.promptness.lateness()
+}
 
-    fn look_beside(&mut self, enough: Duration) -> Result<(), Stop> {
-        if !self.answers()? {
-            // Stopped, for example.
-            self.prepare()?;
-        }
-        for _ in 0..READS {
-            if self.knowledge.promptness.is_known(enough) || !self.read_beside()? {
-                break;
-            }
-            self.wait_for(PAUSE, |_| None::<()>)?;
-        }
-        Ok(())
+fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {
+    if !bench.answers()? {
+        // Stopped, for example.
+        bench.prepare()?;
     }
+    for _ in 0..READS {
+        if bench.knowledge.promptness.is_known(enough) || !read_beside(bench)? {
+            break;
+        }
+        bench.wait_for(PAUSE, |_| None::<()>)?;
+    }
+    Ok(())
+}
 
-    fn read_beside(&mut self) -> Result<bool, Stop> {
-        self.drain()?;
-        self.traffic.wait_for_quiet(self.knowledge.slowest_answer)?;
-        let response = sdo::RESPONSE_BASE + u16::from(self.node().raw());
-        let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(self.node().raw()));
-        let sent = self.send(&request)?;
-        let is_response = |cob_id| cob_id == Some(response);
-        let answered =
-            self.wait_for(self.timing().sdo_response, |record| is_response(record.frame.cob_id()).then_some(()))?;
-        if answered.is_some() {
-            self.note_answer(sent.at);
-        }
-        Ok(answered.is_some())
+fn read_beside(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    bench.drain()?;
+    bench.traffic.wait_for_quiet(bench.knowledge.slowest_answer)?;
+    let response = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
+    let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(bench.node().raw()));
+    let sent = bench.send(&request)?;
+    let is_response = |cob_id| cob_id == Some(response);
+    let answered =
+        bench.wait_for(bench.timing().sdo_response, |record| is_response(record.frame.cob_id()).then_some(()))?;
+    if answered.is_some() {
+        bench.note_answer(sent.at);
     }
+    Ok(answered.is_some())
 }

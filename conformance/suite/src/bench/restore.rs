@@ -1,7 +1,7 @@
 //! The device is left as it was found.
 
-use super::Bench;
 use super::rewrite::{Original, companions, is_cob_id, writes};
+use super::{Bench, dictionary, rewrite};
 use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
@@ -33,23 +33,14 @@ impl Bench<'_> {
             return Ok(());
         }
         // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
-        companions(multiplexer).into_iter().flatten().try_for_each(|companion| self.keep(companion))?;
-        self.keep(multiplexer)
+        companions(multiplexer).into_iter().flatten().try_for_each(|companion| keep(self, companion))?;
+        keep(self, multiplexer)
     }
 
     /// The value that an object had before the case changed it, where it could be read.
     pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
         let change = self.changes.originals().iter().find(|change| change.multiplexer == multiplexer)?;
         Some(change.value.clone())
-    }
-
-    fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
-        if !self.changes.knows(multiplexer)
-            && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome
-        {
-            self.changes.keep(Original { multiplexer, value })?;
-        }
-        Ok(())
     }
 
     /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
@@ -76,105 +67,114 @@ impl Bench<'_> {
         let unrestored = if self.knowledge.has_gone() {
             originals
         } else {
-            self.uncancelled(|bench| bench.put_back_values(&originals))
+            self.uncancelled(|bench| put_back_values(bench, &originals))
         };
         self.changes.leave(unrestored);
     }
+}
 
-    fn put_back_values(&mut self, originals: &[Original]) -> Vec<Original> {
-        if !originals.is_empty()
-            && let Err(stop) = self.wake()
-        {
-            self.note(format!("not restored: {}", stop.reason()));
-        }
-        let mut stuck = self.write_back(originals);
-        // What was not stored is back after a reset.
-        if !stuck.is_empty() && self.reset(Command::RESET_NODE).is_ok() {
-            stuck = self.write_back(originals);
-        }
-        for Original { multiplexer, value } in &stuck {
-            self.note(format!("{multiplexer} could not be set back to {}", Bytes(value)));
-        }
-        stuck
+fn keep(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Stop> {
+    if !bench.changes.knows(multiplexer)
+        && let Outcome::Uploaded(value) = bench.undisturbed(|bench| bench.upload(multiplexer))?.outcome
+    {
+        bench.changes.keep(Original { multiplexer, value })?;
     }
+    Ok(())
+}
 
-    /// What cases could not put back and the dictionary does not show: objects that nobody described.
-    pub(super) fn left_behind(&mut self, known: &[Change]) -> Vec<Change> {
-        let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
-        let stuck: Vec<Original> =
-            self.changes.unrestored().iter().filter(|original| !is_told(original)).cloned().collect();
-        let stuck = self.write_back(&stuck);
-        let change = |Original { multiplexer, value }| {
-            let after = self.value_of(multiplexer);
-            Change { nature: Nature::Setting, ..self.change(multiplexer, Some(value), after) }
-        };
-        stuck.into_iter().map(change).collect()
+fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
+    if !originals.is_empty()
+        && let Err(stop) = wake(bench)
+    {
+        bench.note(format!("not restored: {}", stop.reason()));
     }
+    let mut stuck = rewrite::write_back(bench, originals);
+    // What was not stored is back after a reset.
+    if !stuck.is_empty() && bench.reset(Command::RESET_NODE).is_ok() {
+        stuck = rewrite::write_back(bench, originals);
+    }
+    for Original { multiplexer, value } in &stuck {
+        bench.note(format!("{multiplexer} could not be set back to {}", Bytes(value)));
+    }
+    stuck
+}
 
-    /// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
-    /// that acts is written: no value of it puts anything back.
-    ///
-    /// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
-    /// values, so that storing takes only these, and the values that were in use are written after it.
-    pub(super) fn commands(
-        &self,
-        bus: &str,
-        before: &[(Multiplexer, Vec<u8>)],
-        changes: &[Change],
-        stored: &[Change],
-    ) -> Vec<String> {
-        let can_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
-        if stored.is_empty() || !can_store {
-            return self.writing(bus, before, changes);
-        }
-        let known = self.changes.baseline.stored.clone().unwrap_or_default();
-        let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
-        let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), self.node())];
-        commands.extend(self.writing(bus, &known, stored));
-        commands.push(self.command_to_write(bus, (STORE, b"save".to_vec())));
-        let unlike = |(at, value): &&(Multiplexer, Vec<u8>)| known.iter().any(|(of, other)| of == at && other != value);
-        let in_use = before.iter().filter(unlike).map(|(at, value)| self.change(*at, Some(value.clone()), None));
-        let in_use: Vec<Change> = in_use.chain(changes.iter().cloned()).collect();
-        commands.extend(self.writing(bus, before, &in_use));
-        commands
-    }
+/// What cases could not put back and the dictionary does not show: objects that nobody described.
+pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change> {
+    let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
+    let stuck: Vec<Original> =
+        bench.changes.unrestored().iter().filter(|original| !is_told(original)).cloned().collect();
+    let stuck = rewrite::write_back(bench, &stuck);
+    let change = |Original { multiplexer, value }| {
+        let after = dictionary::value_of(bench, multiplexer);
+        Change { nature: Nature::Setting, ..dictionary::change(bench, multiplexer, Some(value), after) }
+    };
+    stuck.into_iter().map(change).collect()
+}
 
-    fn writing(&self, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
-        let settings =
-            changes.iter().filter(|change| change.nature == Nature::Setting && !self.acts(change.multiplexer));
-        let mut originals: Vec<Original> = Vec::new();
-        for change in settings {
-            let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
-            if let (false, Some(value)) = (known, change.before.clone()) {
-                originals.push(Original { multiplexer: change.multiplexer, value });
-            }
-        }
-        let companions: Vec<Multiplexer> =
-            originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
-        for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
-            if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
-                originals.push(known);
-            }
-        }
-        let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
-        writes(&originals, &held).into_iter().map(|write| self.command_to_write(bus, write)).collect()
+/// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
+/// that acts is written: no value of it puts anything back.
+///
+/// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
+/// values, so that storing takes only these, and the values that were in use are written after it.
+pub(super) fn commands(
+    bench: &Bench<'_>,
+    bus: &str,
+    before: &[(Multiplexer, Vec<u8>)],
+    changes: &[Change],
+    stored: &[Change],
+) -> Vec<String> {
+    let can_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
+    if stored.is_empty() || !can_store {
+        return writing(bench, bus, before, changes);
     }
+    let known = bench.changes.baseline.stored.clone().unwrap_or_default();
+    let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
+    let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), bench.node())];
+    commands.extend(writing(bench, bus, &known, stored));
+    commands.push(command_to_write(bench, bus, (STORE, b"save".to_vec())));
+    let unlike = |(at, value): &&(Multiplexer, Vec<u8>)| known.iter().any(|(of, other)| of == at && other != value);
+    let in_use =
+        before.iter().filter(unlike).map(|(at, value)| dictionary::change(bench, *at, Some(value.clone()), None));
+    let in_use: Vec<Change> = in_use.chain(changes.iter().cloned()).collect();
+    commands.extend(writing(bench, bus, before, &in_use));
+    commands
+}
 
-    fn command_to_write(&self, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
-        let digits = hex::compact(&value).to_string();
-        let digits = if digits.is_empty() { "''" } else { &digits };
-        let (index, sub) = (at.index.0, at.sub.0);
-        format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), self.node())
-    }
-
-    /// Only in stopped the SDO server must not answer.
-    fn wake(&mut self) -> Result<(), Stop> {
-        if !self.answers()? {
-            self.command(Command::ENTER_PRE_OPERATIONAL)?;
-            self.listen(self.timing().reaction)?;
+fn writing(bench: &Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
+    let settings = changes.iter().filter(|change| change.nature == Nature::Setting && !bench.acts(change.multiplexer));
+    let mut originals: Vec<Original> = Vec::new();
+    for change in settings {
+        let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
+        if let (false, Some(value)) = (known, change.before.clone()) {
+            originals.push(Original { multiplexer: change.multiplexer, value });
         }
-        Ok(())
     }
+    let companions: Vec<Multiplexer> =
+        originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
+    for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
+        if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
+            originals.push(known);
+        }
+    }
+    let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
+    writes(&originals, &held).into_iter().map(|write| command_to_write(bench, bus, write)).collect()
+}
+
+fn command_to_write(bench: &Bench<'_>, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
+    let digits = hex::compact(&value).to_string();
+    let digits = if digits.is_empty() { "''" } else { &digits };
+    let (index, sub) = (at.index.0, at.sub.0);
+    format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), bench.node())
+}
+
+/// Only in stopped the SDO server must not answer.
+fn wake(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if !bench.answers()? {
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction)?;
+    }
+    Ok(())
 }
 
 /// The COB-IDs that the device has now, where a run has changed them.

@@ -123,6 +123,31 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// The number that an object holds; `None`: it can't be read.
+    pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
+        Ok(self.value_at_last(at)?.map(|value| super::sdo::number(&value)))
+    }
+
+    /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
+    pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
+        use canvass_bus::client::Outcome;
+        const TRIES: usize = 3;
+        for _ in 0..TRIES {
+            match self.upload(at)?.outcome {
+                Outcome::Uploaded(value) => return Ok(Some(value)),
+                Outcome::Aborted(_) => return Ok(None),
+                // Silence, or an answer that fits no question.
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// Writes an object now, and remembers nothing of it.
+    pub(crate) fn download_now(&mut self, at: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        self.download_as(at, value, Mode::Shortest).map(|_| ())
+    }
+
     /// Sends one SDO message, in or out of place, and waits for one response.
     ///
     /// # Errors

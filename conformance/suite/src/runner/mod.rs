@@ -1,21 +1,15 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-#[cfg(test)]
-mod counts;
 mod event;
-#[cfg(test)]
-mod left_behind;
 mod nonsense;
 mod repetition;
 mod summary;
-#[cfg(test)]
-mod tests;
 
 pub use crate::trial::{CaseReport, run_case};
 pub use event::{DeviceIdentity, RunEvent, RunInfo};
 pub use summary::{EndedEarly, HostTiming, Summary};
 
-use crate::bench::{Bench, Harm, objects};
+use crate::bench::{Bench, Harm, baseline, dictionary, interrupted, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
@@ -96,7 +90,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let started = bench.now();
     let asks = plan.cases.iter().any(|case| case.asks_the_device());
     let was_operational = asks && reach_device(bench)?;
-    let dictionary = if asks { bench.dump() } else { Vec::new() };
+    let dictionary = if asks { dictionary::dump(bench) } else { Vec::new() };
     if asks {
         bench.traffic.clients.learn_addresses(&dictionary);
         is_left_alone(bench, |_| true)?;
@@ -113,13 +107,12 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     };
     if asks {
         let starts = plan.cases.iter().any(|case| case.may_start_the_device());
-        bench.note_zero_point(was_operational || starts);
-        if let Some(harm) = bench.harm_of_a_reset(&info.dictionary) {
+        baseline::note_zero_point(bench, was_operational || starts);
+        if let Some(harm) = baseline::harm_of_a_reset(bench, &info.dictionary) {
             return Err(RunError::WouldHarm { node: bench.node(), harm });
         }
     }
-    bench
-        .begin_journal(plan.bus, was_operational, &info.dictionary)
+    interrupted::begin_journal(bench, plan.bus, was_operational, &info.dictionary)
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
     // If the dictionary was not read to its end, a reset would lose values that nobody knows.
@@ -135,7 +128,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     // Where nothing was restarted and no case has run, nothing was changed.
     summary.is_as_found = !asks;
     if has_restarted || asks && summary.total() > 0 {
-        let comparison = bench.put_back_device(plan.bus, was_operational, &info.dictionary);
+        let comparison = baseline::put_back_device(bench, plan.bus, was_operational, &info.dictionary);
         summary.is_as_found = comparison.is_as_found();
         report(&RunEvent::DictionaryCompared(&comparison));
         let notice = bench.changes.end_journal(comparison.is_as_found());
@@ -166,7 +159,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
 
 /// Restarts the device and learns what that brings; `true`: it was restarted.
 fn has_learned_memory(bench: &mut Bench<'_>, info: &RunInfo) -> Result<bool, RunError> {
-    match bench.learn_memory(&info.dictionary) {
+    match baseline::learn_memory(bench, &info.dictionary) {
         Err(Stop::Error(reason)) => Err(RunError::Bus(reason.actual)),
         // A device that does not start, and a user who cancels: the cases say so.
         _ => Ok(true),
@@ -224,7 +217,7 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
         bench.traffic.watch.assume_configured_bit_rate();
     }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
-    bench.put_back(run, rescue).ok_or(unreachable)
+    interrupted::put_back(bench, run, rescue).ok_or(unreachable)
 }
 
 /// Whether a case could not be judged because nobody has described the device.

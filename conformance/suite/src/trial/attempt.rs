@@ -2,7 +2,7 @@
 
 use super::Trial;
 use super::hindrance::overload;
-use crate::bench::Bench;
+use crate::bench::{Bench, baseline};
 use crate::case::Case;
 use crate::needs;
 use crate::touch::Touch;
@@ -26,7 +26,7 @@ fn attempt(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
         return Err(Stop::NotApplicable(not_allowed(*touch)));
     }
-    if case.touches.contains(&Touch::FactoryDefaults) && bench.would_lose_zero_point() {
+    if case.touches.contains(&Touch::FactoryDefaults) && baseline::would_lose_zero_point(bench) {
         return Err(Stop::NotApplicable(not_allowed(Touch::Preset)));
     }
     if case.asks_the_device() {

@@ -1,7 +1,7 @@
 //! A device that gets no processor, as a process on a busy machine, is late as a whole: that is no failure of its timers.
 
 use super::{Trial, meanwhile};
-use crate::bench::{Bench, DEVICE_KEEPS_UP, HOST_LATE, Timing};
+use crate::bench::{Bench, DEVICE_KEEPS_UP, HOST_LATE, Timing, promptness};
 use crate::clause::Level;
 use crate::verdict::{Allowed, Breach, End, Lack, Reason};
 use canvass_analyzer::Service;
@@ -23,7 +23,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     };
     let most = trial.breaches.iter().filter_map(needed).chain(unreached.as_ref().map(|_| HOST_LATE)).max();
     let Some(most) = most else { return trial };
-    let lateness = bench.lateness(most);
+    let lateness = promptness::lateness(bench, most);
     let usual = bench.knowledge.usual_answer();
     let late = |found: &Reason| {
         let actual = format!(

@@ -1,7 +1,7 @@
 //! The device is put back. That may panic, too; the run goes on.
 
 use super::Trial;
-use crate::bench::{Bench, Remains};
+use crate::bench::{Bench, Remains, baseline};
 use crate::verdict::End;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -25,7 +25,7 @@ pub(super) fn make_idle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
 pub(super) fn settle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let settled = catch_unwind(AssertUnwindSafe(|| {
         if trial.has_asked {
-            bench.settle_memory(trial.case.touches);
+            baseline::settle_memory(bench, trial.case.touches);
         }
     }));
     // If the tester fails here, the journal goes on telling of the case.

@@ -5,7 +5,7 @@
 use super::super::restore::STORE;
 use super::super::rewrite::{Original, companions, writes};
 use super::super::state::HEARTBEAT_TIME;
-use super::super::{Bench, Options};
+use super::super::{Bench, Options, dictionary, interrupted, restore, rewrite};
 use crate::comparison::{Change, Nature};
 use crate::journal::Interrupted;
 use crate::scripted::{Row, ScriptedBus, described, dictionary, frame, with_bench, with_target};
@@ -162,19 +162,19 @@ fn what_differs_is_written_back() {
         row(0x1014, 0, &[0xBF, 0, 0, 0]),
     ]);
     with_bench(device(&now, &[], Takes::All), |bench| {
-        assert_eq!(bench.write_back(&originals), []);
+        assert_eq!(rewrite::write_back(bench, &originals), []);
         let written = ["1014:00=BF000080", "1015:00=0100", "1014:00=BF000000", "1017:00=0000"];
         assert_eq!(sent(bench, 0), written, "100Ch has its value, and 1014h is off for 1015h");
         let since = seen(bench);
-        assert_eq!(bench.write_back(&originals), []);
+        assert_eq!(rewrite::write_back(bench, &originals), []);
         assert_eq!(sent(bench, since), Vec::<String>::new());
     });
     now.borrow_mut().insert((0x1017, 0), vec![1, 0]);
-    let stuck = with_bench(device(&now, &[], Takes::Nothing), |bench| bench.write_back(&originals));
+    let stuck = with_bench(device(&now, &[], Takes::Nothing), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
     // One that is not there any more has not its value either.
     now.borrow_mut().remove(&(0x1017, 0));
-    let stuck = with_bench(device(&now, &[], Takes::All), |bench| bench.write_back(&originals));
+    let stuck = with_bench(device(&now, &[], Takes::All), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
 }
 
@@ -330,7 +330,7 @@ fn an_interrupted_run_is_put_back() {
             now.borrow_mut().insert((0x1010, 1), vec![1, 0, 0, 0]);
         }
         with_bench(device(&now, &[], takes), |bench| {
-            let comparison = bench.put_back(run, Some(rescue)).unwrap();
+            let comparison = interrupted::put_back(bench, run, Some(rescue)).unwrap();
             let left: Vec<String> = comparison.left().map(|change| change.multiplexer.to_string()).collect();
             assert!(!bench.traffic.restoring && comparison.is_complete);
             (left, sent(bench, 0), rescued(bench))
@@ -367,7 +367,7 @@ fn an_interrupted_run_is_put_back_after_a_reset_where_that_helps() {
             silent &= !(helps && request.data() == [0x81, 63]);
             if silent { Vec::new() } else { inner(request) }
         };
-        with_bench(script, |bench| bench.put_back(&run, None).map(|found| found.is_as_found()))
+        with_bench(script, |bench| interrupted::put_back(bench, &run, None).map(|found| found.is_as_found()))
     };
     assert_eq!((reset_helps(true), reset_helps(false)), (Some(true), None));
 }
@@ -379,8 +379,8 @@ fn what_the_dictionary_does_not_show_is_told_too() {
     let left = |takes: Takes| {
         with_bench(device(&now, &[], takes), |bench| {
             bench.changes.leave(vec![original(0x2041, 0, &[7]), original(0x2042, 0, &[7])]);
-            let known = bench.change(Multiplexer::new(0x2041, 0), Some(vec![7]), Some(vec![9]));
-            bench.left_behind(&[known])
+            let known = dictionary::change(bench, Multiplexer::new(0x2041, 0), Some(vec![7]), Some(vec![9]));
+            restore::left_behind(bench, &[known])
         })
     };
     let told = left(Takes::Nothing);
@@ -415,11 +415,11 @@ fn commands_put_settings_back() {
     let now = values(&[row(0x1010, 1, &[1, 0, 0, 0])]);
     with_bench(device(&now, &[], Takes::All), |bench| {
         let commands = |bench: &Bench<'_>, changes: &[Change]| -> Vec<String> {
-            bench.commands("can0", &before, changes, &[]).iter().map(short).collect()
+            restore::commands(bench, "can0", &before, changes, &[]).iter().map(short).collect()
         };
         let heartbeat = setting(0x1017, 0, Some(&[0, 0]));
         assert_eq!(
-            bench.commands("can0", &before, std::slice::from_ref(&heartbeat), &[]),
+            restore::commands(bench, "can0", &before, std::slice::from_ref(&heartbeat), &[]),
             ["canvass sdo write can0 63 1017:00 0000 --type bytes"]
         );
         let text = setting(0x2010, 0, Some(&[]));
@@ -441,7 +441,7 @@ fn commands_put_settings_back() {
         // The memory first, from a start on; then what was in use and is not what a start brings.
         bench.changes.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
         let stored = setting(0x1017, 0, Some(&[0xD0, 7]));
-        let memory: Vec<String> = bench.commands("can0", &before, &[], &[stored]).iter().map(short).collect();
+        let memory: Vec<String> = restore::commands(bench, "can0", &before, &[], &[stored]).iter().map(short).collect();
         let reset = "canvass nmt can0 reset-node 63";
         assert_eq!(memory, [reset, "1017:00 D007", "1010:01 73617665", "1017:00 0000"]);
         for (bus, typed) in [
@@ -452,7 +452,7 @@ fn commands_put_settings_back() {
             ("it's", r"'it'\''s'"),
             ("a;b", "'a;b'"),
         ] {
-            let command = bench.commands(bus, &before, std::slice::from_ref(&heartbeat), &[]).remove(0);
+            let command = restore::commands(bench, bus, &before, std::slice::from_ref(&heartbeat), &[]).remove(0);
             assert_eq!(command, format!("canvass sdo write {typed} 63 1017:00 0000 --type bytes"));
         }
     });
@@ -461,7 +461,7 @@ fn commands_put_settings_back() {
 /// Every object has its nature: whether a run has to leave it as it was.
 #[test]
 fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
-    let nature = |bench: &Bench<'_>, index| bench.change(Multiplexer::new(index, 0), None, None).nature;
+    let nature = |bench: &Bench<'_>, index| dictionary::change(bench, Multiplexer::new(index, 0), None, None).nature;
     // Without a description: what only changes when it is written, whatever the device.
     with_bench(dictionary(Vec::new()), |bench| {
         for index in [
@@ -492,11 +492,11 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
         let found = [0x1000, 0x2000, 0x2001, 0x2002, 0x6003, 0x6009].map(|index| nature(bench, index));
         use Nature::{Constant, Own, Setting};
         assert_eq!(found, [Constant, Setting, Own, Constant, Own, Own], "a preset acts, and is no setting");
-        let change = bench.change(Multiplexer::new(0x2000, 0), Some(vec![1]), None);
+        let change = dictionary::change(bench, Multiplexer::new(0x2000, 0), Some(vec![1]), None);
         assert_eq!((change.name.as_deref(), change.data_type.map(|data_type| data_type.0)), (Some("2000"), Some(5)));
         assert_eq!((change.before, change.after), (Some(vec![1]), None));
         // What is not described has the type that the standard gives it.
-        let standard = bench.change(HEARTBEAT_TIME, None, None);
+        let standard = dictionary::change(bench, HEARTBEAT_TIME, None, None);
         assert_eq!((standard.name, standard.data_type.map(|data_type| data_type.0)), (None, Some(6)));
     });
 }
@@ -528,7 +528,7 @@ fn the_journal_names_the_case_that_was_under_way() {
     let target = super::Target::unknown(NodeId::new(63).unwrap());
     with_target(device(&now, &[], Takes::All), &target, &options, |bench| {
         let written = || Interrupted::read(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        bench.begin_journal("can0", true, &[(HEARTBEAT_TIME, vec![0, 0])]).unwrap();
+        interrupted::begin_journal(bench, "can0", true, &[(HEARTBEAT_TIME, vec![0, 0])]).unwrap();
         assert_eq!((written().operational, written().begun, written().node), (true, true, bench.node()));
         for touch in [Touch::NodeId, Touch::BitRate, Touch::Nvm, Touch::FactoryDefaults, Touch::Preset] {
             bench.changes.begin_case("301/a", &[Touch::OtherNodes, touch]).unwrap();

@@ -1,18 +1,20 @@
 //! What a run counts, what it tells on its way, and in which order.
 
-use super::{HostTiming, Plan, RunError, RunEvent, Summary, put_back, run};
-use crate::bench::{Bench, Options, Target};
-use crate::case::Case;
-use crate::clause::Level;
-use crate::journal::Interrupted;
-use crate::quarantine::Quarantine;
-use crate::scripted::test_case;
-use crate::scripted::{Row, ScriptedBus, dictionary, frame, with_bench, with_options, with_target};
-use crate::touch::Touch;
-use crate::verdict::{Breach, Kind, Lack, Reason, Stop};
+use crate::scripted::{
+    Row, ScriptedBus, described, dictionary, frame, test_case, with_bench, with_options, with_target,
+};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_bus::{Bus, BusError, Health};
+use canvass_suite::bench::{Bench, Options, Target};
+use canvass_suite::case::Case;
+use canvass_suite::clause::Level;
+use canvass_suite::journal::Interrupted;
+use canvass_suite::needs;
+use canvass_suite::quarantine::Quarantine;
+use canvass_suite::runner::{HostTiming, Plan, RunError, RunEvent, Summary, put_back, run, run_case};
+use canvass_suite::touch::Touch;
+use canvass_suite::verdict::{Breach, Kind, Lack, Reason, Stop};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp, parse_frame};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -147,7 +149,7 @@ fn stores_time_and_what_is_not_described_are_counted() {
     );
     let (_, notices, _) = counted(&unknown, &[&UNDESCRIBED, &PASSES, &UNDESCRIBED]);
     assert!(notices[0].contains("and 2 cases could not be judged"), "{notices:?}");
-    let described = crate::scripted::described(&[("1000", "DataType=0x0007\nAccessType=ro")]);
+    let described = described(&[("1000", "DataType=0x0007\nAccessType=ro")]);
     let (_, notices, _) = counted(&described, &[&UNDESCRIBED, &PASSES]);
     assert_eq!(notices, Vec::<String>::new(), "another description would be needed");
 }
@@ -190,9 +192,8 @@ fn repeated_cases_and_those_in_quarantine_are_counted() {
 /// Also a case that asks for a description lacks it, whatever else it would need.
 #[test]
 fn a_case_that_needs_a_description_is_counted() {
-    static NEEDS_IT: Case =
-        Case { needs: &[&crate::needs::DESCRIPTION], ..test_case("test/needs-description", |_| Ok(())) };
-    static NEEDS_MORE: Case = Case { needs: &[&crate::needs::SYNC], ..test_case("test/needs-sync", |_| Ok(())) };
+    static NEEDS_IT: Case = Case { needs: &[&needs::DESCRIPTION], ..test_case("test/needs-description", |_| Ok(())) };
+    static NEEDS_MORE: Case = Case { needs: &[&needs::SYNC], ..test_case("test/needs-sync", |_| Ok(())) };
     let noticed = |case: &'static Case| {
         let (_, events) = with_bench(device(&[]), |bench| told(bench, &[case, &PASSES]));
         events.iter().any(|event| event.contains("1 case could not be judged"))
@@ -388,7 +389,7 @@ fn the_leave_that_is_missing_is_named() {
     let actual = |allow: &[Touch]| {
         let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
         with_options(device(&[]), &options, |bench| {
-            super::run_case(bench, &TWO).verdict.reason().map(|reason| reason.expected)
+            run_case(bench, &TWO).verdict.reason().map(|reason| reason.expected)
         })
     };
     assert_eq!(actual(&[]).as_deref(), Some("nvm"));
@@ -413,13 +414,13 @@ fn what_an_earlier_case_left_is_not_blamed_on_the_device() {
     };
     static WRITES: Case = test_case("test/writes", |bench| bench.write(Multiplexer::new(0x1017, 0), &[0xE8, 3]));
     with_bench(script, |bench| {
-        assert_eq!(super::run_case(bench, &JUDGES).verdict.kind(), Kind::Pass);
-        let left = super::run_case(bench, &WRITES);
+        assert_eq!(run_case(bench, &JUDGES).verdict.kind(), Kind::Pass);
+        let left = run_case(bench, &WRITES);
         assert_eq!(left.notes, ["1017h:00 could not be set back to 00 00"]);
-        let judged = super::run_case(bench, &JUDGES).verdict;
+        let judged = run_case(bench, &JUDGES).verdict;
         let reason = judged.reason().unwrap();
         assert_eq!((judged.kind(), reason.duty.as_str()), (Kind::Inconclusive, "1017h:00 has the device's own value"));
-        assert_eq!(super::run_case(bench, &FAILS).verdict.kind(), Kind::Fail, "that is not about 1017h");
+        assert_eq!(run_case(bench, &FAILS).verdict.kind(), Kind::Fail, "that is not about 1017h");
     });
 }
 
@@ -437,17 +438,17 @@ fn a_device_that_leaves_fails_one_case() {
         if gone { Vec::new() } else { inner(request) }
     };
     with_bench(script, |bench| {
-        let left = super::run_case(bench, &LEAVES);
+        let left = run_case(bench, &LEAVES);
         let reason = left.verdict.reason().unwrap();
         assert_eq!((left.verdict.kind(), reason.actual.as_str()), (Kind::Fail, "the device stopped answering"));
         assert_eq!(reason.expected, "an answer, or a start after a reset");
-        let after = super::run_case(bench, &PASSES).verdict;
+        let after = run_case(bench, &PASSES).verdict;
         assert_eq!(
             (after.kind(), after.reason().unwrap().actual.as_str()),
             (Kind::Inconclusive, "it stopped answering during test/leaves")
         );
         bench.send_bytes(0x124, &[1]).unwrap();
-        assert_eq!(super::run_case(bench, &PASSES).verdict.kind(), Kind::Pass);
+        assert_eq!(run_case(bench, &PASSES).verdict.kind(), Kind::Pass);
     });
 }
 
@@ -457,7 +458,7 @@ fn a_device_that_is_simulated_from_its_description_is_named_as_such() {
     let notes = |described_alone: bool, case: &'static Case| {
         let target =
             Target { described_alone, model: "my.eds".to_owned(), ..Target::unknown(NodeId::new(63).unwrap()) };
-        with_target(device(&[]), &target, &Options::default(), |bench| super::run_case(bench, case).notes)
+        with_target(device(&[]), &target, &Options::default(), |bench| run_case(bench, case).notes)
     };
     assert_eq!(notes(true, &FAILS), ["the device is simulated as my.eds describes it: what is wrong is wrong there"]);
     assert!(notes(false, &FAILS).is_empty() && notes(true, &PASSES).is_empty());
@@ -470,7 +471,7 @@ fn a_device_that_is_simulated_from_its_description_is_named_as_such() {
 fn a_report_has_all_of_a_case() {
     with_bench(device(&[]), |bench| {
         let begun = bench.now();
-        let report = super::run_case(bench, &WAITS);
+        let report = run_case(bench, &WAITS);
         assert_eq!(report.duration, bench.now().since(begun));
         assert!(report.duration >= MS(3_000) && report.evidence.frames().count() > 2);
         assert_eq!((report.outcomes, report.quarantine), (vec![Kind::Pass], None));

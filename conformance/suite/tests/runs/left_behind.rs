@@ -1,11 +1,11 @@
 //! What a run leaves behind is reported with the commands that put it back, and is no good end.
 
-use super::{Plan, RunEvent, Summary, run};
-use crate::case::Case;
-use crate::comparison::{Comparison, Nature};
-use crate::scripted::{test_case, with_bench};
+use crate::scripted::{frame, test_case, with_bench};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
+use canvass_suite::case::Case;
+use canvass_suite::comparison::{Comparison, Nature};
+use canvass_suite::runner::{Plan, RunEvent, Summary, run};
 use canvass_traces::{CanId, Duration, Frame};
 
 const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
@@ -22,7 +22,7 @@ fn device(sticks: bool) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
     let (mut time, mut reads) = ([0, 0], 0_u8);
     move |request| {
         if matches!(request.data(), [0x81, 63]) {
-            return vec![(Duration::from_millis(1), crate::scripted::frame("73F#00"))];
+            return vec![(Duration::from_millis(1), frame("73F#00"))];
         }
         let [command, low, high, sub, first, second, ..] = request.bytes();
         match (command, low, high, sub) {

@@ -1,10 +1,13 @@
 //! Runs on devices of a few lines: what becomes of the cases, and what is reported about them.
 
-use super::*;
-use crate::scripted::{frame, table, test_case, with_bench};
-use crate::touch::Touch;
-use crate::verdict::Breach;
+use crate::scripted::{dictionary, frame, table, test_case, with_bench, with_options};
 use canvass_bus::observation::{Observation, Subject};
+use canvass_suite::bench::Options;
+use canvass_suite::case::Case;
+use canvass_suite::runner::{Plan, RunError, RunEvent, Summary, run, run_case};
+use canvass_suite::touch::Touch;
+use canvass_suite::verdict::{Breach, Kind, Reason, Stop};
+use canvass_traces::{Duration, Frame};
 
 /// A device that answers only when its device type is read or it is reset.
 const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
@@ -67,7 +70,7 @@ fn a_device_that_is_not_there_is_no_failure_of_a_device() {
 }
 
 static UNREACHED: Case =
-    test_case("test/unreached", |_| Err(Stop::Inconclusive(crate::verdict::Reason::new("it is reached", "yes", "no"))));
+    test_case("test/unreached", |_| Err(Stop::Inconclusive(Reason::new("it is reached", "yes", "no"))));
 static GIVES_UP: Case = test_case("test/gives-up", |bench| {
     (RESETS.run)(bench)?;
     (UNREACHED.run)(bench)
@@ -102,7 +105,7 @@ static RESTARTS_SOON: Case = test_case("test/restarts-soon", |bench| {
 #[test]
 fn a_restart_soon_after_the_start_is_told_from_a_second_boot_up_message() {
     let found = |starts: &'static [u64]| {
-        let script = move |request: &canvass_traces::Frame| match request.to_string().as_str() {
+        let script = move |request: &Frame| match request.to_string().as_str() {
             "000#813F" => starts.iter().map(|&ms| (Duration::from_millis(ms), frame("73F#00"))).collect(),
             "7E5#1300000000000000" if starts.len() == 1 => vec![(Duration::from_millis(20), frame("73F#00"))],
             request => table(ROWS)(&frame(request)),
@@ -118,9 +121,9 @@ fn a_restart_soon_after_the_start_is_told_from_a_second_boot_up_message() {
 #[test]
 fn a_run_ends_at_the_first_failure_where_it_shall() {
     let total = |fail_fast, cases: &[&'static Case]| {
-        let options = crate::bench::Options { fail_fast, ..Default::default() };
+        let options = Options { fail_fast, ..Default::default() };
         let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
-        let summary = crate::scripted::with_options(table(ROWS), &options, |bench| run(bench, &plan, &mut |_| {}));
+        let summary = with_options(table(ROWS), &options, |bench| run(bench, &plan, &mut |_| {}));
         summary.map(|summary| (summary.total(), summary.cancelled))
     };
     assert_eq!(total(false, &[&PASSES, &BREAKS, &PASSES]), Ok((3, false)));
@@ -141,7 +144,16 @@ fn a_device_is_known_by_its_identity() {
         row(0x1018, 3, &[3, 0, 0, 0]),
         row(0x1018, 4, &[5, 0, 0, 0]),
     ];
-    let found = with_bench(crate::scripted::dictionary(rows), identify);
+    let mut device = None;
+    let _ = with_bench(dictionary(rows), |bench| {
+        let plan = Plan { cases: &[&PASSES], bus: "sim:test", bit_rate: None, seed: 0 };
+        run(bench, &plan, &mut |event| {
+            if let RunEvent::RunStarted(info) = event {
+                device = Some(info.device.clone());
+            }
+        })
+    });
+    let found = device.unwrap();
     assert_eq!((found.device_type, found.identity), (Some(0x0002_0196), [Some(0x13), None, Some(3), Some(5)]));
     assert_eq!(found.names, [Some("CANV".to_owned()), None, Some("1.0".to_owned())]);
 }

@@ -1,11 +1,11 @@
-//! A bus for the tests of bench and runner, with a device of a few lines on it. Its time is virtual.
+//! A bus for the tests of the bench and of runs, with a device of a few lines on it. Its time is virtual.
 
-use crate::bench::{Bench, Options, Target};
-use crate::case::Case;
-use crate::clause::{Clause, Confidence, Level};
-use crate::verdict::Judged;
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, BusError};
+use canvass_suite::bench::{Bench, Options, Target};
+use canvass_suite::case::Case;
+use canvass_suite::clause::{Clause, Confidence, Level};
+use canvass_suite::verdict::Judged;
 use canvass_traces::{ChannelId, Direction, Duration, Frame, Record, Timestamp};
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
@@ -171,52 +171,5 @@ pub fn dictionary(rows: Vec<Row>) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)
         }
         let id = canvass_traces::CanId::standard_masked(0x580 + u32::from(NODE));
         vec![(Duration::from_millis(1), Frame::full(id, answer))]
-    }
-}
-
-/// What comes of asking a device of that script, and of which that is known, for a need.
-pub fn asked(
-    need: &'static crate::need::Need,
-    script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
-    target: &Target,
-    options: &Options,
-) -> Result<(), crate::verdict::Stop> {
-    use crate::clause::{Clause, Confidence, Level};
-    let needs: &'static [&'static crate::need::Need] = vec![need].leak();
-    let case = crate::case::Case {
-        id: "test/needs",
-        requirement: "A test.",
-        clause: Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown },
-        level: Level::Must,
-        needs,
-        touches: &[],
-        catches: &[],
-        answers: &[],
-        cct: None,
-        run: |_| Ok(()),
-    };
-    with_target(script, target, options, |bench| case.require(bench))
-}
-
-/// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
-pub fn unmet(need: &'static crate::need::Need, rows: &[Row]) -> Option<String> {
-    let target = Target::unknown(NodeId::new(NODE).unwrap());
-    let asked = asked(need, dictionary(rows.to_vec()), &target, &Options::default());
-    asked.err().map(|stop| stop.reason().actual)
-}
-
-/// A need is met where all of these objects are there, and can be written where that is asked; and where one of them is
-/// not, it is not.
-pub fn assert_needs(need: &'static crate::need::Need, objects: &[(u16, u8)], written: bool) {
-    let rows: Vec<Row> = objects.iter().map(|&at| (at, vec![0, 0], true)).collect();
-    assert_eq!(unmet(need, &rows), None, "{need:?}");
-    for missing in 0..rows.len() {
-        let mut fewer = rows.clone();
-        let ((index, sub), ..) = fewer.remove(missing);
-        let why = unmet(need, &fewer).unwrap_or_default();
-        assert!(why.contains(&format!("{index:04X}h:{sub:02X}")), "{need:?} without {index:04X}h:{sub:02X}: {why}");
-        let mut fixed = rows.clone();
-        fixed[missing].2 = false;
-        assert_eq!(unmet(need, &fixed).is_some(), written, "{need:?} with {index:04X}h:{sub:02X} read-only");
     }
 }
