@@ -1,65 +1,43 @@
-//! `run.json`: what the run was made with, so that it can be made again from its recording.
+//! `run.json`: the options and inputs of a run, from which its recording can be judged again.
 
-use anyhow::{Context, Result, anyhow, bail};
-use canvass_suite::bench::{Options, Timing};
-use canvass_suite::touch::Touch;
-use canvass_traces::Duration;
+use anyhow::{Context, Result, bail};
+use canvass_suite::bench::Options;
 use serde::{Deserialize, Serialize};
 
-/// Its name in the bundle.
+/// Name of this file in the bundle.
 pub const NAME: &str = "run.json";
 const SCHEMA: &str = "canvass/bundle-run/1";
 const MOST_RUNS: u32 = 1_000;
 
-/// What a run was made with.
+/// Options and inputs of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setup {
     schema: String,
     /// The bus, as the user addressed it.
     pub bus: String,
-    /// The node-ID.
+    /// The node-ID of the device under test.
     pub node: u8,
-    /// What `--device` named.
+    /// The value of `--device`.
     pub device: Option<String>,
-    /// The file in the bundle that describes the device, where one does.
+    /// Name of the description in the bundle, if the device has one.
     pub description: Option<String>,
-    /// Whether there are waivers.
+    /// Whether the bundle holds waivers.
     pub waivers: bool,
-    /// The day by which waivers were judged, where there are any.
+    /// The day by which waivers were judged; empty without waivers.
     pub day: String,
     pub seed: u64,
     /// The cases in the order in which they ran.
     pub cases: Vec<String>,
-    /// Why the run can't be made again, if it can't.
+    /// Why the run can't be repeated; `None` if it can.
     pub not_repeatable: Option<String>,
-    allow: Vec<String>,
-    repeat: u32,
-    retries: u32,
-    fail_fast: bool,
-    exhaustive: bool,
-    /// Runs of earlier programs did not ask.
-    #[serde(default)]
-    zero_point_is_stored: bool,
-    limit_ns: Option<u64>,
-    timing: Times,
-}
-
-/// All waiting times in nanoseconds.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Times {
-    sdo_response_ns: u64,
-    store_ns: u64,
-    lss_ns: u64,
-    boot_up_ns: u64,
-    reaction_ns: u64,
-    silence_ns: u64,
-    period_tolerance: u32,
+    /// How was tested. Commands of the user and paths of the machine are not written.
+    #[serde(flatten)]
+    pub options: Options,
 }
 
 impl Setup {
-    /// With those options; what else there is to say of the run is for the caller.
+    /// Records these options; the caller adds the bus, the device and the cases.
     pub fn new(options: &Options) -> Self {
-        let of = &options.timing;
         Self {
             schema: SCHEMA.to_owned(),
             bus: String::new(),
@@ -71,73 +49,36 @@ impl Setup {
             seed: 0,
             cases: Vec::new(),
             not_repeatable: None,
-            allow: options.allow.iter().map(|touch| touch.name().to_owned()).collect(),
-            repeat: options.repeat,
-            retries: options.retries,
-            fail_fast: options.fail_fast,
-            exhaustive: options.exhaustive,
-            zero_point_is_stored: options.zero_point_is_stored,
-            limit_ns: options.limit.map(Duration::nanos),
-            timing: Times {
-                sdo_response_ns: of.sdo_response.nanos(),
-                store_ns: of.store.nanos(),
-                lss_ns: of.lss.nanos(),
-                boot_up_ns: of.boot_up.nanos(),
-                reaction_ns: of.reaction.nanos(),
-                silence_ns: of.silence.nanos(),
-                period_tolerance: of.period_tolerance,
-            },
+            options: options.clone(),
         }
     }
 
-    /// As it stands in the bundle.
+    /// Reads `run.json` of a bundle.
     pub fn read(text: &[u8]) -> Result<Self> {
-        let setup: Self = serde_json::from_slice(text).context("run.json is not what a bundle has")?;
+        let setup: Self =
+            serde_json::from_slice(text).context("run.json does not have the form of a bundle's run.json")?;
         if setup.schema != SCHEMA {
             bail!("run.json: expected a document of schema {SCHEMA}, found \"{}\"", setup.schema);
         }
         // The same limits as on the command line: a forged bundle must not keep the program busy without end.
-        if setup.repeat > MOST_RUNS || setup.retries > MOST_RUNS {
+        if setup.options.repeat.max(setup.options.retries) > MOST_RUNS {
             bail!("run.json: expected at most {MOST_RUNS} runs of a case");
         }
         Ok(setup)
     }
 
-    /// As it stands in the bundle.
+    /// The text of `run.json`.
     pub fn text(&self) -> Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
-    /// The options of the run. No command that stood in them is run again.
-    pub fn options(&self) -> Result<Options> {
-        let allow = self.allow.iter().map(|name| name.parse::<Touch>().map_err(|error| anyhow!("run.json: {error}")));
-        let of = &self.timing;
-        Ok(Options {
-            allow: allow.collect::<Result<_>>()?,
-            timing: Timing {
-                sdo_response: Duration(of.sdo_response_ns),
-                store: Duration(of.store_ns),
-                lss: Duration(of.lss_ns),
-                boot_up: Duration(of.boot_up_ns),
-                reaction: Duration(of.reaction_ns),
-                silence: Duration(of.silence_ns),
-                period_tolerance: of.period_tolerance,
-            },
-            repeat: self.repeat,
-            retries: self.retries,
-            power_cycle: None,
-            fail_fast: self.fail_fast,
-            exhaustive: self.exhaustive,
-            zero_point_is_stored: self.zero_point_is_stored,
-            limit: self.limit_ns.map(Duration),
-            journal: None,
-        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_suite::bench::Timing;
+    use canvass_suite::touch::Touch;
+    use canvass_traces::Duration;
 
     #[test]
     fn options_go_through_the_bundle_and_commands_do_not() {
@@ -154,7 +95,7 @@ mod tests {
             journal: None,
         };
         let text = Setup::new(&options).text().unwrap();
-        let read = Setup::read(text.as_bytes()).unwrap().options().unwrap();
+        let read = Setup::read(text.as_bytes()).unwrap().options;
         assert_eq!(read, Options { power_cycle: None, ..options });
         assert!(!text.contains("rm -r"));
     }

@@ -274,7 +274,7 @@ fn a_story_begins_with_what_must_be_known() {
     assert_eq!(rule(&story["consequences"][0]["findings"][0]), "nodes/boot-up-without-command");
     assert_eq!(story["consequences"][0]["of"], story["findings"][0]);
     let markdown = run_with_input(&["diagnose", "-", "--format", "markdown"], &log).stdout;
-    assert!(markdown.contains("This follows from: node 5, a node drops out"), "{markdown}");
+    assert!(markdown.contains("This follows from: node 5: a node drops out"), "{markdown}");
     let page = run_with_input(&["diagnose", "-", "--format", "html"], &log).stdout;
     assert!(page.contains("follows from"), "no story in the page");
 }
@@ -333,6 +333,10 @@ fn a_device_file_that_is_none_is_refused() {
     let device = format!("5={}", path.display());
     for command in ["decode", "diagnose"] {
         let refused = run_with_input(&[command, "-", "--device", &device], HEALTHY);
-        assert!(refused.status == 2 && refused.stderr.contains("line 2 begins a merge conflict"), "{}", refused.stderr);
+        assert!(
+            refused.status == 2 && refused.stderr.contains("line 2 begins an unresolved merge conflict"),
+            "{}",
+            refused.stderr
+        );
     }
 }

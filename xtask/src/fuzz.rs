@@ -1,4 +1,4 @@
-//! Coverage-guided fuzzing of what reads bytes, for a fixed time.
+//! Coverage-guided fuzzing of all parsers, for a fixed time.
 
 use crate::consent;
 use crate::run::{is_there, run};
@@ -7,44 +7,47 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Mutex;
 
-/// How long each target runs, in seconds, unless CI says otherwise.
+/// Default duration of each target, in seconds.
 pub const USUAL: u32 = 15;
 
-/// A description has many more paths than the others: it runs twice as long.
+/// Where the targets stand. `fuzz`, where cargo-fuzz looks without being told, would be taken for the fuzzer of devices.
+const FOLDER: &str = "fuzz-targets";
+
+/// The target that runs twice as long, as descriptions have many more paths.
 const LONG: &str = "description";
 
-/// The largest piece of memory, in MiB, that any input may make a target ask for: a length that is believed before it is
-/// looked at asks for more. A container or chunk of a capture may have 32, in a buffer that grows to 64.
+/// Maximum size of a single allocation in MiB: a trusted length would allocate more. A container or chunk of a
+/// capture may have 32, in a buffer that grows to 64.
 const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 
-/// So many at the same time: the machines of CI have two processors.
+/// Number of targets at the same time: CI's machines have two processors.
 const AT_ONCE: usize = 2;
 
-/// Where real inputs lie that a target begins from.
+/// The folders with real inputs for a target.
 fn seeds(target: &str) -> &'static [&'static str] {
     match target {
         "description" | "model" => &["analyzer/tests/eds", "conformance/device/models"],
-        "waivers" => &["fuzz/seeds/waivers"],
-        "slcan" => &["fuzz/seeds/slcan"],
-        "reproducer" => &["traces/samples", "fuzz/seeds/reproducer"],
+        "waivers" => &["fuzz-targets/seeds/waivers"],
+        "slcan" => &["fuzz-targets/seeds/slcan"],
+        "reproducer" => &["traces/samples", "fuzz-targets/seeds/reproducer"],
         "wire" | "filter" | "motion" => &[],
         _ => &["traces/samples"],
     }
 }
 
-/// Runs every target for that many seconds. Needs a nightly toolchain for its sanitizers; without one the property tests, which every run
-/// has, must do.
+/// Runs every target for that many seconds. The sanitizers need a nightly toolchain; without one only the property
+/// tests remain, which every test run includes.
 pub fn fuzz(seconds: u32) -> Result<()> {
     if !is_there("cargo", &["+nightly", "--version"]) {
-        eprintln!("no nightly toolchain: fuzzing is left out, the property tests are not");
+        eprintln!("no nightly toolchain: fuzzing is left out, the property tests still run");
         return Ok(());
     }
     if !is_there("cargo", &["fuzz", "--version"]) {
         consent::ask("cargo-fuzz", "cargo install cargo-fuzz --locked --debug")?;
-        // It only calls others: optimising it would take longer than it runs.
+        // cargo-fuzz only calls other programs: optimising it would take longer than it runs.
         run("cargo", &["install", "cargo-fuzz", "--locked", "--debug", "--quiet"])?;
     }
-    run("cargo", &["+nightly", "fuzz", "build"])?;
+    run("cargo", &["+nightly", "fuzz", "build", "--fuzz-dir", FOLDER])?;
     let targets = targets()?;
     let next = Mutex::new(targets.into_iter());
     let failed = Mutex::new(Vec::new());
@@ -63,30 +66,31 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { bail!("{}", failed.join("\n")) }
 }
 
-/// The names of all targets, by what cargo-fuzz finds.
+/// The names of all targets, as cargo-fuzz lists them.
 fn targets() -> Result<Vec<String>> {
-    let output = Command::new("cargo").args(["+nightly", "fuzz", "list"]).output().context("can't run cargo fuzz")?;
+    let output = Command::new("cargo").args(["+nightly", "fuzz", "list", "--fuzz-dir", FOLDER]).output();
+    let output = output.context("can't run cargo fuzz")?;
     let names: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect();
     ensure!(!names.is_empty(), "cargo fuzz knows no targets");
     Ok(names)
 }
 
 fn run_target(target: &str, seconds: u32) -> Result<()> {
-    // The first folder takes what the fuzzer finds; the others it only reads.
-    let found = format!("fuzz/corpus/{target}");
+    // The fuzzer adds findings to the first folder, and only reads the others.
+    let found = format!("{FOLDER}/corpus/{target}");
     std::fs::create_dir_all(&found)?;
     let folders = seeds(target).iter().filter(|folder| Path::new(folder).is_dir());
     let seconds = if target == LONG { 2 * seconds } else { seconds };
     let time = format!("-max_total_time={seconds}");
     let output = Command::new("cargo")
-        .args(["+nightly", "fuzz", "run", target, &found])
+        .args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, target, &found])
         .args(folders)
         .args(["--", &time, MOST_AT_ONCE, "-rss_limit_mb=4096", "-print_final_stats=1"])
         .output()?;
     let log = String::from_utf8_lossy(&output.stderr);
     let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 3 } else { 80 }).collect();
     let last: Vec<&str> = last.into_iter().rev().collect();
-    eprintln!("$ cargo +nightly fuzz run {target} for {seconds} s\n{}", last.join("\n"));
+    eprintln!("$ cargo +nightly fuzz run --fuzz-dir {FOLDER} {target} for {seconds} s\n{}", last.join("\n"));
     ensure!(output.status.success(), "the fuzz target {target} found an input that breaks it, see above");
     Ok(())
 }

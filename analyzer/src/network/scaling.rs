@@ -1,4 +1,4 @@
-//! Physical values by the configuration of a device at this moment: the profile of the device says how.
+//! Physical values in the current configuration of a device, by its device profile.
 
 use super::node::Node;
 use crate::dictionary::Unit;
@@ -11,8 +11,8 @@ pub fn is_scaling_parameter(object: Multiplexer) -> bool {
     object.index.0 == object::DEVICE_TYPE || is_of_profile(object) && names::has_role(object.index, Role::Scaling)
 }
 
-/// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
-/// object has no such unit or too little is known.
+/// The physical unit of an object that the device's configuration determines; `None` if there is none or too little
+/// is known.
 pub fn scale(node: &Node, id: NodeId, object: Multiplexer) -> Option<Unit> {
     if !is_of_profile(object) {
         return None;

@@ -217,7 +217,7 @@ pub fn replay(
         Ended::Well => None,
         Ended::Violation(violation) | Ended::Lost { violation, .. } => Some(violation),
     };
-    Ok((violation, executor.evidence))
+    Ok((violation, executor.history.take_evidence()))
 }
 
 struct Campaign<'a> {
@@ -290,7 +290,7 @@ impl Campaign<'_> {
         let mut tried = BTreeMap::new();
         loop {
             if self.sequences.is_multiple_of(refocus) {
-                let coverage = &self.executor.coverage;
+                let coverage = &self.executor.tally.coverage;
                 dialogues.focus = least_exercised(coverage, knowledge, &tried);
                 if let Some(focus) = dialogues.focus.filter(|_| !stand.is_repeatable()) {
                     *tried.entry(focus).or_default() += 1;
@@ -302,7 +302,7 @@ impl Campaign<'_> {
             let Ok(mut tree) = dialogues.new_tree(&mut runner) else { return Ok(()) };
             if !stand.is_repeatable() {
                 let mut sequence = tree.best().clone();
-                keep_to_share(&mut sequence, &self.executor.spent);
+                keep_to_share(&mut sequence, &self.executor.tally.spent);
                 tree = SequenceTree::new(sequence);
             }
             self.attempt(stand, tree, pace)?;
@@ -345,13 +345,13 @@ impl Campaign<'_> {
         match self.executor.run(stand, tree.tried(), pace, keep)? {
             Ended::Well => Ok(()),
             Ended::Violation(violation) => {
-                let before = self.executor.spent;
-                let tree = match self.executor.is_between {
-                    true => SequenceTree::new(self.executor.since_sequence()),
+                let before = self.executor.tally.spent;
+                let tree = match self.executor.is_between() {
+                    true => SequenceTree::new(self.executor.history.since_sequence()),
                     false => tree,
                 };
                 let judged = self.judge(stand, tree, violation, pace);
-                self.spent_on_violations += self.executor.spent.since(&before);
+                self.spent_on_violations += self.executor.tally.spent.since(&before);
                 judged
             }
             Ended::Lost { violation, dead } => self.lose(stand, violation, dead),
@@ -360,10 +360,10 @@ impl Campaign<'_> {
 
     fn is_over(&self, go_on: &mut dyn FnMut(Progress<'_>) -> bool) -> bool {
         let progress = Progress {
-            executions: self.executor.executions,
-            frames: self.executor.frames,
+            executions: self.executor.tally.executions,
+            frames: self.executor.tally.frames,
             sequences: self.sequences,
-            coverage: &self.executor.coverage,
+            coverage: &self.executor.tally.coverage,
             violations: self.violations.len(),
         };
         let enough = self.plan.stop_at_first && !self.violations.is_empty();
@@ -373,16 +373,16 @@ impl Campaign<'_> {
 
     fn outcome(self) -> Outcome {
         Outcome {
-            executions: self.executor.executions,
-            frames: self.executor.frames,
+            executions: self.executor.tally.executions,
+            frames: self.executor.tally.frames,
             sequences: self.sequences,
-            unjudged: self.executor.unjudged,
+            unjudged: self.executor.tally.unjudged,
             dead: self.dead,
             is_simulated: self.is_simulated,
             left: self.left,
-            spent: self.executor.spent,
+            spent: self.executor.tally.spent,
             spent_on_violations: self.spent_on_violations,
-            coverage: self.executor.coverage,
+            coverage: self.executor.tally.coverage,
             violations: self.violations,
             interruptions: self.interruptions,
             ended_by: self.ended_by,

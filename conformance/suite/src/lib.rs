@@ -26,15 +26,18 @@ mod profiles;
 pub mod quarantine;
 pub mod runner;
 #[cfg(test)]
+#[path = "../tests/scripted/mod.rs"]
 mod scripted;
 pub mod selftest;
 pub mod situation;
 pub mod touch;
+mod trial;
 pub mod verdict;
 pub mod waiver;
 pub mod zero_point;
 
-// What `#[case]` makes names this crate, so that the cases of a profile can stand in another one.
+// Code that `#[case]` writes names this crate, so that the cases of a profile can be in another one; so do tests that
+// the crate shares with its folder `tests`.
 extern crate self as canvass_suite;
 
 pub use canvass_device::Fault;

@@ -118,7 +118,7 @@ impl Case {
     }
 
     fn ask(&self, bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
-        match bench.known(need.id).cloned() {
+        match bench.knowledge.known(need.id).cloned() {
             Some(Found::Known(met)) if !need.fleeting => return Ok(met),
             Some(Found::Broken { why, reported_in }) if reported_in != self.id => {
                 let actual = format!("{}, as {reported_in} reports", why.actual);
@@ -130,12 +130,12 @@ impl Case {
             Err(Stop::NotApplicable(reason)) => Err(reason.actual),
             Err(Stop::Breach(breach)) if self.level != Level::Open => {
                 let why = Reason::from(&*breach);
-                bench.learned(need.id, Found::Broken { why, reported_in: self.id });
+                bench.knowledge.learned(need.id, Found::Broken { why, reported_in: self.id });
                 return Err(Stop::Breach(breach));
             }
             other => other.map_err(Stop::unreached)?,
         };
-        bench.learned(need.id, Found::Known(met.clone()));
+        bench.knowledge.learned(need.id, Found::Known(met.clone()));
         Ok(met)
     }
 }
@@ -145,9 +145,9 @@ impl Case {
 fn asked_undisturbed(bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
     const TRIES: usize = 3;
     for _ in 0..TRIES {
-        let before = bench.collisions();
+        let before = bench.traffic.clients.collisions();
         let met = bench.unjudged(need.check);
-        if bench.collisions() == before || matches!(met, Ok(Ok(())) | Err(Stop::Error(_))) {
+        if bench.traffic.clients.collisions() == before || matches!(met, Ok(Ok(())) | Err(Stop::Error(_))) {
             return met;
         }
     }
@@ -170,10 +170,12 @@ impl fmt::Debug for Need {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use crate::bench::{Options, Target};
     use crate::catalogue;
-    use crate::scripted::{frame, with_bench};
+    use crate::scripted::{NODE, Row, dictionary, frame, test_case, with_bench, with_target};
+    use canvass_analyzer::NodeId;
     use canvass_bus::observation::Observation;
     use canvass_traces::{Duration, Frame};
     use std::collections::BTreeMap;
@@ -233,5 +235,40 @@ mod tests {
         assert_eq!(breach.actual, Observation::Abort(canvass_analyzer::wire::sdo::AbortCode(0x0607_0013)));
         let Err(Stop::Inconclusive(reason)) = other else { panic!("{other:?}") };
         assert!(reason.actual.contains("block-upload"), "{reason}");
+    }
+
+    /// What comes of asking a device of that script, and of which that is known, for a need.
+    pub fn asked(
+        need: &'static Need,
+        script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
+        target: &Target,
+        options: &Options,
+    ) -> Result<(), Stop> {
+        let needs: &'static [&'static Need] = vec![need].leak();
+        let case = Case { needs, ..test_case("test/needs", |_| Ok(())) };
+        with_target(script, target, options, |bench| case.require(bench))
+    }
+
+    /// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
+    pub fn unmet(need: &'static Need, rows: &[Row]) -> Option<String> {
+        let target = Target::unknown(NodeId::new(NODE).unwrap());
+        let asked = asked(need, dictionary(rows.to_vec()), &target, &Options::default());
+        asked.err().map(|stop| stop.reason().actual)
+    }
+
+    /// A need is met where all of these objects are there, and can be written where that is asked; and where one of them is
+    /// not, it is not.
+    pub fn assert_needs(need: &'static Need, objects: &[(u16, u8)], written: bool) {
+        let rows: Vec<Row> = objects.iter().map(|&at| (at, vec![0, 0], true)).collect();
+        assert_eq!(unmet(need, &rows), None, "{need:?}");
+        for missing in 0..rows.len() {
+            let mut fewer = rows.clone();
+            let ((index, sub), ..) = fewer.remove(missing);
+            let why = unmet(need, &fewer).unwrap_or_default();
+            assert!(why.contains(&format!("{index:04X}h:{sub:02X}")), "{need:?} without {index:04X}h:{sub:02X}: {why}");
+            let mut fixed = rows.clone();
+            fixed[missing].2 = false;
+            assert_eq!(unmet(need, &fixed).is_some(), written, "{need:?} with {index:04X}h:{sub:02X} read-only");
+        }
     }
 }

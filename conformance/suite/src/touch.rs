@@ -1,10 +1,12 @@
 //! What a case does that the user has to allow first.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 /// What a case does to a device or a bus that is not done without the user's leave.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Touch {
     /// Writes non-volatile memory, which wears out.
     Nvm,

@@ -60,27 +60,27 @@ fn mistakes_are_located() {
         ("123#1", 5, "second hex digit"),
         ("123#112", 7, "second hex digit"),
         ("123#11.", 7, "byte of two hex digits"),
-        ("123#11g", 6, "nothing more"),
+        ("123#11g", 6, "the end of the text"),
         ("123#112233445566778899", 20, "at most 8 data bytes"),
         ("123#1122334455667788_8", 21, "9 to F"),
-        ("123#11_9", 6, "nothing more"),
+        ("123#11_9", 6, "the end of the text"),
         ("123#R9", 5, "0 to 8"),
-        ("123#R5_9", 6, "nothing more"),
+        ("123#R5_9", 6, "the end of the text"),
         ("123##", 5, "CAN FD flags"),
         ("123##R", 5, "CAN FD flags"),
         ("123##5112233445566778899", 24, "length that CAN FD has"),
-        ("20000004#R", 9, "nothing more"),
+        ("20000004#R", 9, "the end of the text"),
         ("45123#01:02:12345678#11", 6, "bit 80"),
         ("45F23#81:02:12345678#11", 6, "priority"),
         ("45123#81:02:12345678#", 21, "at least one byte"),
-        ("123#11 ", 6, "nothing more"),
+        ("123#11 ", 6, "the end of the text"),
     ] {
         let error = parse_frame(text).expect_err(text);
         assert_eq!(error.position, position, "{text}: {error}");
         assert!(error.expected.contains(expected), "{text}: {error}");
     }
     let shown = parse_frame("123#11gg").unwrap_err().to_string();
-    assert_eq!(shown, "at position 7: expected nothing more after the frame, found \"gg\"");
+    assert_eq!(shown, "at position 7: expected the end of the text after the frame, found \"gg\"");
 }
 
 proptest! {

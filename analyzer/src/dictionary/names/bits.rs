@@ -1,4 +1,4 @@
-//! What the bits of registers mean, where a standard fixes it.
+//! The bits of registers that a standard defines.
 
 use super::known_profile;
 use crate::identity::Index;
@@ -15,7 +15,7 @@ const ERROR_REGISTER: &[&str] = &[
     "manufacturer specific",
 ];
 
-/// The name of a bit of the object, where the standard fixes it. Bits that belong to the manufacturer have none.
+/// The name of an object's bit, if the standard defines it; manufacturer-specific bits have none.
 pub fn bit_name(index: Index, bit: u8, profile: Option<u16>) -> Option<&'static str> {
     let names = match (index.0, profile) {
         (0x1001, _) => ERROR_REGISTER,

@@ -12,7 +12,7 @@ use canvass_traces::Duration;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// Who misses the node.
+/// Effects: nodes that miss the lost node.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// Whether the profile of a device lets its type come up silently: then there is nothing to wait for.
@@ -35,12 +35,12 @@ fn may_be_silent(device_type: u32) -> bool {
 /// Look for a new node-ID on the bus. If there is none, look at the device itself.
 #[rule(id = "nodes/no-boot-up", severity = Error, rank = Loss, services = [Nmt], leads_to = EFFECTS)]
 struct NoBootUp {
-    /// so long a reset may take
+    /// timeout for the boot-up after a reset
     #[threshold(ms = 5000)]
     wait: Duration,
-    /// The last reset command to each node alone.
+    /// The last reset command to each single node.
     resets: PerNode<Option<Box<Seen>>>,
-    /// The last one to all nodes.
+    /// The last reset command to all nodes.
     reset_of_all: Option<Seen>,
 }
 
@@ -73,21 +73,21 @@ impl Rule for NoBootUp {
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_silent = device_type.is_some_and(may_be_silent);
             let period = scene.facts.heartbeats.of(node).period();
-            // That it goes on as if nothing had happened is reported as a command that it does not obey.
+            // A node that continues without a pause is reported as disobeying the command.
             let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
             let waited = scene.now.since(reset) > self.wait;
-            // What had dropped out before is reported as that.
+            // An outage that began before the reset has a finding of its own.
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }
             if !is_silent && waited && facts.is_silent_since_reset() {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
-                    format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
+                    format!("nothing more was received in the {} after its reset", scene.now.since(reset))
                 });
             } else if waited && paused && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
                 let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
                 sink.report(report, || {
-                    "it sends again after its reset, but not its boot-up message, as it did before".to_owned()
+                    "it sends again after its reset, but no boot-up message, unlike before".to_owned()
                 });
             }
         }

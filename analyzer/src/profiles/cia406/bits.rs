@@ -1,4 +1,4 @@
-//! What the bits of registers mean. Bits that belong to the manufacturer have no name.
+//! The bits of registers. Manufacturer-specific bits have no name.
 
 use super::objects;
 use crate::identity::Index;

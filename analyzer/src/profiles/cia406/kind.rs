@@ -1,6 +1,6 @@
 //! What kind of encoder a device is.
 
-/// How the shaft or rod of an encoder moves, by the upper word of 1000h.
+/// The motion of an encoder's shaft or rod, by the upper word of 1000h.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
     /// 01h to 05h of CiA 406, and 0Bh of newer devices.

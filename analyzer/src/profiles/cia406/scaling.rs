@@ -1,5 +1,4 @@
-//! Physical values by the configuration of the encoder at this moment: degrees or millimetres of a position, the unit of a
-//! speed.
+//! Physical values of encoders in the current configuration: degrees or millimetres of a position, the unit of a speed.
 
 use super::kind::Kind;
 use super::{makers, objects};
@@ -9,8 +8,8 @@ use crate::identity::Multiplexer;
 use crate::object;
 use std::borrow::Cow;
 
-/// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
-/// object has no such unit or too little is known.
+/// The physical unit of an object that the device's configuration determines; `None` if there is none or too little
+/// is known.
 pub(super) fn scale(at: Multiplexer, device: &dyn Configured) -> Option<Unit> {
     if !may_scale(at) {
         return None;
@@ -22,7 +21,7 @@ pub(super) fn scale(at: Multiplexer, device: &dyn Configured) -> Option<Unit> {
     }
 }
 
-/// Positions, limits and offsets of positions, speeds.
+/// Positions, limits and offsets of positions, and speeds.
 const fn may_scale(object: Multiplexer) -> bool {
     match object.index.0 {
         objects::PRESET_VALUE | objects::POSITION_VALUE | objects::POSITION_RAW_VALUE | objects::OFFSET_VALUE => {
@@ -45,12 +44,12 @@ fn of(device: &dyn Configured, index: u16, sub: u8) -> Option<u32> {
     device.parameter(Multiplexer::new(index, sub))
 }
 
-/// The value of a parameter of which 0 means nothing.
+/// The value of a parameter; `None` for 0, which has no meaning.
 fn positive(device: &dyn Configured, index: u16, sub: u8) -> Option<u32> {
     of(device, index, sub).filter(|&value| value > 0)
 }
 
-/// Steps of a position. `raw` ones are the sensor's own, whatever scaling is set.
+/// The unit of a position in steps. `raw` steps are the sensor's own, independent of the scaling.
 fn position(device: &dyn Configured, raw: bool) -> Option<Unit> {
     match Kind::of(of(device, object::DEVICE_TYPE, 0)?)? {
         Kind::Rotary => {
@@ -78,8 +77,8 @@ fn is_scaled(device: &dyn Configured) -> Option<bool> {
     Some(operating & 4 != 0)
 }
 
-/// Speeds: the description may name a bit of 6000h "Speed format"; else the format of the manufacturer is known; else
-/// multiplier and divisor of 6031h tell.
+/// The unit of a speed: from a bit of 6000h that the description calls "Speed format"; else by the rule of the
+/// manufacturer; else from multiplier and divisor in 6031h.
 fn speed(device: &dyn Configured) -> Option<Unit> {
     let format = named_format(device).or_else(|| format_of_maker(device));
     if format.as_deref() == Some("rpm") {
@@ -103,7 +102,7 @@ fn named_format(device: &dyn Configured) -> Option<Cow<'static, str>> {
     })
 }
 
-/// The state of the bit of 6000h that is the format with all encoders of the manufacturer.
+/// The state of the bit of 6000h that all encoders of the manufacturer have for the format.
 fn format_of_maker(device: &dyn Configured) -> Option<Cow<'static, str>> {
     let format = makers::of(of(device, object::IDENTITY, 1)?)?.speed_format.as_ref()?;
     let version = of(device, objects::PROFILE_AND_SOFTWARE_VERSION, 0)? as u16;

@@ -3,7 +3,7 @@
 use crate::dictionary::Unit;
 use crate::identity::Multiplexer;
 
-/// Measuring units of a position: how many make a revolution or a millimetre is configured.
+/// Measuring units of a position: their number per revolution or millimetre is configured.
 const STEPS: Unit = Unit::new(1.0, "steps");
 
 /// The unit of an entry. Speeds, whose unit is configured, have none.

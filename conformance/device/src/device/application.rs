@@ -25,11 +25,11 @@ pub trait Profile: Sync {
     /// The application of a device of that model, if the model has this profile.
     fn application(&self, model: &Model, motion: Motion, firmware: &Firmware) -> Option<Box<dyn Application>>;
 
-    /// Changes the values of the object dictionary of which the firmware has faults.
+    /// Changes the values of the object dictionary in which the firmware has faults.
     fn plant(&self, _: &mut Parameters, _: &Firmware) {}
 }
 
-/// A profile that there is.
+/// A registered profile.
 pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
@@ -41,33 +41,34 @@ static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
     profiles
 });
 
-/// What a device does with the objects of its profile. It does no I/O and reads no clock.
+/// The behaviour of a device in the objects of its profile. It does no I/O and reads no clock.
 pub trait Application: fmt::Debug + Send {
     /// The same application in the same state.
     fn boxed_clone(&self) -> Box<dyn Application>;
 
-    /// The live value of an object from 2000h on; `None`: it is what was written last.
+    /// The live value of an object from 2000h on; `None` for an object that holds the value last written.
     fn value(&self, now: Timestamp, at: Multiplexer, device: &Surroundings<'_>) -> Option<u64>;
 
-    /// What a PDO carries instead of [`Application::value`], if anything; `again` where the PDO had the object before.
+    /// The value of an object in a PDO, if it differs from [`Application::value`]: `again` if the PDO has the object a
+    /// second time.
     fn process_value(&self, _: Timestamp, _: Multiplexer, _again: bool, _: &Surroundings<'_>) -> Option<u64> {
         None
     }
 
-    /// The conditions of a write beyond the limits of the device description.
+    /// Checks a write beyond the limits of the device description.
     ///
     /// # Errors
-    /// The abort code for a value that does not go with the others.
+    /// The abort code for a value that is inconsistent with others.
     fn check(&self, _: Multiplexer, _value: u64, _: &Surroundings<'_>) -> Result<(), AbortCode> {
         Ok(())
     }
 
-    /// Whether a faulty firmware overlooks that the value of an object is beyond that of another one.
+    /// Whether a faulty firmware accepts a value beyond the limit that another object sets.
     fn overlooks_limits(&self, _: Multiplexer) -> bool {
         false
     }
 
-    /// What a written object does beside having its new value.
+    /// Handles the effects of a write besides the new value.
     fn on_written(&mut self, _: Timestamp, _: Multiplexer, _value: u64, _: &Surroundings<'_>) {}
 
     /// Whether writing the object makes the firmware hang.
@@ -75,13 +76,13 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// The objects whose defaults come back, stored ones too, when that value is written.
+    /// The objects that a write of that value resets to their defaults, stored values included.
     fn resets(&self, _: Multiplexer, _value: u64) -> &'static [u16] {
         &[]
     }
 
-    /// Whether a faulty firmware keeps the object apart from those that hold the same value: when that value is written,
-    /// or `None`: when parameters are loaded or shown.
+    /// Whether a faulty firmware does not copy the object to those that hold the same value: when that value is
+    /// written; for `None`, when parameters are loaded or read.
     fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
         false
     }
@@ -96,7 +97,7 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// How what is measured moves from now on.
+    /// Sets the motion of the measured quantity from now on.
     fn set_motion(&mut self, _: Motion) {}
 
     /// Whether measured values change by themselves.
@@ -104,25 +105,25 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// What is to be stored beside the parameters.
+    /// The value that the device stores besides the parameters.
     fn retained(&self) -> i64 {
         0
     }
 
-    /// Takes over what was stored; 0 where nothing was.
+    /// Restores the stored value; 0 if none was stored.
     fn restore(&mut self, _retained: i64) {}
 
-    /// Whether the device goes to operational by itself.
+    /// Whether the device enters operational by itself.
     fn starts_in_operational(&self, _: &Surroundings<'_>) -> bool {
         false
     }
 
-    /// How often errors are looked for that come and go without anything being written; `None`: there are none.
+    /// Interval for checking errors that come and go without any write; `None` if there are none.
     fn watch(&self) -> Option<Duration> {
         None
     }
 
-    /// The errors that the application can have now, each with whether it is there.
+    /// The possible errors of the application, each with whether it is present.
     fn errors(&self, _: Timestamp, _: &Surroundings<'_>) -> ApplicationErrors {
         ApplicationErrors::default()
     }
@@ -134,7 +135,7 @@ impl Clone for Box<dyn Application> {
     }
 }
 
-/// What an application may know of its device.
+/// The parts of the device that an application may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// The values of the object dictionary.
@@ -143,7 +144,7 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Whether a parameter that was to be stored was out of its limits.
+    /// Whether a parameter to be stored was outside its limits.
     pub fn has_refused_parameter(&self) -> bool {
         self.errors.is_present(Condition::Parameter)
     }
@@ -152,19 +153,19 @@ impl Surroundings<'_> {
 /// An error of the application.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ApplicationError {
-    /// Errors with equal numbers are the same one, with other details.
+    /// The identity of the error; other details may differ.
     pub number: u16,
-    /// The code that the EMCY message has.
+    /// The error code of the EMCY message.
     pub code: EmcyCode,
-    /// Bits of the error register beside those that CiA 301 couples to the code.
+    /// Bits of the error register besides those that CiA 301 couples to the code.
     pub register: u8,
     /// Bytes 3 to 7 of the EMCY message.
     pub manufacturer: [u8; 5],
-    /// The sub-index of 1029h that says what the device does about it.
+    /// The sub-index of 1029h for the device's reaction.
     pub behaviour: Option<u8>,
 }
 
-/// Errors of an application, each with whether it is there: no list, as they are looked for with every change.
+/// Errors of an application, each with whether it is present: an array, as every change checks them.
 pub type ApplicationErrors = [Option<(ApplicationError, bool)>; 4];
 
 /// The application of a device of that model, if a profile has one for it.
@@ -172,7 +173,7 @@ pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<
     PROFILES.iter().find_map(|profile| profile.application(model, motion.clone(), firmware))
 }
 
-/// Changes what the dictionary says, as the faults of the firmware in objects of profiles have it.
+/// Changes the object dictionary by the faults of the firmware in objects of profiles.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     PROFILES.iter().for_each(|profile| profile.plant(parameters, firmware));
 }
@@ -180,17 +181,17 @@ pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
 /// Finds the errors of the application and reports them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorWatch {
-    /// When errors are looked for next.
+    /// Time of the next check.
     due: Timestamp,
 }
 
 impl ErrorWatch {
-    /// Nothing is watched.
+    /// A monitor that is off.
     pub const fn new() -> Self {
         Self { due: Timestamp::MAX }
     }
 
-    /// What is measured can exceed a limit, or no longer do so, without anything being written.
+    /// Starts monitoring: the measured quantity can cross a limit without any write.
     pub fn watch(&mut self, now: Timestamp, context: &Context) {
         let interval = context.objects.application.as_ref().and_then(|application| application.watch());
         let watched = interval.filter(|_| context.phase.is_running());

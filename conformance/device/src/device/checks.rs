@@ -1,4 +1,4 @@
-//! Which numbers an object takes: limits, the rules of its service, and those of the model's sheet.
+//! Checks of written numbers: limits, rules of the service, and rules of the model's sheet.
 
 use super::emcy::{check_cob_id, check_peer_cob_id};
 use super::lss_slave::UNCONFIGURED;
@@ -13,7 +13,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
 
 impl Objects {
-    /// Whether the object takes that number now.
+    /// Checks whether the object accepts that number now.
     ///
     /// # Errors
     /// The abort code of this model if it does not.
@@ -42,7 +42,7 @@ impl Objects {
             return Ok(());
         }
         let checked = match command {
-            // One function checks both signatures.
+            // With this fault, one check accepts both signatures.
             _ if self.firmware.has(Fault::StoreSignatureUnchecked) => false,
             StoreCommand::Save(_) => true,
             StoreCommand::Restore(_) => !self.firmware.has(Fault::RestoreSignatureUnchecked),
@@ -50,7 +50,7 @@ impl Objects {
         if checked { command.check(value, &self.model.sheet().storage) } else { Ok(()) }
     }
 
-    /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
+    /// Checks node-ID and bit rate: a valid value, or "not configured" if the device is delivered so.
     fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
@@ -68,7 +68,7 @@ impl Objects {
         }
     }
 
-    /// 1000h to 1FFFh.
+    /// Checks objects from 1000h to 1FFFh.
     fn check_communication(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let (parameters, firmware, network) = (&self.parameters, &self.firmware, &self.model.sheet().network);
         let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
@@ -103,7 +103,7 @@ impl Objects {
         }
     }
 
-    /// What the application and the sheet refuse.
+    /// Checks by the application's rules and the sheet.
     fn check_application(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         self.compare(at, value)?;
         match &self.application {
@@ -112,12 +112,12 @@ impl Objects {
         }
     }
 
-    /// Whether the limits of the object are checked when it is stored.
+    /// Whether the limits of the object are checked only when it is stored.
     fn is_checked_later(&self, at: Multiplexer) -> bool {
         self.model.sheet().quirks.is_checked_later(at)
     }
 
-    /// Objects that are limits of each other.
+    /// Checks objects that limit each other.
     fn compare(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
         let overlooked = || self.application.as_ref().is_some_and(|application| application.overlooks_limits(at));

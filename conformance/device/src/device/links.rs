@@ -1,4 +1,4 @@
-//! Objects whose values hang together, as the model's sheet says.
+//! Objects with linked values, from the model's sheet.
 
 use super::objects::Objects;
 use super::store::Groups;
@@ -6,7 +6,7 @@ use crate::models::LinkKind;
 use canvass_analyzer::Multiplexer;
 
 impl Objects {
-    /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
+    /// Handles a written number: linked objects get the same value, with all effects of a write.
     pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
         if self.breaks_link(at, Some(value)) {
             return;
@@ -20,8 +20,8 @@ impl Objects {
         }
     }
 
-    /// Groups of parameters were loaded: of objects that hold the same value, one that was loaded with another value
-    /// than its default decides, else the first one that was loaded.
+    /// Handles the loading of groups: among linked objects, one with another value than its default decides, else the
+    /// first loaded one.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let Self { model, application, parameters, .. } = self;
         let sheet = model.sheet();
@@ -39,7 +39,7 @@ impl Objects {
         }
     }
 
-    /// The object whose value that one shows, if it follows one.
+    /// The object whose value the given one shows, if there is one.
     pub(super) fn followed(&self, at: Multiplexer) -> Option<Multiplexer> {
         if self.breaks_link(at, None) {
             return None;

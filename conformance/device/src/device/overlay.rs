@@ -1,4 +1,5 @@
-//! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
+//! Faults and liberties in the content of the dictionary, not in the behaviour of the firmware: an overlay over the
+//! description.
 
 use super::application;
 use super::parameters::{Content, Parameters};
@@ -9,7 +10,7 @@ use canvass_analyzer::object;
 /// The number of a profile that no device with the fault has: that of input and output modules.
 const ANOTHER_PROFILE: u64 = 401;
 
-/// Changes what the dictionary says, as the firmware has it.
+/// Changes the dictionary by the faults and liberties of the firmware.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     application::plant(parameters, firmware);
     let vendor_id = Multiplexer::new(object::IDENTITY, 1);

@@ -132,10 +132,10 @@ impl Campaign<'_> {
 
     fn take_turn(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         let Some(mut shortening) = self.unshortened.pop_front() else { return Ok(()) };
-        let (begun, spent) = (stand.bus().now(), self.executor.spent);
+        let (begun, spent) = (stand.bus().now(), self.executor.tally.spent);
         let found = self.shorten(stand, &mut shortening, begun + TURN);
         self.shortened_for = self.shortened_for + stand.bus().now().since(begun);
-        self.spent_on_violations += self.executor.spent.since(&spent);
+        self.spent_on_violations += self.executor.tally.spent.since(&spent);
         match found {
             Ok(Some(found)) => self.replace(&shortening, found),
             Ok(None) => self.unshortened.push_back(shortening),
@@ -230,7 +230,7 @@ impl Campaign<'_> {
         let Some(history) = &shortening.history else { return Ok(None) };
         match self.confirm(stand, history, &shortening.whole.violation, Pace::Careful)? {
             Confirmed::Again => {
-                let evidence = std::mem::take(&mut self.executor.evidence);
+                let evidence = self.executor.history.take_evidence();
                 (shortening.whole.sequence, shortening.whole.evidence) = (history.clone(), evidence);
                 shortening.whole.confirmed = true;
                 Ok(None)
@@ -253,7 +253,7 @@ impl Campaign<'_> {
         let Shortening { whole, tree, pace, tries, spent, evidence, shown, has_hurried, .. } = shortening;
         let is_repeatable = stand.is_repeatable();
         // For what was found missing nobody waits as long again with each try.
-        self.executor.presume(Some((whole.violation.property, whole.violation.rule)));
+        self.executor.known.presume(Some((whole.violation.property, whole.violation.rule)));
         let mut more = tree.go_on();
         let over = loop {
             let begun = stand.bus().now();
@@ -269,7 +269,7 @@ impl Campaign<'_> {
 
             more = match self.confirm(stand, tree.tried(), &whole.violation, *pace)? {
                 Confirmed::Again => {
-                    *evidence = std::mem::take(&mut self.executor.evidence);
+                    *evidence = self.executor.history.take_evidence();
                     shown.push(tree.tried().clone());
                     tree.simplify()
                 }
@@ -283,7 +283,7 @@ impl Campaign<'_> {
                 *spent = *spent + stand.bus().now().since(begun);
             }
         };
-        *has_hurried |= self.executor.presume(None);
+        *has_hurried |= self.executor.known.presume(None);
         Ok(over)
     }
 
@@ -313,8 +313,8 @@ impl Campaign<'_> {
             true => Ended::Well,
             false => self.executor.run(stand, &shortest.sequence, Pace::Careful, true)?,
         };
-        let evidence = std::mem::take(&mut self.executor.evidence);
-        let shown = Found { evidence, state: self.executor.kept.clone(), ..shortest };
+        let evidence = self.executor.history.take_evidence();
+        let shown = Found { evidence, state: self.executor.kept().to_vec(), ..shortest };
         Ok(match last {
             Ended::Violation(last) if is_same(&last, &shown.violation) => {
                 Found { violation: last, confirmed: true, ..shown }

@@ -39,26 +39,26 @@ impl Campaign<'_> {
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
                 // What is silence this time was waited for in full, and is not waited for in full again.
-                self.executor.take_for_granted(&violation);
+                self.executor.known.take_for_granted(&violation);
                 return Ok(());
             }
             Some(Standing::InHistory(_)) => return Ok(()),
             Some(Standing::Doubtful(doubts)) => *doubts,
             None => 0,
         };
-        if self.executor.tail() > 0 && !self.executor.is_between {
+        if self.executor.history.tail() > 0 && !self.executor.is_between() {
             // What came before was another violation, after which the device was brought to rest.
             let mut tail = tree.current();
-            tail.stimuli.drain(..self.executor.tail().min(tail.stimuli.len()));
+            tail.stimuli.drain(..self.executor.history.tail().min(tail.stimuli.len()));
             tree = SequenceTree::new(tail);
         }
-        let whole = self.executor.since_start();
+        let whole = self.executor.history.since_start();
         let seen = Found {
             violation,
             sequence: tree.current(),
-            evidence: self.executor.evidence.clone(),
+            evidence: self.executor.history.evidence().to_vec(),
             confirmed: false,
-            state: self.executor.kept.clone(),
+            state: self.executor.kept().to_vec(),
             is_cut_off: false,
         };
         self.unrepeated = Some(Unrepeated { seen: seen.clone(), doubts, is_swift: pace == Pace::Swift });
@@ -77,8 +77,8 @@ impl Campaign<'_> {
             Confirmed::Again => {
                 let whole = Found {
                     sequence: tree.best().clone(),
-                    evidence: std::mem::take(&mut self.executor.evidence),
-                    state: self.executor.kept.clone(),
+                    evidence: self.executor.history.take_evidence(),
+                    state: self.executor.kept().to_vec(),
                     violation: seen.violation,
                     confirmed: true,
                     is_cut_off: false,
@@ -107,7 +107,7 @@ impl Campaign<'_> {
         seen: &Found,
         whole: Sequence,
     ) -> Result<(Confirmed, SequenceTree, bool), BusError> {
-        let before = condense(self.executor.before_sequence(), self.executor.knowledge());
+        let before = condense(self.executor.history.before_sequence(), self.executor.knowledge());
         let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation, Pace::Careful)?;
         if matches!(confirmed, Confirmed::No) && !before.is_empty() {
             let mut led = seen.sequence.clone();
@@ -139,7 +139,7 @@ impl Campaign<'_> {
         let standing = if found.confirmed { Standing::Confirmed } else { Standing::Doubtful(doubts + 1) };
         self.seen.insert(key, standing);
         if matches!(standing, Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) {
-            self.executor.take_for_granted(&found.violation);
+            self.executor.known.take_for_granted(&found.violation);
         }
         let is_known = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
         match self.violations.iter_mut().find(is_known) {
@@ -162,7 +162,7 @@ impl Campaign<'_> {
     /// its end. `dead`: nor did further resets bring it back.
     pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;
-        let (sequence, evidence) = self.executor.before_start();
+        let (sequence, evidence) = self.executor.history.take_before();
         let key = (violation.property, violation.rule);
         if self.seen.insert(key, Standing::Confirmed).is_some() {
             return Ok(());

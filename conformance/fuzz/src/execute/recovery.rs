@@ -11,17 +11,15 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_bus::BusError;
-use canvass_traces::{Direction, Duration, Record};
+use canvass_traces::{Direction, Duration};
 
 impl Executor {
     /// Whether a sequence goes on after that violation, which was reported before: what comes after it shows more than its
     /// end would.
     pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
-        let key = (violation.property, violation.rule);
-        self.pace == Pace::Swift
-            && self.presumed != Some(key)
+        self.waits.pace == Pace::Swift
             && !stand.is_repeatable()
-            && self.known.contains(&key)
+            && self.known.is_reported(violation)
             && self.is_alive_after(violation)
     }
 
@@ -44,7 +42,7 @@ impl Executor {
 
     /// Whether going on without a reset has taken less time so far than resets have.
     pub(super) fn is_recovery_faster(&self) -> bool {
-        let usual = |cause| match self.spent.of(cause) {
+        let usual = |cause| match self.tally.spent.of(cause) {
             (0, _) => None,
             (count, time) => Some(time.nanos() / count),
         };
@@ -59,38 +57,35 @@ impl Executor {
     pub(super) fn recover(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         let begun = stand.bus().now();
         let recovered = self.bring_to_rest(stand);
-        self.outstanding = 0;
-        self.spent.add(Cause::Recovery, stand.bus().now().since(begun));
+        self.waits.outstanding = 0;
+        self.tally.spent.add(Cause::Recovery, stand.bus().now().since(begun));
         recovered
     }
 
     fn bring_to_rest(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         let node = self.knowledge.node.raw();
         let rest = Nmt { command: Command::ENTER_PRE_OPERATIONAL, node }.to_frame(nmt::CAN_ID);
-        for frame in [rest, self.abort] {
+        for frame in [rest, self.requests.abort] {
             self.hand_over(stand, frame)?;
         }
         // Late answers come within the time of silence.
-        self.drain(stand, self.trusts.quiet())?;
+        self.drain(stand, self.waits.quiet())?;
         if !self.is_idle(stand)? {
             return Ok(false);
         }
-        let unsettled = self.sent.get(self.settled..).unwrap_or_default().to_vec();
-        let (sent, evidence, keep) = (&mut self.sent, &mut self.evidence, self.keep);
+        let (unsettled, history) = (self.history.unsettled().to_vec(), &mut self.history);
         let kept = baseline::restore(stand.bus(), &unsettled, &[], &self.knowledge, &mut |record| {
             if record.direction == Direction::Tx {
-                sent.push(Stimulus::settle(record.frame));
+                history.send(Stimulus::settle(record.frame));
             }
-            if keep {
-                evidence.push(record.clone());
-            }
+            history.note(record.clone());
         })?;
-        self.settled = self.sent.len();
-        self.kept.retain(|before| kept.iter().all(|now| now.at != before.at));
-        self.kept.extend(kept);
-        self.trusts.awaits_lss = false;
+        self.history.settle();
+        self.condition.kept.retain(|before| kept.iter().all(|now| now.at != before.at));
+        self.condition.kept.extend(kept);
+        self.waits.trusts.awaits_lss = false;
         self.oracle.go_on(stand.bus().now());
-        for kept in &self.kept {
+        for kept in &self.condition.kept {
             self.oracle.holds(kept.at, kept.value);
         }
         Ok(true)
@@ -99,15 +94,15 @@ impl Executor {
     /// Whether 1000h is read as it is of a server without a transfer. It must be: silence is a violation (PROP-01), unless it is
     /// none for the first time.
     fn is_idle(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
-        self.hand_over(stand, self.probe)?;
-        let is_news = self.presumed.is_none() && !self.known_silence.contains(&WEDGED) && !self.known.contains(&WEDGED);
-        let within = if is_news { self.knowledge.patience.answer } else { self.missing_after() };
+        self.hand_over(stand, self.requests.probe)?;
+        let is_news = self.known.is_wedged_news();
+        let within = if is_news { self.knowledge.patience.answer } else { self.waits.missing_after() };
         let until = stand.bus().now() + within;
         while let Some(record) = stand.bus().receive(until)? {
             let frame = record.frame;
-            self.note(record);
-            if frame.cob_id() == Some(self.response) {
-                return Ok(self.is_value(&frame, Multiplexer::new(object::DEVICE_TYPE, 0)));
+            self.history.note(record);
+            if frame.cob_id() == Some(self.requests.response) {
+                return Ok(self.requests.is_value(&frame, Multiplexer::new(object::DEVICE_TYPE, 0)));
             }
         }
         if !is_news {
@@ -123,17 +118,10 @@ impl Executor {
         }))
     }
 
-    /// A frame that is evidence only.
-    fn note(&mut self, record: Record) {
-        if self.keep {
-            self.evidence.push(record);
-        }
-    }
-
     fn drain(&mut self, stand: &mut dyn TestStand, time: Duration) -> Result<(), BusError> {
         let until = stand.bus().now() + time;
         while let Some(record) = stand.bus().receive(until)? {
-            self.note(record);
+            self.history.note(record);
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Single sequences on a simulated bus that goes on.
 
 use super::*;
+use crate::Spent;
 use crate::live::Live;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::sync;
@@ -21,9 +22,9 @@ fn run(sequences: &[Vec<Stimulus>]) -> Vec<(Ended, Spent)> {
     let mut stand = Live::new(&mut bus, &knowledge);
     let run = |stimuli: &Vec<Stimulus>| {
         let sequence = Sequence { start: Start::Configured, stimuli: stimuli.clone() };
-        let before = executor.spent;
+        let before = executor.tally.spent;
         let ended = executor.run(&mut stand, &sequence, Pace::Swift, true).unwrap();
-        (ended, executor.spent.since(&before))
+        (ended, executor.tally.spent.since(&before))
     };
     sequences.iter().map(run).collect()
 }

@@ -42,13 +42,14 @@ impl Bench<'_> {
     pub(super) fn check_leave(&mut self, frame: &Frame) -> Result<(), Stop> {
         let Some(at) = self.written_by(frame) else { return Ok(()) };
         if self.moves_zero_point(at) {
-            let is_time_to = !self.restoring || self.moving_zero_point;
+            let is_time_to = !self.traffic.restoring || self.changes.moving_zero_point;
             self.allowed(Touch::Preset, is_time_to, at)?;
         }
         if self.stores_at_once(at) {
             // What is put back was written with leave.
-            self.allowed(Touch::Nvm, true, at).or_else(|stop| if self.restoring { Ok(()) } else { Err(stop) })?;
-            self.wrote_memory = true;
+            self.allowed(Touch::Nvm, true, at)
+                .or_else(|stop| if self.traffic.restoring { Ok(()) } else { Err(stop) })?;
+            self.changes.wrote_memory = true;
         }
         Ok(())
     }
@@ -94,7 +95,7 @@ mod tests {
         let sent = |allow: &[Touch], restoring: bool| {
             let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
             with_options(table(&[]), &options, |bench| {
-                bench.restoring = restoring;
+                bench.traffic.restoring = restoring;
                 let download = bench.download_as(PRESET, &[1, 0, 0, 0], canvass_bus::client::sdo::Mode::Shortest);
                 let refused = |result: &Result<_, Stop>| matches!(result, Err(Stop::NotApplicable(_)));
                 let raw = REQUESTS.map(|request| {

@@ -25,10 +25,8 @@ impl Bench<'_> {
         {
             self.record_wrong_object(asked, abort.multiplexer, frame);
         }
-        if let Some(breach) = untidy(&response, frame)
-            && !self.untidy.iter().any(|known| known.actual == breach.actual)
-        {
-            self.untidy.push(breach);
+        if let Some(breach) = untidy(&response, frame) {
+            self.log.keep_untidy(breach);
         }
     }
 
@@ -36,7 +34,7 @@ impl Bench<'_> {
     fn record_wrong_object(&mut self, asked: Multiplexer, named: Multiplexer, frame: &Frame) {
         let is_wrong_object =
             |breach: &Breach| matches!(breach.actual, Observation::Violation(Violation::Multiplexer(_)));
-        if self.breaches.iter().any(is_wrong_object) {
+        if self.log.breaches().iter().any(is_wrong_object) {
             return;
         }
         let breach = Breach::new(asked, "an abort names the object of the request that it refuses")
@@ -51,7 +49,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::check`].
     pub fn expect_tidy(&mut self) -> Judged {
-        for breach in std::mem::take(&mut self.untidy) {
+        for breach in self.log.take_untidy() {
             self.check(Err(Box::new(breach)))?;
         }
         Ok(())
@@ -59,10 +57,9 @@ impl Bench<'_> {
 
     /// Does something whose answers are not the matter of the case: finding out what the device has.
     pub(crate) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let (breaches, untidy) = (self.breaches.len(), self.untidy.len());
+        let mark = self.log.mark();
         let result = act(self);
-        self.breaches.truncate(breaches);
-        self.untidy.truncate(untidy);
+        self.log.forget_since(mark);
         result
     }
 }

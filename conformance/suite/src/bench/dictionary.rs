@@ -1,7 +1,7 @@
 //! The whole object dictionary: read before a run, compared and put back after it.
 
-use super::Bench;
 use super::rewrite::Original;
+use super::{Bench, restore, rewrite};
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
@@ -30,177 +30,183 @@ const IDENTITY: u16 = object::IDENTITY;
 /// would only take its time.
 const MOST_UNANSWERED: u32 = 20;
 
-impl Bench<'_> {
-    /// Reads every object that the description calls readable; without a description the communication objects that
-    /// are there. What does not answer with a value is left out.
-    pub(crate) fn dump(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
-        self.undisturbed(Self::dump_once)
-    }
+/// Reads every object that the description calls readable; without a description the communication objects that
+/// are there. What does not answer with a value is left out.
+pub(crate) fn dump(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
+    bench.undisturbed(dump_once)
+}
 
-    fn dump_once(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
-        let mut values = Vec::new();
-        let mut unanswered = 0;
-        let mut lost = Vec::new();
-        for multiplexer in self.described_objects() {
-            match self.upload(multiplexer).map(|attempt| attempt.outcome) {
-                Ok(Outcome::Uploaded(value)) => values.push((multiplexer, value)),
-                Ok(Outcome::Aborted(_)) => {}
-                _ => lost.push(multiplexer),
-            }
-            unanswered = if lost.last() == Some(&multiplexer) { unanswered + 1 } else { 0 };
-            if unanswered >= MOST_UNANSWERED && self.is_live() {
-                return values;
-            }
+fn dump_once(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
+    let mut values = Vec::new();
+    let mut unanswered = 0;
+    let mut lost = Vec::new();
+    for multiplexer in described_objects(bench) {
+        match bench.upload(multiplexer).map(|attempt| attempt.outcome) {
+            Ok(Outcome::Uploaded(value)) => values.push((multiplexer, value)),
+            Ok(Outcome::Aborted(_)) => {}
+            _ => lost.push(multiplexer),
         }
-        self.dump_again(&lost, &mut values);
-        if self.target.description.is_none() {
-            for index in UNDESCRIBED.into_iter().flat_map(|(first, last)| first..=last) {
-                self.dump_object(index, &mut values);
-            }
-        }
-        values
-    }
-
-    /// One answer that was lost is not an object that is lost: what was not answered is asked for again, unless it is more than
-    /// a bad connection loses.
-    fn dump_again(&mut self, lost: &[Multiplexer], values: &mut Vec<(Multiplexer, Vec<u8>)>) {
-        const MOST_LOST: usize = 20;
-        if lost.is_empty() || lost.len() > MOST_LOST {
-            return;
-        }
-        for &multiplexer in lost {
-            if let Ok(Some(value)) = self.value_at_last(multiplexer) {
-                values.push((multiplexer, value));
-            }
-        }
-        values.sort_by_key(|(multiplexer, _)| *multiplexer);
-    }
-
-    fn described_objects(&self) -> Vec<Multiplexer> {
-        let Some(description) = &self.target.description else { return Vec::new() };
-        let entries = description.dictionary.entries();
-        let readable = entries.filter(|(_, entry)| entry.access.is_readable() && !entry.flags.refuses_read_on_scan());
-        readable.map(|(multiplexer, _)| multiplexer).collect()
-    }
-
-    /// An object of which only the index is known: its sub-index 0, and what that counts where there is more.
-    fn dump_object(&mut self, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
-        let Some(first) = self.value_of(Multiplexer::new(index, 0)) else { return };
-        let highest = if let [highest] = first[..] { highest } else { 0 };
-        values.push((Multiplexer::new(index, 0), first));
-        for sub in 1..=highest.min(MOST_SUBS) {
-            let multiplexer = Multiplexer::new(index, sub);
-            match self.value_of(multiplexer) {
-                Some(value) => values.push((multiplexer, value)),
-                // One byte, but no count.
-                None => break,
-            }
+        unanswered = if lost.last() == Some(&multiplexer) { unanswered + 1 } else { 0 };
+        if unanswered >= MOST_UNANSWERED && bench.is_live() {
+            return values;
         }
     }
-
-    pub(super) fn value_of(&mut self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
-        match self.upload(multiplexer).ok()?.outcome {
-            Outcome::Uploaded(value) => Some(value),
-            _ => None,
+    dump_again(bench, &lost, &mut values);
+    if bench.target.description.is_none() {
+        for index in UNDESCRIBED.into_iter().flat_map(|(first, last)| first..=last) {
+            dump_object(bench, index, &mut values);
         }
     }
+    values
+}
 
-    /// Compares all objects with what was read before the run, and writes back settings that differ: values that were not
-    /// stored were lost with the first reset. `bus` is how the user addresses it in commands.
-    ///
-    /// Works after Ctrl-C too.
-    pub(crate) fn put_back_dictionary(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
-        self.uncancelled(|bench| bench.undisturbed(|bench| bench.put_back_settings(bus, before)))
+/// One answer that was lost is not an object that is lost: what was not answered is asked for again, unless it is more than
+/// a bad connection loses.
+fn dump_again(bench: &mut Bench<'_>, lost: &[Multiplexer], values: &mut Vec<(Multiplexer, Vec<u8>)>) {
+    const MOST_LOST: usize = 20;
+    if lost.is_empty() || lost.len() > MOST_LOST {
+        return;
     }
-
-    fn put_back_settings(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
-        if !self.answers_at_last() {
-            return Comparison { objects: before.len(), ..Comparison::default() };
-        }
-        let mut changes = self.changes_since(before);
-        if changes.iter().any(|change| self.is_put_back(change.multiplexer)) {
-            let configured = before.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
-            let originals: Vec<Original> = configured.map(Original::from).collect();
-            self.write_back(&originals);
-            changes = self.changes_since(before);
-        }
-        self.compared(bus, before, changes)
-    }
-
-    fn compared(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)], mut changes: Vec<Change>) -> Comparison {
-        changes.extend(self.left_behind(&changes));
-        changes.sort_by_key(|change| change.multiplexer);
-        // One that has gone meanwhile has not lost all its objects.
-        let is_complete = matches!(self.answers(), Ok(true));
-        let appeared = changes.iter().filter(|change| change.before.is_none()).count();
-        let commands = self.commands(bus, before, &changes, &[]);
-        Comparison { is_complete, objects: before.len() + appeared, changes, commands, ..Comparison::default() }
-    }
-
-    /// What reading the whole dictionary again gives otherwise than before.
-    fn changes_since(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
-        let mut after: BTreeMap<Multiplexer, Vec<u8>> = self.dump().into_iter().collect();
-        let mut changes: Vec<Change> = Vec::new();
-        for (multiplexer, value) in before {
-            let mut now = after.remove(multiplexer);
-            if now.is_none() {
-                now = self.value_at_last(*multiplexer).ok().flatten();
-            }
-            if now.as_ref() != Some(value) {
-                changes.push(self.change(*multiplexer, Some(value.clone()), now));
-            }
-        }
-        changes.extend(after.into_iter().map(|(multiplexer, now)| self.change(multiplexer, None, Some(now))));
-        changes.iter_mut().for_each(|change| self.see_whether_it_moves(change));
-        changes
-    }
-
-    pub(super) fn change(&self, multiplexer: Multiplexer, before: Option<Vec<u8>>, after: Option<Vec<u8>>) -> Change {
-        let described = self.target.description.as_ref();
-        let entry = described.and_then(|description| description.dictionary.entry(multiplexer).ok());
-        let name = entry.map(|entry| entry.name.clone());
-        let profile = described.and_then(DeviceDescription::device_profile);
-        let standard = || names::object_name(multiplexer, profile)?.entry?.data_type;
-        let data_type = entry.map(|entry| entry.data_type).or_else(standard);
-        let is_constant = entry.is_some_and(|entry| entry.access == Access::Const);
-        let nature = match multiplexer.index.0 {
-            _ if self.is_put_back(multiplexer) => Nature::Setting,
-            object::DEVICE_TYPE
-            | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION
-            | IDENTITY => Nature::Constant,
-            _ if is_constant => Nature::Constant,
-            _ => Nature::Own,
-        };
-        Change { multiplexer, name, data_type, nature, before, after }
-    }
-
-    /// A value that differs from one reading to the next is set by the device, whatever its description says.
-    pub(super) fn see_whether_it_moves(&mut self, change: &mut Change) {
-        if change.is_left() && change.after.is_some() && self.value_of(change.multiplexer) != change.after {
-            change.nature = Nature::Own;
+    for &multiplexer in lost {
+        if let Ok(Some(value)) = bench.value_at_last(multiplexer) {
+            values.push((multiplexer, value));
         }
     }
+    values.sort_by_key(|(multiplexer, _)| *multiplexer);
+}
 
-    /// Whether the device answers, though it may be starting again: a reset that was cut short is followed by another, and
-    /// the boot-up message of the first is no sign that the second is over.
-    fn answers_at_last(&mut self) -> bool {
-        (0..3).any(|_| {
-            let answers = matches!(self.answers(), Ok(true));
-            if !answers {
-                // A bus that fails here fails in the next look, too.
-                let _ = self.listen(self.timing().boot_up);
-            }
-            answers
-        })
+fn described_objects(bench: &Bench<'_>) -> Vec<Multiplexer> {
+    let Some(description) = &bench.target.description else { return Vec::new() };
+    let entries = description.dictionary.entries();
+    let readable = entries.filter(|(_, entry)| entry.access.is_readable() && !entry.flags.refuses_read_on_scan());
+    readable.map(|(multiplexer, _)| multiplexer).collect()
+}
+
+/// An object of which only the index is known: its sub-index 0, and what that counts where there is more.
+fn dump_object(bench: &mut Bench<'_>, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
+    let Some(first) = value_of(bench, Multiplexer::new(index, 0)) else { return };
+    let highest = if let [highest] = first[..] { highest } else { 0 };
+    values.push((Multiplexer::new(index, 0), first));
+    for sub in 1..=highest.min(MOST_SUBS) {
+        let multiplexer = Multiplexer::new(index, sub);
+        match value_of(bench, multiplexer) {
+            Some(value) => values.push((multiplexer, value)),
+            // One byte, but no count.
+            None => break,
+        }
     }
 }
 
-impl Bench<'_> {
-    /// Whether an object is configuration that a run leaves as it was.
-    pub(super) fn is_put_back(&self, multiplexer: Multiplexer) -> bool {
-        let described = self.target.description.is_some() && self.is_described_as_writable(multiplexer);
-        (described || is_configuration(multiplexer)) && !self.acts(multiplexer)
+pub(super) fn value_of(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+    match bench.upload(multiplexer).ok()?.outcome {
+        Outcome::Uploaded(value) => Some(value),
+        _ => None,
     }
+}
+
+/// Compares all objects with what was read before the run, and writes back settings that differ: values that were not
+/// stored were lost with the first reset. `bus` is how the user addresses it in commands.
+///
+/// Works after Ctrl-C too.
+pub(crate) fn put_back_dictionary(bench: &mut Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
+    bench.uncancelled(|bench| bench.undisturbed(|bench| put_back_settings(bench, bus, before)))
+}
+
+fn put_back_settings(bench: &mut Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
+    if !answers_at_last(bench) {
+        return Comparison { objects: before.len(), ..Comparison::default() };
+    }
+    let mut changes = changes_since(bench, before);
+    if changes.iter().any(|change| is_put_back(bench, change.multiplexer)) {
+        let configured = before.iter().filter(|(multiplexer, _)| is_put_back(bench, *multiplexer));
+        let originals: Vec<Original> = configured.map(Original::from).collect();
+        rewrite::write_back(bench, &originals);
+        changes = changes_since(bench, before);
+    }
+    compared(bench, bus, before, changes)
+}
+
+fn compared(
+    bench: &mut Bench<'_>,
+    bus: &str,
+    before: &[(Multiplexer, Vec<u8>)],
+    mut changes: Vec<Change>,
+) -> Comparison {
+    changes.extend(restore::left_behind(bench, &changes));
+    changes.sort_by_key(|change| change.multiplexer);
+    // One that has gone meanwhile has not lost all its objects.
+    let is_complete = matches!(bench.answers(), Ok(true));
+    let appeared = changes.iter().filter(|change| change.before.is_none()).count();
+    let commands = restore::commands(bench, bus, before, &changes, &[]);
+    Comparison { is_complete, objects: before.len() + appeared, changes, commands, ..Comparison::default() }
+}
+
+/// What reading the whole dictionary again gives otherwise than before.
+fn changes_since(bench: &mut Bench<'_>, before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
+    let mut after: BTreeMap<Multiplexer, Vec<u8>> = dump(bench).into_iter().collect();
+    let mut changes: Vec<Change> = Vec::new();
+    for (multiplexer, value) in before {
+        let mut now = after.remove(multiplexer);
+        if now.is_none() {
+            now = bench.value_at_last(*multiplexer).ok().flatten();
+        }
+        if now.as_ref() != Some(value) {
+            changes.push(change(bench, *multiplexer, Some(value.clone()), now));
+        }
+    }
+    changes.extend(after.into_iter().map(|(multiplexer, now)| change(bench, multiplexer, None, Some(now))));
+    changes.iter_mut().for_each(|change| see_whether_it_moves(bench, change));
+    changes
+}
+
+pub(super) fn change(
+    bench: &Bench<'_>,
+    multiplexer: Multiplexer,
+    before: Option<Vec<u8>>,
+    after: Option<Vec<u8>>,
+) -> Change {
+    let described = bench.target.description.as_ref();
+    let entry = described.and_then(|description| description.dictionary.entry(multiplexer).ok());
+    let name = entry.map(|entry| entry.name.clone());
+    let profile = described.and_then(DeviceDescription::device_profile);
+    let standard = || names::object_name(multiplexer, profile)?.entry?.data_type;
+    let data_type = entry.map(|entry| entry.data_type).or_else(standard);
+    let is_constant = entry.is_some_and(|entry| entry.access == Access::Const);
+    let nature = match multiplexer.index.0 {
+        _ if is_put_back(bench, multiplexer) => Nature::Setting,
+        object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION | IDENTITY => {
+            Nature::Constant
+        }
+        _ if is_constant => Nature::Constant,
+        _ => Nature::Own,
+    };
+    Change { multiplexer, name, data_type, nature, before, after }
+}
+
+/// A value that differs from one reading to the next is set by the device, whatever its description says.
+pub(super) fn see_whether_it_moves(bench: &mut Bench<'_>, change: &mut Change) {
+    if change.is_left() && change.after.is_some() && value_of(bench, change.multiplexer) != change.after {
+        change.nature = Nature::Own;
+    }
+}
+
+/// Whether the device answers, though it may be starting again: a reset that was cut short is followed by another, and
+/// the boot-up message of the first is no sign that the second is over.
+fn answers_at_last(bench: &mut Bench<'_>) -> bool {
+    (0..3).any(|_| {
+        let answers = matches!(bench.answers(), Ok(true));
+        if !answers {
+            // A bus that fails here fails in the next look, too.
+            let _ = bench.listen(bench.timing().boot_up);
+        }
+        answers
+    })
+}
+
+/// Whether an object is configuration that a run leaves as it was.
+pub(super) fn is_put_back(bench: &Bench<'_>, multiplexer: Multiplexer) -> bool {
+    let described = bench.target.description.is_some() && bench.is_described_as_writable(multiplexer);
+    (described || is_configuration(multiplexer)) && !bench.acts(multiplexer)
 }
 
 /// Objects that only change when they are written, whatever the device.

@@ -101,18 +101,13 @@ impl Bench<'_> {
     /// Whether the device keeps the bit rate that it starts with: nobody has configured another one, or the object that holds
     /// it, where the device has one, still holds what it held before the run.
     pub(crate) fn keeps_bit_rate(&mut self) -> bool {
-        if !self.watch.has_configured_bit_rate() {
+        if !self.traffic.watch.has_configured_bit_rate() {
             return true;
         }
         let Some(at) = self.target.manual.settings.bit_rate else { return false };
-        let stored = self.baseline.stored.iter().flatten().find(|original| original.multiplexer == at);
+        let stored = self.changes.baseline.stored.iter().flatten().find(|original| original.multiplexer == at);
         let Some(before) = stored.map(|original| original.value.clone()) else { return false };
         matches!(self.unjudged(|bench| bench.value_at_last(at)), Ok(Some(now)) if now == before)
-    }
-
-    /// A case that was interrupted may have configured another bit rate.
-    pub(crate) fn assume_configured_bit_rate(&mut self) {
-        self.watch.assume_configured_bit_rate();
     }
 
     /// What the manual of the device says, where it is one of the built-in models.
@@ -124,8 +119,9 @@ impl Bench<'_> {
     pub fn vacant_neighbour(&self) -> Option<u8> {
         let own = self.node().raw();
         let candidates = [own.checked_add(1), own.checked_sub(1), own.checked_add(2), own.checked_sub(2)];
-        let vacant =
-            |raw: &u8| canvass_analyzer::NodeId::new(*raw).is_some_and(|node| !self.watch.others().contains(&node));
+        let vacant = |raw: &u8| {
+            canvass_analyzer::NodeId::new(*raw).is_some_and(|node| !self.traffic.watch.others().contains(&node))
+        };
         candidates.into_iter().flatten().find(vacant)
     }
 }

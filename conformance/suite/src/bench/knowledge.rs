@@ -1,11 +1,11 @@
 //! What was found out about the device, and need not be found out again.
 
-use super::Bench;
+use super::promptness::Promptness;
 use super::state::Heartbeats;
 use crate::verdict::Reason;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Whether the device has what a case needs; if not, why not.
 pub type Met = Result<(), String>;
@@ -37,8 +37,8 @@ pub(crate) struct Knowledge {
     pub(super) heartbeats: Option<Heartbeats>,
     /// Which objects let themselves be written with the value that they have.
     pub(super) willing: BTreeMap<Multiplexer, bool>,
-    /// CAN FD frames that came.
-    pub(super) fd_frames: u64,
+    /// Objects that have taken another value than they had.
+    pub(super) takes: BTreeSet<Multiplexer>,
     /// The longest that the device took to answer a request that it served at once.
     pub(super) slowest_answer: Duration,
     /// 1000h as it was read first.
@@ -47,21 +47,44 @@ pub(crate) struct Knowledge {
     pub(super) served: u64,
     /// Other nodes were looked for.
     pub(super) others_known: bool,
+    /// The case in which the device left the bus, if it did not come back.
+    pub(super) gone: Option<&'static str>,
+    pub(super) promptness: Promptness,
 }
 
-impl Bench<'_> {
+impl Knowledge {
     /// What is known of the need of that id.
     pub(crate) fn known(&self, need: &'static str) -> Option<&Found> {
-        self.knowledge.needs.get(need)
+        self.needs.get(need)
     }
 
     /// How many SDO transfers came to their right end, or to an abort in the right form, since the start of the run.
-    pub(crate) fn served(&self) -> u64 {
-        self.knowledge.served
+    pub(crate) const fn served(&self) -> u64 {
+        self.served
     }
 
     /// Keeps what was found out about the need of that id.
     pub(crate) fn learned(&mut self, need: &'static str, found: Found) {
-        self.knowledge.needs.insert(need, found);
+        self.needs.insert(need, found);
+    }
+
+    /// Whether the device is known to have left the bus.
+    pub(crate) const fn has_gone(&self) -> bool {
+        self.gone.is_some()
+    }
+
+    /// What holds of the firmware in every run.
+    pub(crate) fn of_firmware(self) -> Self {
+        Self { gone: None, promptness: Promptness::default(), ..self }
+    }
+
+    /// The device was operational in this run, and nothing has shown since that it can't be any more; or it shows no state.
+    pub(crate) const fn may_be_operational(&self) -> bool {
+        self.shows_no_state || self.was_operational && self.kept_out_since.is_none()
+    }
+
+    /// How long the device usually takes to answer.
+    pub(crate) fn usual_answer(&self) -> Duration {
+        self.promptness.usual()
     }
 }

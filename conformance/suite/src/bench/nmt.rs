@@ -52,15 +52,17 @@ impl Bench<'_> {
     pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
         let concerned = node == 0 || node == self.node().raw();
         if concerned && command.is_reset() {
-            self.watch.expect_boot_up();
+            self.traffic.watch.expect_boot_up();
         }
-        self.started |= concerned && command == Command::START;
+        if concerned && command == Command::START {
+            self.traffic.watch.start();
+        }
         self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))
     }
 
     /// Says that the device may restart because of what the case does next: no surprise, but no duty either.
     pub fn watch_restart(&mut self) {
-        self.watch.expect_boot_up();
+        self.traffic.watch.expect_boot_up();
     }
 
     /// Whether a frame is a boot-up message of the device under test, and nothing else: one byte, 00h.
@@ -193,7 +195,7 @@ impl Bench<'_> {
     /// Waits until an own frame of that CAN-ID was on the bus.
     fn wait_for_own(&mut self, cob_id: u16) -> Result<(), Stop> {
         let deadline = self.now() + self.timing().reaction;
-        while let Some(record) = self.receive(deadline)? {
+        while let Some(record) = self.traffic.receive(deadline)? {
             let is_own = record.direction == canvass_traces::Direction::Tx;
             if is_own && record.frame.cob_id() == Some(cob_id) {
                 break;
@@ -234,8 +236,13 @@ impl Bench<'_> {
             self.knowledge.starts_by_itself = Some(true);
             return Ok(true);
         }
-        self.show_state()?;
-        let found = self.state()? != Some(State::PRE_OPERATIONAL);
+        let found = match self.show_state() {
+            Err(Stop::Inconclusive(_)) if !self.is_cancelled() => true,
+            shown => {
+                shown?;
+                self.state()? != Some(State::PRE_OPERATIONAL)
+            }
+        };
         self.knowledge.starts_by_itself = Some(found);
         // A firmware that keeps values over a reset must not keep this one.
         self.restore();

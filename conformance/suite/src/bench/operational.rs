@@ -20,23 +20,18 @@ pub(crate) enum KeptOut {
 }
 
 impl Bench<'_> {
-    /// The device was operational in this run, and nothing has shown since that it can't be any more; or it shows no state.
-    pub(crate) fn may_be_operational(&self) -> bool {
-        self.knowledge.shows_no_state || self.knowledge.was_operational && self.knowledge.kept_out_since.is_none()
-    }
-
     /// Whether the last case has told the device to become operational.
     pub(crate) const fn has_started_it(&self) -> bool {
-        self.started
+        self.traffic.watch.has_started()
     }
 
     /// Resets the device and tells it to become operational; `None` if it does, or shows no state. What is sent here is no part of
     /// the case before. `case`: that one, if it can fail.
     pub(crate) fn kept_out_of_operational(&mut self, case: Option<&'static str>) -> Option<KeptOut> {
-        self.watch.forget();
+        self.traffic.watch.forget();
         let found = self.unjudged(Self::state_after_start);
         self.restore();
-        self.settle_journal();
+        self.changes.settle_journal();
         // If the look is cut short, nothing is known.
         let found = found.ok()?;
         self.knowledge.shows_no_state = found.is_none();
@@ -84,7 +79,7 @@ impl Bench<'_> {
 
     /// The last error that the device has reported, or that its error register shows.
     fn reported_error(&mut self) -> Option<String> {
-        if let Some((_, emcy)) = self.watch.emergencies().last() {
+        if let Some((_, emcy)) = self.traffic.watch.emergencies().last() {
             return Some(format!("EMCY {emcy}"));
         }
         let register = self.unjudged(|bench| bench.read_number(ERROR_REGISTER)).ok()?;

@@ -18,7 +18,7 @@ impl Bench<'_> {
     /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
     /// `regain` gives a device its node-ID again that has lost it, where the user allows that.
     pub(crate) fn has_left(&mut self, case: &'static str, regain: impl FnOnce(&mut Self)) -> bool {
-        if self.gone.is_some() {
+        if self.knowledge.gone.is_some() {
             return false;
         }
         let there = self.uncancelled(|bench| {
@@ -27,7 +27,7 @@ impl Bench<'_> {
                 bench.is_there()
             }
         });
-        self.gone = (!there).then_some(case);
+        self.knowledge.gone = (!there).then_some(case);
         !there
     }
 
@@ -49,7 +49,7 @@ impl Bench<'_> {
         if !status.success() {
             return Err(failed(status.to_string()));
         }
-        self.watch.expect_boot_up();
+        self.traffic.watch.expect_boot_up();
         self.wait_for_boot_up()?;
         Ok(true)
     }
@@ -63,7 +63,7 @@ impl Bench<'_> {
             return Ok(Ok(()));
         }
         self.look_for_others()?;
-        Ok(match self.watch.others().first() {
+        Ok(match self.traffic.watch.others().first() {
             None => Ok(()),
             Some(other) => Err(format!("node {other} is on this bus too, and commanding other nodes is not allowed")),
         })
@@ -71,14 +71,14 @@ impl Bench<'_> {
 
     /// The other nodes that were heard since the start of the run.
     pub(crate) fn others(&self) -> &BTreeSet<NodeId> {
-        self.watch.others()
+        self.traffic.watch.others()
     }
 
     /// Says that the device under test is given that node-ID: a node that uses it is not another one. 255, no node-ID, says
     /// nothing.
     pub(crate) fn gives_node_id(&mut self, node_id: u8) {
         if let Some(node) = NodeId::new(node_id) {
-            self.watch.add_given(node);
+            self.traffic.watch.add_given(node);
         }
     }
 
@@ -104,7 +104,7 @@ impl Bench<'_> {
         }
         self.hear_answers(&others, self.timing().silence, &mut answering)?;
         for node in answering {
-            self.watch.add_other(node);
+            self.traffic.watch.add_other(node);
         }
         Ok(())
     }
@@ -122,7 +122,7 @@ impl Bench<'_> {
 
     /// Whether nobody was heard at that node-ID.
     pub fn is_vacant(&self, node: u8) -> bool {
-        NodeId::new(node).is_some_and(|node| !self.watch.others().contains(&node))
+        NodeId::new(node).is_some_and(|node| !self.traffic.watch.others().contains(&node))
     }
 
     /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
@@ -131,9 +131,9 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::Inconclusive`] if it is still away.
     pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
-        let Some(case) = self.gone else { return Ok(()) };
+        let Some(case) = self.knowledge.gone else { return Ok(()) };
         if self.power_cycle()? && self.is_there() {
-            self.gone = None;
+            self.knowledge.gone = None;
             return Ok(());
         }
         let node = self.node();
@@ -143,7 +143,7 @@ impl Bench<'_> {
             .wait_for(LOOK.max(self.silence()), |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
         match sign {
             Some(()) => {
-                self.gone = None;
+                self.knowledge.gone = None;
                 Ok(())
             }
             None => {

@@ -1,8 +1,8 @@
 //! How promptly the device answers what costs it nothing: one that gets no processor is late as a whole, and its times say nothing
 //! of its clock.
 
-use super::Bench;
 use super::sdo::DEVICE_TYPE;
+use super::{Bench, HOST_LATE};
 use crate::verdict::Stop;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
@@ -10,6 +10,9 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Reads beside a case, at most.
 const READS: usize = 100;
+
+/// As many reads at least tell whether a device is late now and then, or answers now sooner and now later by its nature.
+const FEWEST_READS: u32 = 20;
 
 /// From one read to the next.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -21,12 +24,17 @@ pub(super) struct Promptness {
     usual: Option<Duration>,
     /// The longest in the case.
     longest: Duration,
+    /// The reads of the run, and how many of them took much longer than usual.
+    reads: u32,
+    late: u32,
 }
 
 impl Promptness {
     fn note(&mut self, took: Duration) {
         self.usual = Some(self.usual.map_or(took, |usual| usual.min(took)));
         self.longest = self.longest.max(took);
+        self.reads += 1;
+        self.late += u32::from(self.usual.is_some_and(|usual| took.0 >= usual.0 + HOST_LATE.0));
     }
 
     /// A case begins.
@@ -34,61 +42,75 @@ impl Promptness {
         self.longest = Duration::ZERO;
     }
 
+    /// The least time, or zero as long as nothing was answered.
+    pub fn usual(self) -> Duration {
+        self.usual.unwrap_or_default()
+    }
+
+    /// Whether one answer in four comes late: the device answers so by its nature, and that says nothing of its timers. One that
+    /// gets too little processor now and then is prompt most of the time.
+    const fn varies(self) -> bool {
+        self.reads >= FEWEST_READS && self.late * 4 >= self.reads
+    }
+
+    /// By how much the device was later than usual in the case.
     fn lateness(self) -> Duration {
-        Duration(self.longest.0.saturating_sub(self.usual.unwrap_or_default().0))
+        if self.varies() {
+            return Duration::ZERO;
+        }
+        Duration(self.longest.0.saturating_sub(self.usual().0))
+    }
+
+    /// Whether nothing is to be learned by one more read.
+    fn is_known(self, enough: Duration) -> bool {
+        self.reads >= FEWEST_READS && (self.varies() || self.lateness() >= enough)
     }
 }
 
 impl Bench<'_> {
     /// The device has answered a read of its device type, which was asked for then.
     pub(super) fn note_answer(&mut self, asked: Timestamp) {
-        let took = self.taken_at.since(asked);
-        self.promptness.note(took);
+        self.knowledge.promptness.note(self.traffic.taken_at().since(asked));
     }
+}
 
-    /// How long it usually takes to answer.
-    pub(crate) fn usual_answer(&self) -> Duration {
-        self.promptness.usual.unwrap_or_default()
+/// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
+/// `enough`, or often enough. One that does not answer is not late.
+pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
+    if bench.knowledge.promptness.is_known(enough) {
+        return bench.knowledge.promptness.lateness();
     }
+    let looked = bench.uncancelled(|bench| bench.unjudged(|bench| look_beside(bench, enough)));
+    // A look that ends early has seen what it has seen.
+    drop(looked);
+    bench.knowledge.promptness.lateness()
+}
 
-    /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
-    /// `enough`, or often enough. One that does not answer is not late.
-    pub(crate) fn lateness(&mut self, enough: Duration) -> Duration {
-        if self.promptness.lateness() >= enough {
-            return self.promptness.lateness();
-        }
-        let looked = self.uncancelled(|bench| bench.unjudged(|bench| bench.look_beside(enough)));
-        // A look that ends early has seen what it has seen.
-        drop(looked);
-        self.promptness.lateness()
+fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {
+    if !bench.answers()? {
+        // Stopped, for example.
+        bench.prepare()?;
     }
+    for _ in 0..READS {
+        if bench.knowledge.promptness.is_known(enough) || !read_beside(bench)? {
+            break;
+        }
+        bench.wait_for(PAUSE, |_| None::<()>)?;
+    }
+    Ok(())
+}
 
-    fn look_beside(&mut self, enough: Duration) -> Result<(), Stop> {
-        if !self.answers()? {
-            // Stopped, for example.
-            self.prepare()?;
-        }
-        for _ in 0..READS {
-            if self.promptness.lateness() >= enough || !self.read_beside()? {
-                break;
-            }
-            self.wait_for(PAUSE, |_| None::<()>)?;
-        }
-        Ok(())
+fn read_beside(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    bench.drain()?;
+    bench.traffic.wait_for_quiet(bench.knowledge.slowest_answer)?;
+    let response = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
+    let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(bench.node().raw()));
+    let sent = bench.send(&request)?;
+    let is_response = |cob_id| cob_id == Some(response);
+    let answered =
+        bench.wait_for(bench.timing().sdo_response, |record| is_response(record.frame.cob_id()).then_some(()))?;
+    if answered.is_some() {
+        bench.note_answer(sent.at);
     }
-
-    fn read_beside(&mut self) -> Result<bool, Stop> {
-        self.drain()?;
-        self.wait_for_quiet()?;
-        let response = sdo::RESPONSE_BASE + u16::from(self.node().raw());
-        let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(self.node().raw()));
-        let sent = self.send(&request)?;
-        let is_response = |cob_id| cob_id == Some(response);
-        let answered =
-            self.wait_for(self.timing().sdo_response, |record| is_response(record.frame.cob_id()).then_some(()))?;
-        if answered.is_some() {
-            self.note_answer(sent.at);
-        }
-        Ok(answered.is_some())
-    }
+    Ok(answered.is_some())
 }

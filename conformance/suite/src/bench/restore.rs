@@ -1,14 +1,13 @@
 //! The device is left as it was found.
 
-use super::Bench;
 use super::rewrite::{Original, companions, is_cob_id, writes};
+use super::{Bench, dictionary, rewrite};
 use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Outcome};
-use canvass_bus::observation::Subject;
 use canvass_traces::hex;
 
 /// Stores all parameters.
@@ -30,154 +29,152 @@ impl Bench<'_> {
 
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
     pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
-        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if known || self.acts(multiplexer) {
+        if self.changes.knows(multiplexer) || self.acts(multiplexer) {
             return Ok(());
         }
         // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
-        companions(multiplexer).into_iter().flatten().try_for_each(|companion| self.keep(companion))?;
-        self.keep(multiplexer)
+        companions(multiplexer).into_iter().flatten().try_for_each(|companion| keep(self, companion))?;
+        keep(self, multiplexer)
     }
 
-    fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
-        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
-        if !known && let Outcome::Uploaded(value) = self.undisturbed(|bench| bench.upload(multiplexer))?.outcome {
-            self.journal_value(multiplexer, &value)?;
-            self.changes.push(Original { multiplexer, value });
-        }
-        Ok(())
+    /// The value that an object had before the case changed it, where it could be read.
+    pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+        let change = self.changes.originals().iter().find(|change| change.multiplexer == multiplexer)?;
+        Some(change.value.clone())
     }
 
     /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
     pub(crate) fn uncancelled<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let before = std::mem::replace(&mut self.restoring, true);
+        let before = std::mem::replace(&mut self.traffic.restoring, true);
         let result = act(self);
-        self.restoring = before;
+        self.traffic.restoring = before;
         result
     }
 
     /// The case was cancelled, or could not go on: it has not come to what it does at its end. Its node-ID and bit rate are put
     /// right by `rescue`; what it stored, by [`Bench::settle_memory`].
     pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
-        let stored = self.watch.has_stored();
+        let stored = self.traffic.watch.has_stored();
         // What can fail here shows in the answers of the device, which are compared after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
     /// Puts back what the case changed, and what could not be put back before; also after a failure and after Ctrl-C. What
-    /// the device does not have again is kept: it is tried anew after the next case, and told at the end of the run.
+    /// the device does not have again is kept.
     pub(super) fn restore(&mut self) {
-        let before = std::mem::replace(&mut self.restoring, true);
-        let mut originals = std::mem::take(&mut self.unrestored);
-        for change in std::mem::take(&mut self.changes) {
-            if !originals.iter().any(|known| known.multiplexer == change.multiplexer) {
-                originals.push(change);
-            }
-        }
-        if self.has_gone() {
-            // There is nobody to write to: it is tried after the first case in which the device is back.
-            self.unrestored = originals;
-            self.restoring = before;
-            return;
-        }
-        if !originals.is_empty()
-            && let Err(stop) = self.wake()
-        {
-            self.notes.push(format!("not restored: {}", stop.reason()));
-        }
-        let mut stuck = self.write_back(&originals);
-        // What was not stored is back after a reset.
-        if !stuck.is_empty() && self.reset(Command::RESET_NODE).is_ok() {
-            stuck = self.write_back(&originals);
-        }
-        for Original { multiplexer, value } in &stuck {
-            self.notes.push(format!("{multiplexer} could not be set back to {}", Bytes(value)));
-        }
-        self.unrestored = stuck;
-        self.restoring = before;
-    }
-
-    /// Whether an earlier case has left an object behind with a value that is not the device's own.
-    pub(crate) fn is_left_behind(&self, subject: Subject) -> bool {
-        self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
-    }
-
-    /// What cases could not put back and the dictionary does not show: objects that nobody described.
-    pub(super) fn left_behind(&mut self, known: &[Change]) -> Vec<Change> {
-        let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
-        let stuck: Vec<Original> = self.unrestored.iter().filter(|original| !is_told(original)).cloned().collect();
-        let stuck = self.write_back(&stuck);
-        let change = |Original { multiplexer, value }| {
-            let after = self.value_of(multiplexer);
-            Change { nature: Nature::Setting, ..self.change(multiplexer, Some(value), after) }
+        let originals = self.changes.take();
+        // Where the device has gone there is nobody to write to: it is tried after the first case in which the device is back.
+        let unrestored = if self.knowledge.has_gone() {
+            originals
+        } else {
+            self.uncancelled(|bench| put_back_values(bench, &originals))
         };
-        stuck.into_iter().map(change).collect()
+        self.changes.leave(unrestored);
     }
+}
 
-    /// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
-    /// that acts is written: no value of it puts anything back.
-    ///
-    /// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
-    /// values, so that storing takes only these, and the values that were in use are written after it.
-    pub(super) fn commands(
-        &self,
-        bus: &str,
-        before: &[(Multiplexer, Vec<u8>)],
-        changes: &[Change],
-        stored: &[Change],
-    ) -> Vec<String> {
-        let can_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
-        if stored.is_empty() || !can_store {
-            return self.writing(bus, before, changes);
-        }
-        let known = self.baseline.stored.clone().unwrap_or_default();
-        let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
-        let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), self.node())];
-        commands.extend(self.writing(bus, &known, stored));
-        commands.push(self.command_to_write(bus, (STORE, b"save".to_vec())));
-        let unlike = |(at, value): &&(Multiplexer, Vec<u8>)| known.iter().any(|(of, other)| of == at && other != value);
-        let in_use = before.iter().filter(unlike).map(|(at, value)| self.change(*at, Some(value.clone()), None));
-        let in_use: Vec<Change> = in_use.chain(changes.iter().cloned()).collect();
-        commands.extend(self.writing(bus, before, &in_use));
-        commands
+fn keep(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Stop> {
+    if !bench.changes.knows(multiplexer)
+        && let Outcome::Uploaded(value) = bench.undisturbed(|bench| bench.upload(multiplexer))?.outcome
+    {
+        bench.changes.keep(Original { multiplexer, value })?;
     }
+    Ok(())
+}
 
-    fn writing(&self, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
-        let settings =
-            changes.iter().filter(|change| change.nature == Nature::Setting && !self.acts(change.multiplexer));
-        let mut originals: Vec<Original> = Vec::new();
-        for change in settings {
-            let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
-            if let (false, Some(value)) = (known, change.before.clone()) {
-                originals.push(Original { multiplexer: change.multiplexer, value });
-            }
-        }
-        let companions: Vec<Multiplexer> =
-            originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
-        for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
-            if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
-                originals.push(known);
-            }
-        }
-        let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
-        writes(&originals, &held).into_iter().map(|write| self.command_to_write(bus, write)).collect()
+fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
+    if !originals.is_empty()
+        && let Err(stop) = wake(bench)
+    {
+        bench.note(format!("not restored: {}", stop.reason()));
     }
+    let mut stuck = rewrite::write_back(bench, originals);
+    // What was not stored is back after a reset.
+    if !stuck.is_empty() && bench.reset(Command::RESET_NODE).is_ok() {
+        stuck = rewrite::write_back(bench, originals);
+    }
+    for Original { multiplexer, value } in &stuck {
+        bench.note(format!("{multiplexer} could not be set back to {}", Bytes(value)));
+    }
+    stuck
+}
 
-    fn command_to_write(&self, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
-        let digits = hex::compact(&value).to_string();
-        let digits = if digits.is_empty() { "''" } else { &digits };
-        let (index, sub) = (at.index.0, at.sub.0);
-        format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), self.node())
-    }
+/// What cases could not put back and the dictionary does not show: objects that nobody described.
+pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change> {
+    let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
+    let stuck: Vec<Original> =
+        bench.changes.unrestored().iter().filter(|original| !is_told(original)).cloned().collect();
+    let stuck = rewrite::write_back(bench, &stuck);
+    let change = |Original { multiplexer, value }| {
+        let after = dictionary::value_of(bench, multiplexer);
+        Change { nature: Nature::Setting, ..dictionary::change(bench, multiplexer, Some(value), after) }
+    };
+    stuck.into_iter().map(change).collect()
+}
 
-    /// Only in stopped the SDO server must not answer.
-    fn wake(&mut self) -> Result<(), Stop> {
-        if !self.answers()? {
-            self.command(Command::ENTER_PRE_OPERATIONAL)?;
-            self.listen(self.timing().reaction)?;
-        }
-        Ok(())
+/// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
+/// that acts is written: no value of it puts anything back.
+///
+/// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
+/// values, so that storing takes only these, and the values that were in use are written after it.
+pub(super) fn commands(
+    bench: &Bench<'_>,
+    bus: &str,
+    before: &[(Multiplexer, Vec<u8>)],
+    changes: &[Change],
+    stored: &[Change],
+) -> Vec<String> {
+    let can_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
+    if stored.is_empty() || !can_store {
+        return writing(bench, bus, before, changes);
     }
+    let known = bench.changes.baseline.stored.clone().unwrap_or_default();
+    let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
+    let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), bench.node())];
+    commands.extend(writing(bench, bus, &known, stored));
+    commands.push(command_to_write(bench, bus, (STORE, b"save".to_vec())));
+    let unlike = |(at, value): &&(Multiplexer, Vec<u8>)| known.iter().any(|(of, other)| of == at && other != value);
+    let in_use =
+        before.iter().filter(unlike).map(|(at, value)| dictionary::change(bench, *at, Some(value.clone()), None));
+    let in_use: Vec<Change> = in_use.chain(changes.iter().cloned()).collect();
+    commands.extend(writing(bench, bus, before, &in_use));
+    commands
+}
+
+fn writing(bench: &Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
+    let settings = changes.iter().filter(|change| change.nature == Nature::Setting && !bench.acts(change.multiplexer));
+    let mut originals: Vec<Original> = Vec::new();
+    for change in settings {
+        let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
+        if let (false, Some(value)) = (known, change.before.clone()) {
+            originals.push(Original { multiplexer: change.multiplexer, value });
+        }
+    }
+    let companions: Vec<Multiplexer> =
+        originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
+    for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
+        if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
+            originals.push(known);
+        }
+    }
+    let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
+    writes(&originals, &held).into_iter().map(|write| command_to_write(bench, bus, write)).collect()
+}
+
+fn command_to_write(bench: &Bench<'_>, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
+    let digits = hex::compact(&value).to_string();
+    let digits = if digits.is_empty() { "''" } else { &digits };
+    let (index, sub) = (at.index.0, at.sub.0);
+    format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), bench.node())
+}
+
+/// Only in stopped the SDO server must not answer.
+fn wake(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if !bench.answers()? {
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction)?;
+    }
+    Ok(())
 }
 
 /// The COB-IDs that the device has now, where a run has changed them.
@@ -207,15 +204,13 @@ mod tests {
     #[test]
     fn a_device_that_is_gone_is_not_written_to_after_each_case() {
         let (took, left) = with_bench(table(&[]), |bench| {
-            bench.gone = Some("301/a/case");
-            bench.changes.push(Original {
-                multiplexer: Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0),
-                value: vec![0, 0],
-            });
+            bench.knowledge.gone = Some("301/a/case");
+            let multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
+            bench.changes.keep(Original { multiplexer, value: vec![0, 0] }).unwrap();
             let begun = bench.now();
             bench.restore();
             bench.restore();
-            (bench.now().since(begun), bench.unrestored.clone())
+            (bench.now().since(begun), bench.changes.unrestored().to_vec())
         });
         assert_eq!(took, Duration::ZERO);
         let left: Vec<_> = left.into_iter().map(|Original { multiplexer, value }| (multiplexer, value)).collect();

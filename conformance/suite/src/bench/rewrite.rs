@@ -11,7 +11,7 @@ use canvass_bus::client::sdo::Mode;
 
 /// An object with the value that it shall have again.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Original {
+pub(crate) struct Original {
     pub multiplexer: Multiplexer,
     pub value: Vec<u8>,
 }
@@ -59,36 +59,35 @@ const PRODUCES: u32 = 1 << 30;
 /// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 
-impl Bench<'_> {
-    /// Writes values back; returns those that the device does not have again.
-    pub(super) fn write_back(&mut self, originals: &[Original]) -> Vec<Original> {
-        let wrong: Vec<&Original> = originals.iter().filter(|original| !self.has_again(original)).collect();
-        let companions = wrong.iter().flat_map(|original| companions(original.multiplexer));
-        let needed: Vec<Multiplexer> =
-            wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
-        let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
-        let held: Vec<(Multiplexer, u32)> = needed
-            .iter()
-            .filter(|at| is_cob_id(**at))
-            .filter_map(|&at| match self.upload(at).ok()?.outcome {
-                Outcome::Uploaded(value) => Some((at, super::sdo::number(&value))),
-                _ => None,
-            })
-            .collect();
-        for RewriteStep { multiplexer, value, .. } in steps(rewritten, &held) {
-            // What is refused shows when it is read back.
-            let _ = self.download_as(multiplexer, &value, Mode::Shortest);
-        }
-        let again: Vec<&Original> =
-            originals.iter().filter(|original| needed.contains(&original.multiplexer)).collect();
-        again.into_iter().filter(|original| !self.has_again(original)).cloned().collect()
+/// Writes values back, but no object that acts; returns those that the device does not have again.
+pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
+    let settings: Vec<&Original> = originals.iter().filter(|original| !bench.acts(original.multiplexer)).collect();
+    let wrong: Vec<&Original> = settings.iter().copied().filter(|original| !has_again(bench, original)).collect();
+    let companions = wrong.iter().flat_map(|original| companions(original.multiplexer));
+    let needed: Vec<Multiplexer> =
+        wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
+    let rewritten = settings.iter().copied().filter(|original| needed.contains(&original.multiplexer));
+    let held: Vec<(Multiplexer, u32)> = needed
+        .iter()
+        .filter(|at| is_cob_id(**at))
+        .filter_map(|&at| match bench.upload(at).ok()?.outcome {
+            Outcome::Uploaded(value) => Some((at, super::sdo::number(&value))),
+            _ => None,
+        })
+        .collect();
+    for RewriteStep { multiplexer, value, .. } in steps(rewritten, &held) {
+        // What is refused shows when it is read back.
+        let _ = bench.download_as(multiplexer, &value, Mode::Shortest);
     }
+    let again: Vec<&Original> =
+        settings.into_iter().filter(|original| needed.contains(&original.multiplexer)).collect();
+    again.into_iter().filter(|original| !has_again(bench, original)).cloned().collect()
+}
 
-    /// Whether an object has its value again. One that can't be read has not.
-    fn has_again(&mut self, original: &Original) -> bool {
-        let now = self.upload(original.multiplexer).map(|attempt| attempt.outcome);
-        matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)
-    }
+/// Whether an object has its value again. One that can't be read has not.
+fn has_again(bench: &mut Bench<'_>, original: &Original) -> bool {
+    let now = bench.upload(original.multiplexer).map(|attempt| attempt.outcome);
+    matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)
 }
 
 /// What has to be written, in this order, so that objects have their values again. `held`: COB-IDs that the device has now.

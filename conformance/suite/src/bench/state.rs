@@ -247,7 +247,7 @@ impl Bench<'_> {
             let period = Duration::from_millis(u64::from(time) + u64::from(time / 4)) + LONGEST_HEARTBEAT;
             return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
         }
-        if !self.foreign_messages_of_run().is_empty() {
+        if !self.traffic.clients.messages_of_run().is_empty() {
             // Nothing is sent but reads until the user has allowed to test beside others.
             return Ok(false);
         }
@@ -278,13 +278,13 @@ impl Bench<'_> {
 
     /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.
     pub(crate) fn leave(&mut self, operational: bool) {
-        self.restoring = true;
         // What can fail here has failed before, and is in the reports of the cases.
-        let _ = self.reset(Command::RESET_NODE);
-        if operational {
-            let _ = self.command(Command::START);
-        }
-        self.restoring = false;
+        self.uncancelled(|bench| {
+            let _ = bench.reset(Command::RESET_NODE);
+            if operational {
+                let _ = bench.command(Command::START);
+            }
+        });
     }
 }
 

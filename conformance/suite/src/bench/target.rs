@@ -1,5 +1,6 @@
 //! What is tested, and under which conditions.
 
+use super::nanos;
 use crate::quarantine::Quarantine;
 use crate::touch::Touch;
 use crate::verdict::Deviation;
@@ -8,6 +9,7 @@ use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, Manual};
 use canvass_device::models::Model;
 use canvass_device::{Faults, Firmware};
 use canvass_traces::Duration;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -30,8 +32,8 @@ pub struct Target {
     pub described_alone: bool,
 }
 
-/// How to test.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
+/// How to test. A bundle of evidence holds it, but for what only concerns the machine of the tester.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Options {
     /// What the cases may do beyond what leaves no trace.
     pub allow: BTreeSet<Touch>,
@@ -44,31 +46,42 @@ pub struct Options {
     /// Whether the run ends with the first case that fails.
     pub fail_fast: bool,
     /// A command of the user, for `sh`, that switches the supply of the device off and on.
+    #[serde(skip)]
     pub power_cycle: Option<String>,
     /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
     /// How long the whole run may take on the clock of the bus, with all but putting the device back.
+    #[serde(rename = "limit_ns", with = "nanos::optional")]
     pub limit: Option<Duration>,
     /// Whether the user says that the zero point of the device is stored: a reset does not lose it.
+    // Bundles of earlier programs do not have it.
+    #[serde(default)]
     pub zero_point_is_stored: bool,
     /// Where what is changed is written down beforehand, so that the device can be put back if the tester is killed.
+    #[serde(skip)]
     pub journal: Option<PathBuf>,
 }
 
 /// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Timing {
     /// For each response of an SDO server.
+    #[serde(rename = "sdo_response_ns", with = "nanos")]
     pub sdo_response: Duration,
     /// For the response to a store or restore command (1010h, 1011h).
+    #[serde(rename = "store_ns", with = "nanos")]
     pub store: Duration,
     /// For each response of an LSS or LMT slave.
+    #[serde(rename = "lss_ns", with = "nanos")]
     pub lss: Duration,
     /// From a reset command to the boot-up message.
+    #[serde(rename = "boot_up_ns", with = "nanos")]
     pub boot_up: Duration,
     /// From an NMT command to the state it leads to.
+    #[serde(rename = "reaction_ns", with = "nanos")]
     pub reaction: Duration,
     /// How long nothing must come where nothing may come.
+    #[serde(rename = "silence_ns", with = "nanos")]
     pub silence: Duration,
     /// How far the mean of a period may be off, in percent (but see [`Timing::PERIOD_FLOOR`]).
     pub period_tolerance: u32,

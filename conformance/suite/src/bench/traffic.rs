@@ -1,11 +1,14 @@
-//! Frames out and in.
+//! The bus and what goes over it: frames out and in, who sent them, and how well the tester keeps up.
 
-use super::{Bench, Exhibit};
+use super::clients::Clients;
+use super::watch::Watch;
+use super::{Annotate, Evidence, Exhibit, HOST_LATE, Target};
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::{emcy, error_control, sdo};
-use canvass_bus::BusError;
-use canvass_traces::{CanId, Direction, Duration, Frame, Record, Timestamp};
+use canvass_bus::{Bus, BusError, Health};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A wait on a live bus looks this often whether the user has cancelled.
 const SLICE: Duration = Duration::from_millis(200);
@@ -23,34 +26,147 @@ pub struct Sent {
     pub at: Timestamp,
 }
 
-impl Bench<'_> {
-    /// Sends a frame as it is, however wrong.
-    ///
-    /// # Errors
-    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled, [`Stop::NotApplicable`] if
-    /// it would move a zero point or write the memory, and the user has not allowed that.
-    pub fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
-        self.check_cancelled()?;
-        self.check_leave(frame)?;
-        self.journal_frame(frame)?;
+/// What is on the bus. It knows nothing of what a frame changes in the device.
+pub(crate) struct Traffic<'a> {
+    pub(super) bus: &'a mut dyn Bus,
+    annotate: &'a mut dyn Annotate,
+    cancel: &'a AtomicBool,
+    node: NodeId,
+    /// When the time of the run is over.
+    ends: Timestamp,
+    evidence: Evidence,
+    pub(crate) watch: Watch,
+    pub(crate) clients: Clients,
+    /// Waits end at once when the user cancels, except while things are being put back.
+    pub(super) restoring: bool,
+    /// When the last frame was on the bus.
+    taken_at: Timestamp,
+    /// While a case runs: how many frames were lost before it.
+    lost_before: Option<u64>,
+    /// Frames taken since then.
+    taken: u64,
+    fd_frames: u64,
+}
+
+impl<'a> Traffic<'a> {
+    /// `limit`: how long the run may take. `cancel` ends every wait once it is set.
+    pub(super) fn new(
+        bus: &'a mut dyn Bus,
+        target: &Target,
+        limit: Option<Duration>,
+        annotate: &'a mut dyn Annotate,
+        cancel: &'a AtomicBool,
+    ) -> Self {
+        Self {
+            ends: limit.map_or(Timestamp::MAX, |limit| bus.now() + limit),
+            bus,
+            annotate,
+            cancel,
+            node: target.node,
+            evidence: Evidence::default(),
+            watch: Watch::new(target.node),
+            clients: Clients::new(target.node, target.description.as_ref()),
+            restoring: false,
+            taken_at: Timestamp::ZERO,
+            lost_before: None,
+            taken: 0,
+            fd_frames: 0,
+        }
+    }
+
+    /// The time on the bus.
+    pub(crate) fn now(&self) -> Timestamp {
+        self.bus.now()
+    }
+
+    /// When the last frame was on the bus.
+    pub(super) const fn taken_at(&self) -> Timestamp {
+        self.taken_at
+    }
+
+    /// How well the bus and the tester's own machine work.
+    pub(crate) fn health(&self) -> Health {
+        self.bus.health()
+    }
+
+    /// Whether the bus is a live one.
+    pub(crate) fn is_live(&self) -> bool {
+        self.bus.is_live()
+    }
+
+    /// The bit rate of the bus in bit/s, where it is known.
+    pub(crate) fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
+    }
+
+    /// By how much a frame can be late, or another early after it, through nobody's fault: one frame of the longest is on
+    /// the wire when it is due, and its own length. Where the bit rate is not known, that of 125 kbit/s.
+    pub(crate) fn bus_delay(&self) -> Duration {
+        /// A 29-bit frame of eight bytes with all its stuff bits, and the intermission.
+        const LONGEST: u64 = 160;
+        const USUAL_BIT_RATE: u32 = 125_000;
+        let bit_rate = u64::from(self.bit_rate().unwrap_or(USUAL_BIT_RATE).max(1));
+        Duration::from_nanos(2 * LONGEST * 1_000_000_000 / bit_rate)
+    }
+
+    /// How late the tester's machine has been at most so far, from the bus or to it; what is later than the bound excuses the
+    /// device altogether.
+    pub(crate) fn host_delay(&self) -> Duration {
+        self.health().latest().unwrap_or_default().min(HOST_LATE)
+    }
+
+    /// What was on the bus since the case began.
+    pub(crate) const fn evidence(&self) -> &Evidence {
+        &self.evidence
+    }
+
+    /// Whether the run is to end: the user has cancelled it, or its time is over.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed) || self.is_out_of_time()
+    }
+
+    /// Whether the time of the run is over.
+    pub(crate) fn is_out_of_time(&self) -> bool {
+        self.ends != Timestamp::MAX && self.bus.now() >= self.ends
+    }
+
+    pub(super) fn check_cancelled(&self) -> Result<(), Stop> {
+        if self.is_cancelled() && !self.restoring {
+            let why = if self.is_out_of_time() { "the time of the run was over" } else { "the run was cancelled" };
+            let reason = Reason::new("the case runs to its end", "no interruption", why);
+            return Err(Stop::Inconclusive(reason));
+        }
+        Ok(())
+    }
+
+    /// Forgets the case before: what others have sent counts for the run.
+    pub(super) fn begin(&mut self) {
+        self.evidence = Evidence::default();
+        self.clients.begin();
+        self.watch.forget();
+    }
+
+    /// A case during which frames are lost says nothing of the device: from now on its waits end as soon as that is seen.
+    pub(crate) fn end_when_frames_are_lost(&mut self) {
+        self.lost_before = Some(self.bus.health().lost);
+        self.taken = 0;
+    }
+
+    /// Lost frames end no wait any more: the device is put back in any case.
+    pub(super) fn bear_lost_frames(&mut self) {
+        self.lost_before = None;
+    }
+
+    /// The frames of the case.
+    pub(super) fn take_evidence(&mut self) -> Evidence {
+        std::mem::take(&mut self.evidence)
+    }
+
+    /// Hands a frame to the bus.
+    pub(super) fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         let at = self.bus.now();
         self.bus.send(frame).map_err(|error| broken(&error))?;
         Ok(Sent { at })
-    }
-
-    /// Sends up to eight bytes with an 11-bit CAN-ID.
-    ///
-    /// # Errors
-    /// As [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
-    pub fn send_bytes(&mut self, cob_id: u16, bytes: &[u8]) -> Result<Sent, Stop> {
-        match Frame::new(CanId::standard_masked(u32::from(cob_id)), bytes) {
-            Some(frame) => self.send(&frame),
-            None => Err(Stop::Error(Reason::new(
-                "the tester sends a classical CAN frame",
-                "up to 8 bytes",
-                format!("{} bytes", bytes.len()),
-            ))),
-        }
     }
 
     /// The next frame on the bus until `deadline`, own frames among them. Each becomes evidence.
@@ -60,11 +176,11 @@ impl Bench<'_> {
             let slice = deadline.min(self.bus.now() + SLICE);
             if let Some(record) = self.bus.receive(slice).map_err(|error| broken(&error))? {
                 self.check_lost()?;
-                self.knowledge.fd_frames += u64::from(record.frame.is_fd());
+                self.fd_frames += u64::from(record.frame.is_fd());
                 self.watch.observe(&record);
                 self.taken_at = record.timestamp;
                 if self.clients.observe(&record) && !self.is_own(&record.frame) {
-                    self.foreign.count(&record, self.target.node);
+                    self.clients.count(&record);
                 }
                 let text = self.annotate.annotate(&record);
                 let recorded = record.clone().at(self.annotate.number(), 0);
@@ -80,7 +196,7 @@ impl Bench<'_> {
     /// Whether the device under test sent a frame, with its node-ID or one that it was given.
     fn is_own(&self, frame: &Frame) -> bool {
         let of_given = || frame.cob_id().and_then(NodeId::of_cob_id).filter(|&node| self.watch.is_given(node));
-        is_from(self.target.node, frame) || of_given().is_some_and(|node| is_from(node, frame))
+        is_from(self.node, frame) || of_given().is_some_and(|node| is_from(node, frame))
     }
 
     /// A tester that does not keep up with the bus (a node that babbles faster than any bus) must still come to an end.
@@ -103,7 +219,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
-    pub fn wait_for<T>(
+    pub(crate) fn wait_for<T>(
         &mut self,
         span: Duration,
         mut wanted: impl FnMut(&Record) -> Option<T>,
@@ -111,7 +227,7 @@ impl Bench<'_> {
         let deadline = self.bus.now() + span;
         while let Some(record) = self.receive(deadline)? {
             if record.direction != Direction::Tx
-                && !self.answered_others()
+                && !self.clients.has_answered_others()
                 && let Some(found) = wanted(&record)
             {
                 return Ok(Some(found));
@@ -127,9 +243,9 @@ impl Bench<'_> {
     /// Lets time pass and returns the frames that the device under test sent meanwhile.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
-    pub fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
-        let node = self.node();
+    /// As [`Traffic::wait_for`].
+    pub(crate) fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
+        let node = self.node;
         let mut heard = Vec::new();
         self.wait_for(span, |record| {
             if is_from(node, &record.frame) && heard.len() < LISTENED {
@@ -140,18 +256,24 @@ impl Bench<'_> {
         Ok(heard)
     }
 
-    /// What has come since then, of what is kept as evidence.
-    pub(crate) fn heard_since(&self, begun: Timestamp) -> Vec<Record> {
-        let records = self.evidence.frames().map(|exhibit| &exhibit.record);
-        records.filter(|record| record.timestamp >= begun && record.direction == Direction::Rx).cloned().collect()
-    }
-
     /// Takes in what was on the bus up to now, so that a late answer is not taken for that of the next request.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
-    pub fn drain(&mut self) -> Result<(), Stop> {
+    /// As [`Traffic::wait_for`].
+    pub(crate) fn drain(&mut self) -> Result<(), Stop> {
         self.wait_for(Duration::ZERO, |_| None::<()>).map(|_| ())
+    }
+
+    /// What CAN FD frames on this bus mean, if any came: no device of classical CAN has sent them.
+    pub(crate) fn fd_notice(&self) -> Option<String> {
+        let frames = self.fd_frames;
+        (frames > 0).then(|| {
+            format!(
+                "{frames} CAN FD frame{} came, and none was taken for an answer: CANopen is classical CAN, and a device of \
+                 classical CAN on this bus takes them for errors",
+                if frames == 1 { "" } else { "s" }
+            )
+        })
     }
 }
 
@@ -174,27 +296,12 @@ fn broken(error: &BusError) -> Stop {
     Stop::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
 
-impl Bench<'_> {
-    /// What CAN FD frames on this bus mean, if any came: no device of classical CAN has sent them.
-    pub(crate) fn fd_notice(&self) -> Option<String> {
-        let frames = self.knowledge.fd_frames;
-        (frames > 0).then(|| {
-            format!(
-                "{frames} CAN FD frame{} came, and none was taken for an answer: CANopen is classical CAN, and a device of \
-                 classical CAN on this bus takes them for errors",
-                if frames == 1 { "" } else { "s" }
-            )
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::{Options, Target};
+    use crate::bench::{Bench, Options, Target};
     use canvass_analyzer::object;
-    use canvass_bus::{Bus, Health};
-    use canvass_traces::ChannelId;
+    use canvass_traces::{CanId, ChannelId};
     use std::sync::atomic::AtomicBool;
 
     /// A bus that never falls silent, and of whose frames the tester gets every other one.
@@ -236,7 +343,7 @@ mod tests {
         crate::scripted::with_bench(script, |bench| {
             let value = bench.read(canvass_analyzer::Multiplexer::new(object::DEVICE_TYPE, 0));
             assert_eq!(value.unwrap(), [2, 0, 0, 0]);
-            assert!(bench.fd_notice().unwrap().starts_with("1 CAN FD frame came"));
+            assert!(bench.traffic.fd_notice().unwrap().starts_with("1 CAN FD frame came"));
         });
     }
 
@@ -247,7 +354,7 @@ mod tests {
         let mut annotate = |_: &Record| String::new();
         let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
         let hour = Duration::from_secs(3_600);
-        bench.end_when_frames_are_lost();
+        bench.traffic.end_when_frames_are_lost();
         assert!(matches!(bench.wait_for(hour, |_| None::<()>), Err(Stop::Inconclusive(_))));
         assert_eq!(bench.now(), Timestamp(512 * 1_000), "it looks at every 512th frame");
         // Five thousand frames.

@@ -47,6 +47,8 @@ pub struct Watch {
     stored: bool,
     /// The case has configured another bit rate by LSS.
     configured_bit_rate: bool,
+    /// The case has told the device to become operational.
+    started: bool,
 }
 
 impl Watch {
@@ -65,12 +67,23 @@ impl Watch {
             stores: 0,
             stored: false,
             configured_bit_rate: false,
+            started: false,
         }
     }
 
     /// A reset was commanded: the next boot-up is no surprise.
     pub fn expect_boot_up(&mut self) {
         self.awaiting_boot_up = true;
+    }
+
+    /// The device was told to become operational.
+    pub fn start(&mut self) {
+        self.started = true;
+    }
+
+    /// Whether the case has told the device to become operational.
+    pub const fn has_started(&self) -> bool {
+        self.started
     }
 
     /// Errors are provoked from now on: EMCYs are no surprise.
@@ -189,6 +202,7 @@ impl Watch {
         self.provoked = false;
         self.stored = false;
         self.configured_bit_rate = false;
+        self.started = false;
     }
 }
 

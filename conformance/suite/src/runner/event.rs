@@ -1,14 +1,11 @@
 //! What happens in a run: every report is made from it.
 
 use super::summary::Summary;
-use crate::bench::{Evidence, Measurement, Use};
 use crate::case::Case;
 use crate::comparison::Comparison;
 use crate::foreign::ForeignMessages;
-use crate::quarantine::Quarantine;
-use crate::verdict::{Kind, Verdict};
+use crate::trial::CaseReport;
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_traces::Duration;
 
 /// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
 /// [`RunEvent::CaseFinished`], a [`RunEvent::DictionaryCompared`], at most one [`RunEvent::OtherClients`], any number of [`RunEvent::Noticed`], one
@@ -68,36 +65,4 @@ pub struct DeviceIdentity {
     pub identity: [Option<u32>; 4],
     /// 1008h, 1009h, 100Ah: name, hardware version, software version.
     pub names: [Option<String>; 3],
-}
-
-/// The outcome of one case.
-#[derive(Clone, Debug)]
-pub struct CaseReport {
-    /// The case.
-    pub case: &'static Case,
-    /// How it ended.
-    pub verdict: Verdict,
-    /// The frames that were on the bus.
-    pub evidence: Evidence,
-    /// What else was noticed.
-    pub notes: Vec<String>,
-    /// What was measured, whatever the verdict.
-    pub measurements: Vec<Measurement>,
-    /// Which objects served it, where others could have.
-    pub uses: Vec<Use>,
-    /// What others sent to the device or for it meanwhile.
-    pub foreign: Vec<ForeignMessages>,
-    /// How each repetition ended; one where the case ran once.
-    pub outcomes: Vec<Kind>,
-    /// What keeps its failure from counting.
-    pub quarantine: Option<Quarantine>,
-    /// How long it took on the clock of the bus, with the way to the precondition and back.
-    pub duration: Duration,
-}
-
-impl CaseReport {
-    /// Whether repetitions ended differently.
-    pub fn is_flaky(&self) -> bool {
-        self.outcomes.windows(2).any(|pair| pair.first() != pair.last())
-    }
 }

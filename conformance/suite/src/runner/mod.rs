@@ -1,26 +1,15 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-mod blame;
-#[cfg(test)]
-mod counts;
 mod event;
-mod lateness;
-#[cfg(test)]
-mod left_behind;
 mod nonsense;
-mod one_case;
-mod others;
 mod repetition;
-mod restart;
 mod summary;
-#[cfg(test)]
-mod tests;
 
-pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
-pub use one_case::run_case;
+pub use crate::trial::{CaseReport, run_case};
+pub use event::{DeviceIdentity, RunEvent, RunInfo};
 pub use summary::{EndedEarly, HostTiming, Summary};
 
-use crate::bench::{Bench, Harm, objects};
+use crate::bench::{Bench, Harm, baseline, dictionary, interrupted, objects};
 use crate::case::Case;
 use crate::catalogue;
 use crate::comparison::Comparison;
@@ -101,9 +90,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let started = bench.now();
     let asks = plan.cases.iter().any(|case| case.asks_the_device());
     let was_operational = asks && reach_device(bench)?;
-    let dictionary = if asks { bench.dump() } else { Vec::new() };
+    let dictionary = if asks { dictionary::dump(bench) } else { Vec::new() };
     if asks {
-        bench.learn_addresses(&dictionary);
+        bench.traffic.clients.learn_addresses(&dictionary);
         is_left_alone(bench, |_| true)?;
     }
     let info = RunInfo {
@@ -118,13 +107,12 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     };
     if asks {
         let starts = plan.cases.iter().any(|case| case.may_start_the_device());
-        bench.note_zero_point(was_operational || starts);
-        if let Some(harm) = bench.harm_of_a_reset(&info.dictionary) {
+        baseline::note_zero_point(bench, was_operational || starts);
+        if let Some(harm) = baseline::harm_of_a_reset(bench, &info.dictionary) {
             return Err(RunError::WouldHarm { node: bench.node(), harm });
         }
     }
-    bench
-        .begin_journal(plan.bus, was_operational, &info.dictionary)
+    interrupted::begin_journal(bench, plan.bus, was_operational, &info.dictionary)
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
     // If the dictionary was not read to its end, a reset would lose values that nobody knows.
@@ -140,20 +128,20 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     // Where nothing was restarted and no case has run, nothing was changed.
     summary.is_as_found = !asks;
     if has_restarted || asks && summary.total() > 0 {
-        let comparison = bench.put_back_device(plan.bus, was_operational, &info.dictionary);
+        let comparison = baseline::put_back_device(bench, plan.bus, was_operational, &info.dictionary);
         summary.is_as_found = comparison.is_as_found();
         report(&RunEvent::DictionaryCompared(&comparison));
-        let notice = bench.end_journal(comparison.is_as_found());
+        let notice = bench.changes.end_journal(comparison.is_as_found());
         notice.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
     }
-    bench.end_journal(true);
-    if let Some(notice) = bench.fd_notice() {
+    bench.changes.end_journal(true);
+    if let Some(notice) = bench.traffic.fd_notice() {
         report(&RunEvent::Noticed(&notice));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
     }
-    let others = bench.foreign_messages_of_run();
+    let others = bench.traffic.clients.messages_of_run();
     if !others.is_empty() {
         report(&RunEvent::OtherClients(&others));
         report(&RunEvent::Noticed(&format!("others used the device during the run: {}", told(&others))));
@@ -171,7 +159,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
 
 /// Restarts the device and learns what that brings; `true`: it was restarted.
 fn has_learned_memory(bench: &mut Bench<'_>, info: &RunInfo) -> Result<bool, RunError> {
-    match bench.learn_memory(&info.dictionary) {
+    match baseline::learn_memory(bench, &info.dictionary) {
         Err(Stop::Error(reason)) => Err(RunError::Bus(reason.actual)),
         // A device that does not start, and a user who cancels: the cases say so.
         _ => Ok(true),
@@ -211,7 +199,7 @@ fn run_cases(
             return (undescribed, Some(EndedEarly::FirstFailure));
         }
     }
-    let late = bench.is_out_of_time().then_some(EndedEarly::TimeIsOver);
+    let late = bench.traffic.is_out_of_time().then_some(EndedEarly::TimeIsOver);
     (undescribed, late)
 }
 
@@ -226,10 +214,10 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
     let case = run.case.as_deref().and_then(catalogue::find);
     if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
-        bench.assume_configured_bit_rate();
+        bench.traffic.watch.assume_configured_bit_rate();
     }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
-    bench.put_back(run, rescue).ok_or(unreachable)
+    interrupted::put_back(bench, run, rescue).ok_or(unreachable)
 }
 
 /// Whether a case could not be judged because nobody has described the device.
@@ -268,7 +256,7 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
 
 /// A device that others use is not reset under them: only where the user says so.
 fn is_left_alone(bench: &Bench<'_>, counts: impl Fn(ForeignKind) -> bool) -> Result<(), RunError> {
-    let mut messages = bench.foreign_messages_of_run();
+    let mut messages = bench.traffic.clients.messages_of_run();
     messages.retain(|sent| counts(sent.kind));
     if messages.is_empty() || bench.options().allow.contains(&Touch::OtherClients) {
         return Ok(());

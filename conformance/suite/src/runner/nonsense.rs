@@ -1,7 +1,7 @@
 //! A device, or an adapter before it, that answers what no device answers: the run ends before it has waited for all of it.
 
-use super::event::CaseReport;
 use crate::bench::Bench;
+use crate::trial::CaseReport;
 use crate::verdict::{End, Kind, Reason, Verdict};
 use canvass_traces::Timestamp;
 
@@ -26,14 +26,14 @@ pub(super) struct Nonsense {
 impl Nonsense {
     /// Takes in a case that began at that time; says whether the run is to end with it, which the verdict tells then.
     pub fn judge(&mut self, bench: &Bench<'_>, began: Timestamp, report: &mut CaseReport) -> bool {
-        if bench.served() != self.served {
-            *self = Self { served: bench.served(), ..Self::default() };
+        if bench.knowledge.served() != self.served {
+            *self = Self { served: bench.knowledge.served(), ..Self::default() };
         }
         match report.verdict.kind() {
             Kind::NotApplicable => return false,
-            Kind::Fail | Kind::Inconclusive | Kind::Error if bench.is_live() && !bench.has_gone() => {}
+            Kind::Fail | Kind::Inconclusive | Kind::Error if bench.is_live() && !bench.knowledge.has_gone() => {}
             _ => {
-                *self = Self { served: bench.served(), ..Self::default() };
+                *self = Self { served: bench.knowledge.served(), ..Self::default() };
                 return false;
             }
         }

@@ -1,11 +1,14 @@
 //! A case run several times: to find out whether it always ends the same way, or to give a failure another chance.
 
-use super::CaseReport;
-use super::others::run_undisturbed;
 use crate::bench::Bench;
 use crate::case::Case;
-use crate::verdict::{Kind, Verdict};
+use crate::touch::Touch;
+use crate::trial::{CaseReport, run_case};
+use crate::verdict::{End, Kind, Lack, Verdict};
 use canvass_traces::Duration;
+
+/// A case that others disturbed is run again this many times at most.
+const REPETITIONS: usize = 3;
 
 /// Runs a case as often as the options say.
 pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
@@ -56,6 +59,30 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
     last
 }
 
+/// Runs a case, and again if others disturbed it, or the device was late as a whole. Memory that wears out is not written again.
+fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+    let mut report = run_case(bench, case);
+    for _ in 0..REPETITIONS {
+        if !may_end_otherwise(&report) || case.touches.contains(&Touch::Nvm) || bench.is_cancelled() {
+            break;
+        }
+        let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
+        let notes = std::mem::take(&mut report.notes);
+        report = run_case(bench, case);
+        let tried = format!("tried again: {reason}");
+        report.notes.splice(0..0, notes.into_iter().chain([tried]));
+    }
+    report
+}
+
+/// Whether a repetition may find a quieter moment: others that send to the device all the time leave none.
+fn may_end_otherwise(report: &CaseReport) -> bool {
+    let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
+    let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());
+    let is_by_chance = reason.lack == Lack::Quiet && come_and_go || reason.lack == Lack::Promptness;
+    report.verdict.kind() == Kind::Inconclusive && is_by_chance
+}
+
 const fn has_failed(kind: Kind) -> bool {
     matches!(kind, Kind::Fail | Kind::Inconclusive | Kind::Error)
 }
@@ -70,8 +97,7 @@ mod tests {
     use super::*;
     use crate::bench::Options;
     use crate::clause::{Clause, Confidence, Level};
-    use crate::runner::tests::test_case;
-    use crate::scripted::{table, with_options};
+    use crate::scripted::{table, test_case, with_options};
     use crate::verdict::{Breach, Judged, Stop};
     use canvass_bus::observation::{Observation, Subject};
     use std::sync::atomic::{AtomicU32, Ordering};

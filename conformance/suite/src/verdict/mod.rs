@@ -9,7 +9,7 @@ mod stop;
 
 pub use breach::{Allowed, Breach, Check, Grade, When, observed, observed_response};
 pub use deviation::Deviation;
-pub use stop::{Judged, Precondition, Stop};
+pub use stop::{Judged, Precondition, Stop, tried};
 
 use std::fmt;
 
@@ -56,7 +56,7 @@ pub enum Authority {
     Manual,
     /// The user: a waiver that begins at that line of the waiver file.
     Waiver {
-        /// From 1.
+        /// The line of the waiver file, counted from 1.
         line: usize,
     },
 }

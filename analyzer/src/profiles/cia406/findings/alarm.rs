@@ -22,7 +22,7 @@ pub const FOLLOWS: &[(&str, Effect)] =
 #[rule(id = "encoder/alarm", severity = Error, rank = DeviceError, also = ProfileValues, follows = FOLLOWS)]
 struct Alarm;
 
-/// Reports each bit that is set.
+/// Reports each set bit.
 pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
     for operand in operands(context) {
         if operand.object.index.0 != index || operand.written {

@@ -1,4 +1,4 @@
-//! What is known of the encoder that a frame is about.
+//! The kind of the encoder that a frame concerns, and the layout of its PDOs.
 
 use crate::findings::{Context, Operand};
 use crate::message::Message;
@@ -19,12 +19,12 @@ pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
     context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(NUMBER)
 }
 
-/// What kind of encoder a node is; `None` where 1000h is not known or says something else.
+/// The kind of a node's encoder; `None` if 1000h is unknown or has another value.
 pub fn kind(context: &Context<'_>, node: NodeId) -> Option<Kind> {
     Kind::of(context.scene.bus.node(node)?.parameter(node, Multiplexer::new(object::DEVICE_TYPE, 0))?)
 }
 
-/// The values of an encoder's objects in a frame; none where it is of a device of another profile.
+/// The values of an encoder's objects in a frame; none if the device has another profile.
 pub fn operands<'a>(context: &Context<'a>) -> &'a [Operand] {
     let news = context.news();
     if news.profile == Some(NUMBER) { &news.operands } else { &[] }

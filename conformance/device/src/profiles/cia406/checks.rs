@@ -1,4 +1,4 @@
-//! Which values an encoder refuses beyond the limits of its description.
+//! The values that an encoder refuses beyond the limits of its description.
 
 use super::operating::SCALING;
 use super::{Encoder, OPERATING_PARAMETERS};
@@ -9,7 +9,7 @@ use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 
 impl Encoder {
-    /// Whether the encoder takes that value, with the abort code that the manual of the model has for it.
+    /// Checks a value by the encoder's rules; the abort code of a refusal is that in the model's manual.
     pub(super) fn check_written(&self, at: Multiplexer, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         let own = |rule| sheet.abort(rule, at);
@@ -25,7 +25,7 @@ impl Encoder {
         }
     }
 
-    /// A device whose scaling bit guards the scaling takes no scaling while the bit is clear.
+    /// A device whose scaling bit guards the scaling refuses changes of the scaling while the bit is clear.
     fn check_scaling_bit(&self, parameters: &Parameters) -> Result<(), AbortCode> {
         let guarded = self.model.sheet().quirks.scaling_bit_guards;
         let is_on = parameters.number_or_zero(OPERATING_PARAMETERS.index.0, 0) & SCALING != 0;

@@ -35,7 +35,7 @@ use canvass_traces::{Duration, Timestamp};
 use operating::SCALING;
 use sheet::{EncoderKind, Measurement};
 
-/// How often the speed of a shaft that turns is compared with its limit.
+/// Interval for comparing the speed of a turning shaft with its limit.
 const WATCH: Duration = Duration::from_millis(100);
 
 /// 6508h of a device that does not count its operating time.
@@ -68,9 +68,10 @@ struct Encoder {
     sheet: Measurement,
     model: Model,
     motion: Motion,
-    /// What the preset adds to the position (6509h); of an inclinometer its zero point, in hundredths of a degree.
+    /// The offset that the preset adds to the position (6509h); for an inclinometer the zero point, in hundredths of
+    /// a degree.
     offset: i64,
-    /// When 6003h was written last.
+    /// Time of the last write to 6003h.
     preset_at: Option<Timestamp>,
     cams: Cams,
     firmware: Firmware,
@@ -102,7 +103,7 @@ impl Application for Encoder {
     }
 
     fn process_value(&self, now: Timestamp, at: Multiplexer, again: bool, device: &Surroundings<'_>) -> Option<u64> {
-        // Of a draw-wire encoder the second time is the redundant channel.
+        // For a draw-wire encoder the second time is the redundant channel.
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, device.parameters);
         }
@@ -194,7 +195,7 @@ impl Application for Encoder {
 }
 
 impl Encoder {
-    /// The live value of an object of the profile, `None` if it is not one of the measurement.
+    /// The live value of an object of the profile; `None` for an object that is not measured.
     fn measured(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         if self.sheet.kind == EncoderKind::DrawWire {
             return self.wire_value(now, at, parameters);
@@ -215,7 +216,7 @@ impl Encoder {
     }
 }
 
-/// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
+/// 6501h and 6502h while scaling is on: units per revolution, and the number of revolutions in the range.
 fn scaled_resolution(at: Multiplexer, parameters: &Parameters) -> Option<u64> {
     let number = |index| parameters.number_or_zero(index, 0);
     if number(encoder::OPERATING_PARAMETERS) & SCALING == 0 {
@@ -230,5 +231,5 @@ fn scaled_resolution(at: Multiplexer, parameters: &Parameters) -> Option<u64> {
 const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
 const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
 
-/// 6503h bit 13: a parameter that was to be stored is out of its limits.
+/// 6503h bit 13: a parameter to be stored is outside its limits.
 const PARAMETER_ALARM: u64 = 1 << 13;

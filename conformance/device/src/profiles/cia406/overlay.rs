@@ -1,4 +1,4 @@
-//! Faults in what the dictionary of an encoder holds: they lie over the description.
+//! Faults in the object dictionary of an encoder: they override the description.
 
 use crate::device::{Content, Parameters};
 use crate::{Fault, Firmware};
@@ -12,7 +12,7 @@ const SINGLE_TURN: u64 = 0x0001_0000;
 /// A bit of 6503h and 6504h that is reserved.
 const RESERVED_ALARM: u64 = 1 << 3;
 
-/// Changes what the dictionary says of the objects of an encoder, as the firmware has it.
+/// Changes the objects of an encoder in the dictionary by the faults of the firmware.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     let wrong = |fault: Fault, at: Multiplexer, number: u64, parameters: &mut Parameters| {
         if firmware.has(fault) {

@@ -59,7 +59,7 @@ pub struct Measurement {
     pub tenth_mm_per_revolution: u32,
     /// Of an inclinometer: how the housing hangs, in hundredths of a degree, clockwise.
     pub tilt_hundredths: i32,
-    /// For people: which of these values the manual does not say.
+    /// Which of these values the manual does not say: for readers of the file.
     pub assumed: ForPeople,
     /// For people: over which times the speed is measured.
     pub integration_times_ms: ForPeople,

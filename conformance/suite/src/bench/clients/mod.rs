@@ -5,10 +5,8 @@ mod addresses;
 mod echo;
 mod queue;
 
-use super::foreign::Form;
-use super::{Bench, Foreign};
+use super::foreign::{Foreign, Form};
 use crate::foreign::{ForeignKind, ForeignMessages};
-use crate::verdict::Stop;
 use addresses::Addresses;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::wire::Wire;
@@ -19,15 +17,6 @@ use canvass_traces::{Direction, Duration, Record, Timestamp};
 use echo::Echo;
 use queue::ServerQueue;
 use std::collections::BTreeMap;
-
-/// A transfer that others disturb is tried again this many times.
-const TRIES: usize = 3;
-
-/// A client that polls asks again within this time.
-const POLL: Duration = Duration::from_millis(1_100);
-
-/// The least and the most time that an answer to others is waited for.
-const PATIENCE: (Duration, Duration) = (Duration::from_millis(10), Duration::from_millis(200));
 
 /// What is known of other clients.
 #[derive(Debug)]
@@ -41,7 +30,9 @@ pub(crate) struct Clients {
     queue: ServerQueue,
     /// What the tester writes, until the device has taken it.
     written: Option<(Multiplexer, u32)>,
-    /// What others sent before the case.
+    /// What others have sent in the case.
+    foreign: Foreign,
+    /// What they sent before it.
     before: BTreeMap<(ForeignKind, u16), u64>,
     /// Transfers that ended badly while others asked the server.
     collisions: u64,
@@ -60,6 +51,7 @@ impl Clients {
             echo: Echo::default(),
             queue: ServerQueue::default(),
             written: None,
+            foreign: Foreign::default(),
             before: BTreeMap::new(),
             collisions: 0,
             answered_others: false,
@@ -113,6 +105,74 @@ impl Clients {
             self.now.learn(*multiplexer, value);
         }
     }
+
+    /// Counts a frame of others.
+    pub fn count(&mut self, record: &Record) {
+        self.foreign.count(record, self.node);
+    }
+
+    /// How much of the bus others than the tester and the device have taken in the case.
+    pub const fn foreign(&self) -> &Foreign {
+        &self.foreign
+    }
+
+    /// Says what the device holds: what concerns it on the bus.
+    pub fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
+        let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
+        let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
+        self.usual = Addresses::of_values(self.node, numbers);
+        self.now = self.usual.clone();
+    }
+
+    /// What others have sent to the device, or for it, in the case.
+    pub fn messages(&self) -> Vec<ForeignMessages> {
+        self.foreign.messages(|can_id, form| self.kind(can_id, form))
+    }
+
+    /// The same since the start of the run.
+    pub fn messages_of_run(&self) -> Vec<ForeignMessages> {
+        let mut counts = self.before.clone();
+        count(&mut counts, self.messages());
+        counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
+    }
+
+    /// A case begins: what the case before has told the device counts no more, what others have sent does.
+    pub fn begin(&mut self) {
+        let messages = self.messages();
+        count(&mut self.before, messages);
+        self.foreign = Foreign::default();
+        self.now = self.usual.clone();
+    }
+
+    /// Whether the last frame was an answer of the SDO server to others.
+    pub const fn has_answered_others(&self) -> bool {
+        self.answered_others
+    }
+
+    /// Until when the SDO server has requests of others to answer, if each takes no longer than `patience`.
+    pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
+        self.queue.busy_until(now, patience)
+    }
+
+    /// The period of the others' requests, and when the next one is due.
+    pub fn next_request(&self) -> Option<(Duration, Timestamp)> {
+        self.queue.next_foreign()
+    }
+
+    /// How many requests others have sent to the SDO server.
+    pub const fn requests(&self) -> u64 {
+        self.queue.foreign()
+    }
+
+    /// A transfer ended badly while others asked the server.
+    pub fn add_collision(&mut self) {
+        self.collisions += 1;
+    }
+
+    /// How many transfers ended badly while others asked the server.
+    pub const fn collisions(&self) -> u64 {
+        self.collisions
+    }
 }
 
 fn count(counts: &mut BTreeMap<(ForeignKind, u16), u64>, messages: Vec<ForeignMessages>) {
@@ -128,105 +188,4 @@ fn described(node: NodeId, description: &DeviceDescription) -> Addresses {
         Some((at, u32::try_from(value).ok()?))
     });
     Addresses::of_values(node, values)
-}
-
-impl Bench<'_> {
-    /// Says what the device holds: what concerns it on the bus.
-    pub(crate) fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
-        let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
-        let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
-        self.clients.usual = Addresses::of_values(self.target.node, numbers);
-        self.clients.now = self.clients.usual.clone();
-    }
-
-    /// What others have sent to the device, or for it, since [`Bench::begin`].
-    pub(crate) fn foreign_messages(&self) -> Vec<ForeignMessages> {
-        self.foreign.messages(|can_id, form| self.clients.kind(can_id, form))
-    }
-
-    /// The same since the start of the run.
-    pub(crate) fn foreign_messages_of_run(&self) -> Vec<ForeignMessages> {
-        let mut counts = self.clients.before.clone();
-        count(&mut counts, self.foreign_messages());
-        counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
-    }
-
-    /// A case begins: what the case before has told the device counts no more, what others have sent does.
-    pub(super) fn begin_among_others(&mut self) {
-        let messages = self.foreign_messages();
-        count(&mut self.clients.before, messages);
-        self.foreign = Foreign::default();
-        self.clients.now = self.clients.usual.clone();
-    }
-
-    /// Whether the last frame was an answer of the SDO server to others.
-    pub(super) const fn answered_others(&self) -> bool {
-        self.clients.answered_others
-    }
-
-    /// Waits until the SDO server has answered all requests of others, or can't be expected to.
-    pub(super) fn wait_for_quiet(&mut self) -> Result<(), Stop> {
-        let begun = self.now();
-        let slowest = self.knowledge.slowest_answer;
-        let patience = slowest.times(3).clamp(PATIENCE.0, PATIENCE.1);
-        while let Some(until) = self.clients.queue.busy_until(self.now(), patience) {
-            // A client that asks without a pause leaves no quiet moment.
-            if self.now().since(begun) > PATIENCE.1 {
-                break;
-            }
-            self.receive(until)?;
-        }
-        Ok(())
-    }
-
-    /// Waits for a moment at which a dialogue of several messages has time before others ask again: not where they are likely to
-    /// do so soon.
-    pub(super) fn wait_for_time(&mut self) -> Result<(), Stop> {
-        match self.clients.queue.next_foreign() {
-            Some((period, next)) if period < POLL && next > self.now() && next.since(self.now()).0 < period.0 / 2 => {
-                self.wait_for_pause()
-            }
-            _ => self.wait_for_quiet(),
-        }
-    }
-
-    /// Waits until others have asked once more, and have their answer: then they pause.
-    fn wait_for_pause(&mut self) -> Result<(), Stop> {
-        let (before, deadline) = (self.clients.queue.foreign(), self.now() + POLL);
-        while self.clients.queue.foreign() == before && self.now() < deadline {
-            self.receive(deadline)?;
-        }
-        self.wait_for_quiet()
-    }
-
-    /// Carries out a transfer, and again if it ended badly while others asked the server: one client's request ends another
-    /// one's transfer. What was found wrong in a try that does not count is forgotten.
-    pub(super) fn between_others<T>(
-        &mut self,
-        has_succeeded: impl Fn(&T) -> bool,
-        mut transfer: impl FnMut(&mut Self) -> Result<T, Stop>,
-    ) -> Result<T, Stop> {
-        for _ in 1..TRIES {
-            let (breaches, untidy) = (self.breaches.len(), self.untidy.len());
-            self.wait_for_time()?;
-            let before = self.clients.queue.foreign();
-            let result = transfer(self)?;
-            if self.clients.queue.foreign() == before || has_succeeded(&result) {
-                return Ok(result);
-            }
-            self.breaches.truncate(breaches);
-            self.untidy.truncate(untidy);
-            self.wait_for_pause()?;
-        }
-        let before = self.clients.queue.foreign();
-        let result = transfer(self)?;
-        let collided = self.clients.queue.foreign() != before && !has_succeeded(&result);
-        self.clients.collisions += u64::from(collided);
-        Ok(result)
-    }
-
-    /// How many transfers ended badly while others asked the server.
-    pub(crate) const fn collisions(&self) -> u64 {
-        self.clients.collisions
-    }
 }

@@ -3,7 +3,7 @@
 #![cfg(test)]
 
 use super::super::sdo::DEVICE_TYPE;
-use super::super::{Bench, Options};
+use super::super::{Bench, Options, dictionary, interrupted};
 use super::{Live, on_device, with};
 use crate::comparison::Nature;
 use crate::scripted::{Row, ScriptedBus, described, dictionary, frame, table, with_bench, with_target};
@@ -33,7 +33,7 @@ fn an_undescribed_dictionary_is_looked_for() {
         row(0x1A04, 0, &[0]),
         row(0x6004, 0, &[1, 0, 0, 0]),
     ];
-    let found = with_bench(dictionary(rows), |bench| bench.dump());
+    let found = with_bench(dictionary(rows), dictionary::dump);
     let found: Vec<String> = found.into_iter().map(|(at, _)| at.to_string()).collect();
     let expected =
         ["1000h:00", "1005h:00", "1018h:00", "1018h:01", "1018h:02", "1A03h:00", "1A03h:01"].map(str::to_owned);
@@ -45,15 +45,15 @@ fn an_undescribed_dictionary_is_looked_for() {
 fn a_dictionary_is_put_back() {
     let heartbeat_time = Multiplexer::new(0x1017, 0);
     on_device(|bench| {
-        let before = bench.dump();
+        let before = dictionary::dump(bench);
         assert!(before.iter().any(|(at, _)| *at == heartbeat_time) && before.iter().any(|(at, _)| *at == DEVICE_TYPE));
-        let untouched = bench.put_back_dictionary("sim:test", &before);
+        let untouched = dictionary::put_back_dictionary(bench, "sim:test", &before);
         assert!(untouched.is_as_found() && untouched.is_complete && untouched.commands.is_empty(), "{untouched:?}");
         assert_eq!(untouched.objects, before.len());
         // As by somebody else: the bench remembers nothing of it.
         bench.write(heartbeat_time, &[0xE8, 3]).unwrap();
-        bench.changes.clear();
-        let back = bench.put_back_dictionary("sim:test", &before);
+        bench.changes.take();
+        let back = dictionary::put_back_dictionary(bench, "sim:test", &before);
         assert!(back.is_as_found(), "{back:?}");
         assert_eq!(bench.read_number(heartbeat_time), Ok(0));
     });
@@ -66,16 +66,16 @@ fn a_journal_is_kept_where_something_is_left() {
     let path = folder.path().join("journal");
     let options = Options { journal: Some(path.clone()), ..Options::default() };
     with(&options, |bench| {
-        assert_eq!(bench.end_journal(false), None, "there is none");
-        bench.begin_journal("sim:test", false, &[]).unwrap();
+        assert_eq!(bench.changes.end_journal(false), None, "there is none");
+        interrupted::begin_journal(bench, "sim:test", false, &[]).unwrap();
         assert!(path.exists());
-        let told = bench.end_journal(false).unwrap();
+        let told = bench.changes.end_journal(false).unwrap();
         assert_eq!(told, format!("{} lists what could not be restored", path.display()));
         assert!(path.exists());
-        assert!(bench.begin_journal("sim:test", false, &[]).is_err(), "it is not written over");
+        assert!(interrupted::begin_journal(bench, "sim:test", false, &[]).is_err(), "it is not written over");
         std::fs::remove_file(&path).unwrap();
-        bench.begin_journal("sim:test", false, &[]).unwrap();
-        assert_eq!((bench.end_journal(true), path.exists()), (None, false));
+        interrupted::begin_journal(bench, "sim:test", false, &[]).unwrap();
+        assert_eq!((bench.changes.end_journal(true), path.exists()), (None, false));
     });
 }
 
@@ -112,7 +112,7 @@ fn an_undescribed_object_is_read_up_to_a_limit() {
     let found = |highest: u8, last: u8| {
         let mut rows = vec![row(0x1018, 0, &[highest])];
         rows.extend((1..=last).map(|sub| row(0x1018, sub, &[sub])));
-        let found = with_bench(dictionary(rows), |bench| bench.dump());
+        let found = with_bench(dictionary(rows), dictionary::dump);
         found.last().map(|(at, _)| at.sub.0)
     };
     assert_eq!((found(16, 20), found(17, 20), found(255, 20)), (Some(16), Some(16), Some(16)));
@@ -142,7 +142,8 @@ fn a_live_device_that_answers_nothing_is_not_read_to_its_end() {
         let mut bus: Box<dyn Bus> = if live { Box::new(Live(bus)) } else { Box::new(bus) };
         let (options, cancel) = (Options::default(), std::sync::atomic::AtomicBool::new(false));
         let mut annotate = |record: &Record| record.frame.to_string();
-        let values = Bench::new(&mut *bus, &target, &options, &mut annotate, &cancel).dump().len();
+        let mut bench = Bench::new(&mut *bus, &target, &options, &mut annotate, &cancel);
+        let values = dictionary::dump(&mut bench).len();
         (count.get(), values)
     };
     assert_eq!((asked(&[], "", true), asked(&[], "", false)), ((20, 0), (45, 0)));
@@ -168,7 +169,7 @@ fn a_device_that_starts_after_the_run_is_waited_for() {
             inner(request)
         };
         with_bench(script, |bench| {
-            let comparison = bench.put_back_dictionary("sim:test", &before);
+            let comparison = dictionary::put_back_dictionary(bench, "sim:test", &before);
             assert_eq!((comparison.objects, comparison.changes.len()), (1, 0));
             (comparison.is_complete, bench.now().nanos() / 1_000_000_000)
         })
@@ -205,8 +206,9 @@ fn what_is_otherwise_after_the_run_is_told() {
         }
         answers
     };
-    let comparison =
-        with_target(script, &target, &Options::default(), |bench| bench.put_back_dictionary("can0", &before));
+    let comparison = with_target(script, &target, &Options::default(), |bench| {
+        dictionary::put_back_dictionary(bench, "can0", &before)
+    });
     let told: Vec<_> = comparison
         .changes
         .iter()

@@ -3,7 +3,7 @@
 
 #![cfg(test)]
 
-use super::super::{Bench, Options, Target};
+use super::super::{Bench, Options, Target, baseline, dictionary};
 use crate::touch::Touch;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
@@ -44,10 +44,10 @@ fn at_work(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     bench.listen(Duration::from_millis(500)).unwrap();
     bench.write(HEARTBEAT, &[0xE8, 3]).unwrap();
     bench.begin();
-    bench.changes.clear();
-    bench.note_zero_point(true);
-    let dictionary = bench.dump();
-    bench.learn_memory(&dictionary).unwrap();
+    bench.changes.take();
+    baseline::note_zero_point(bench, true);
+    let dictionary = dictionary::dump(bench);
+    baseline::learn_memory(bench, &dictionary).unwrap();
     dictionary
 }
 
@@ -68,10 +68,10 @@ fn what_a_case_stored_does_not_stay() {
         bench.write(STORE, b"save").unwrap();
         bench.finish();
         assert_eq!(after_a_start(bench, HEARTBEAT), 50, "finish puts back what is in use only");
-        bench.settle_memory(&[Touch::Nvm]);
+        baseline::settle_memory(bench, &[Touch::Nvm]);
         assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
         assert_eq!(bench.read_number(GUARD_TIME), Ok(0));
-        let comparison = bench.put_back_device("sim:x", false, &dictionary);
+        let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         assert!(comparison.is_as_found(), "{comparison:?}");
         assert_eq!(bench.read_number(HEARTBEAT), Ok(1_000));
         assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
@@ -84,8 +84,8 @@ fn a_memory_that_is_as_it_was_is_not_written() {
     on("reference-301", None, &[Touch::Nvm], |bench| {
         at_work(bench);
         let stores = bench.stores();
-        bench.settle_memory(&[Touch::Nvm]);
-        bench.settle_memory(&[]);
+        baseline::settle_memory(bench, &[Touch::Nvm]);
+        baseline::settle_memory(bench, &[]);
         assert_eq!(bench.stores(), stores);
     });
 }
@@ -99,7 +99,7 @@ fn restored_defaults_do_not_stay() {
         bench.write(RESTORE, b"load").unwrap();
         assert_eq!(after_a_start(bench, HEARTBEAT), 0);
         bench.finish();
-        bench.settle_memory(&[Touch::Nvm, Touch::FactoryDefaults]);
+        baseline::settle_memory(bench, &[Touch::Nvm, Touch::FactoryDefaults]);
         assert_eq!(after_a_start(bench, HEARTBEAT), 2_000);
     });
 }
@@ -113,7 +113,7 @@ fn a_memory_that_is_not_as_it_was_is_told() {
         bench.write(HEARTBEAT, &[50, 0]).unwrap();
         // By somebody else.
         bench.write(STORE, b"save").unwrap();
-        let comparison = bench.put_back_device("sim:x", false, &dictionary);
+        let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         let stored: Vec<(String, Option<Vec<u8>>)> =
             comparison.stored.iter().map(|change| (change.multiplexer.to_string(), change.after.clone())).collect();
         assert_eq!(stored, [("1017h:00".to_owned(), Some(vec![50, 0]))]);
@@ -134,9 +134,9 @@ fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
     bench.write(STORE, b"save").unwrap();
     bench.listen(Duration::from_millis(500)).unwrap();
     bench.begin();
-    bench.note_zero_point(true);
-    let dictionary = bench.dump();
-    bench.learn_memory(&dictionary).unwrap();
+    baseline::note_zero_point(bench, true);
+    let dictionary = dictionary::dump(bench);
+    baseline::learn_memory(bench, &dictionary).unwrap();
     bench.read_number(OFFSET).unwrap()
 }
 
@@ -150,7 +150,7 @@ fn a_zero_point_that_a_case_stored_is_put_back() {
         bench.write(STORE, b"save").unwrap();
         bench.finish();
         assert_ne!(after_a_start(bench, OFFSET), offset);
-        bench.settle_memory(&[Touch::Nvm, Touch::Preset]);
+        baseline::settle_memory(bench, &[Touch::Nvm, Touch::Preset]);
         assert_eq!((after_a_start(bench, OFFSET), bench.read_number(POSITION)), (offset, Ok(30_000)));
     });
 }
@@ -163,7 +163,7 @@ fn a_zero_point_that_stays_by_itself_is_put_back() {
         bench.begin();
         bench.write(PRESET, &[1, 2, 3, 0]).unwrap();
         bench.finish();
-        bench.settle_memory(&[Touch::Preset]);
+        baseline::settle_memory(bench, &[Touch::Preset]);
         assert_eq!((after_a_start(bench, OFFSET), bench.read_number(POSITION)), (before, Ok(30_000)));
     });
 }
@@ -173,7 +173,7 @@ fn a_zero_point_that_stays_by_itself_is_put_back() {
 fn a_zero_point_that_moved_is_told_and_not_put_back() {
     let moved = |bench: &mut Bench<'_>| {
         let before = preset_to(bench, 30_000);
-        let dictionary = bench.dump();
+        let dictionary = dictionary::dump(bench);
         bench.write(PRESET, &30_307_u32.to_le_bytes()).unwrap();
         bench.write(STORE, b"save").unwrap();
         bench.begin();
@@ -182,12 +182,12 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
         let (_, dictionary) = moved(bench);
         // As `canvass restore` finds it: without any leave.
-        let (before, options) = (bench.baseline.clone(), Options::default());
+        let (before, options) = (bench.changes.baseline.clone(), Options::default());
         let cancel = AtomicBool::new(false);
         let mut annotate = |record: &Record| record.frame.to_string();
-        let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
-        other.baseline = before;
-        let comparison = other.put_back_device("sim:x", false, &dictionary);
+        let mut other = Bench::new(&mut *bench.traffic.bus, bench.target, &options, &mut annotate, &cancel);
+        other.changes.baseline = before;
+        let comparison = baseline::put_back_device(&mut other, "sim:x", false, &dictionary);
         let told: Vec<(i64, bool)> =
             comparison.zero_points.iter().map(|moved| (moved.steps, moved.is_stored)).collect();
         assert_eq!(told, [(307, false), (307, true)]);
@@ -207,11 +207,11 @@ fn defaults_are_not_restored_over_a_zero_point_without_leave() {
                 None => drop(at_work(bench)),
             }
             let options = Options { allow: allow.iter().copied().collect(), ..Options::default() };
-            let (cancel, baseline) = (AtomicBool::new(false), bench.baseline.clone());
+            let (cancel, baseline) = (AtomicBool::new(false), bench.changes.baseline.clone());
             let mut annotate = |record: &Record| record.frame.to_string();
-            let mut other = Bench::new(&mut *bench.bus, bench.target, &options, &mut annotate, &cancel);
-            other.baseline = baseline;
-            other.would_lose_zero_point()
+            let mut other = Bench::new(&mut *bench.traffic.bus, bench.target, &options, &mut annotate, &cancel);
+            other.changes.baseline = baseline;
+            baseline::would_lose_zero_point(&other)
         })
     };
     assert!(loses(&[Touch::FactoryDefaults], Some(30_000)));

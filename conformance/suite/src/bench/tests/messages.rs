@@ -84,12 +84,12 @@ fn a_transfer_that_fails_is_aborted() {
         assert_eq!(sent(bench), "63F#8001100000000008");
         let short = bench.upload(Multiplexer::new(0x1002, 0)).unwrap();
         assert!(matches!(short.outcome, Outcome::Violated(Violation::Malformed(_))), "{short:?}");
-        assert_eq!((bench.served(), bench.answers()), (0, Ok(false)));
+        assert_eq!((bench.knowledge.served(), bench.answers()), (0, Ok(false)));
     });
     on_device(|bench| {
         bench.upload(DEVICE_TYPE).unwrap();
         bench.upload(Multiplexer::new(0x5FFF, 0)).unwrap();
-        assert_eq!((bench.served(), bench.answers()), (2, Ok(true)));
+        assert_eq!((bench.knowledge.served(), bench.answers()), (2, Ok(true)));
     });
 }
 
@@ -350,7 +350,7 @@ fn traffic_with_a_node_id_that_was_given_is_the_devices_own() {
             }
             bench.send_bytes(0x123, &[]).unwrap();
             bench.listen(Duration::from_millis(5)).unwrap();
-            bench.foreign().loudest().is_some()
+            bench.traffic.clients.foreign().loudest().is_some()
         })
     };
     assert_eq!((foreign(false, "185#00"), foreign(true, "185#00"), foreign(true, "186#00")), (true, false, true));

@@ -40,12 +40,12 @@ fn commands(bench: &Bench<'_>, text: &str) -> usize {
 fn a_device_leaves_once_and_comes_back() {
     let there = Rc::new(Cell::new(true));
     with_bench(switched(&there), |bench| {
-        assert!(!bench.has_left("301/a", |_| panic!("it is there")) && !bench.has_gone());
+        assert!(!bench.has_left("301/a", |_| panic!("it is there")) && !bench.knowledge.has_gone());
         assert_eq!(bench.look_for_it(), Ok(()), "nobody is missed");
         assert_eq!(commands(bench, "000#813F"), 0, "one that answers is not reset");
         there.set(false);
         let mut asked = 0;
-        assert!(bench.has_left("301/b", |_| asked += 1) && bench.has_gone());
+        assert!(bench.has_left("301/b", |_| asked += 1) && bench.knowledge.has_gone());
         assert!(!bench.has_left("301/c", |_| asked += 1), "it has left before");
         assert_eq!(asked, 1);
         let begun = bench.now();
@@ -53,7 +53,7 @@ fn a_device_leaves_once_and_comes_back() {
         assert_eq!(reason.actual, "it stopped answering during 301/b");
         assert_eq!(bench.now().since(begun), MS(250));
         there.set(true);
-        assert_eq!((bench.look_for_it(), bench.has_gone()), (Ok(()), false));
+        assert_eq!((bench.look_for_it(), bench.knowledge.has_gone()), (Ok(()), false));
     });
 }
 
@@ -66,7 +66,7 @@ fn any_frame_of_a_device_is_a_sign_of_it() {
             _ => Vec::new(),
         };
         with_bench(script, |bench| {
-            bench.gone = Some("301/a");
+            bench.knowledge.gone = Some("301/a");
             bench.look_for_it().is_ok()
         })
     };
@@ -79,7 +79,7 @@ fn any_frame_of_a_device_is_a_sign_of_it() {
 fn a_node_id_that_is_given_again_brings_a_device_back() {
     let there = Rc::new(Cell::new(false));
     with_bench(switched(&there), |bench| {
-        assert!(!bench.has_left("301/a", |_| there.set(true)) && !bench.has_gone());
+        assert!(!bench.has_left("301/a", |_| there.set(true)) && !bench.knowledge.has_gone());
         // Also one that does not answer, but starts.
         let starts = &[("000#813F", "73F#00")];
         assert!(!with_bench(table(starts), |bench| bench.has_left("301/a", |_| panic!("it starts"))));
@@ -93,9 +93,9 @@ fn a_supply_that_is_switched_brings_a_device_back() {
         let options = Options { power_cycle: Some(command.to_owned()), ..Options::default() };
         let there = Rc::new(Cell::new(is_there));
         with_options(switched(&there), &options, |bench| {
-            bench.gone = Some("301/a");
+            bench.knowledge.gone = Some("301/a");
             let found = bench.look_for_it();
-            (found.is_ok(), bench.has_gone(), matches!(found, Err(Stop::Error(_))))
+            (found.is_ok(), bench.knowledge.has_gone(), matches!(found, Err(Stop::Error(_))))
         })
     };
     assert_eq!(looked_for("true", true), (true, false, false));

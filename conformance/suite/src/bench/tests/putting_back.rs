@@ -5,7 +5,7 @@
 use super::super::restore::STORE;
 use super::super::rewrite::{Original, companions, writes};
 use super::super::state::HEARTBEAT_TIME;
-use super::super::{Bench, Options};
+use super::super::{Bench, Options, dictionary, interrupted, restore, rewrite};
 use crate::comparison::{Change, Nature};
 use crate::journal::Interrupted;
 use crate::scripted::{Row, ScriptedBus, described, dictionary, frame, with_bench, with_target};
@@ -162,19 +162,19 @@ fn what_differs_is_written_back() {
         row(0x1014, 0, &[0xBF, 0, 0, 0]),
     ]);
     with_bench(device(&now, &[], Takes::All), |bench| {
-        assert_eq!(bench.write_back(&originals), []);
+        assert_eq!(rewrite::write_back(bench, &originals), []);
         let written = ["1014:00=BF000080", "1015:00=0100", "1014:00=BF000000", "1017:00=0000"];
         assert_eq!(sent(bench, 0), written, "100Ch has its value, and 1014h is off for 1015h");
         let since = seen(bench);
-        assert_eq!(bench.write_back(&originals), []);
+        assert_eq!(rewrite::write_back(bench, &originals), []);
         assert_eq!(sent(bench, since), Vec::<String>::new());
     });
     now.borrow_mut().insert((0x1017, 0), vec![1, 0]);
-    let stuck = with_bench(device(&now, &[], Takes::Nothing), |bench| bench.write_back(&originals));
+    let stuck = with_bench(device(&now, &[], Takes::Nothing), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
     // One that is not there any more has not its value either.
     now.borrow_mut().remove(&(0x1017, 0));
-    let stuck = with_bench(device(&now, &[], Takes::All), |bench| bench.write_back(&originals));
+    let stuck = with_bench(device(&now, &[], Takes::All), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
 }
 
@@ -186,12 +186,12 @@ fn a_reset_brings_back_what_was_not_stored() {
     let restored = |takes| {
         let now = values(&[row(0x1017, 0, &[0xE8, 3])]);
         with_bench(device(&now, &before, takes), |bench| {
-            bench.changes = vec![original(0x1017, 0, &[0, 0])];
+            bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
             bench.restore();
-            let left = bench.is_left_behind(Subject::from(HEARTBEAT_TIME));
-            assert!(!bench.is_left_behind(Subject::from(GUARD_TIME)));
+            let left = bench.changes.is_left_behind(Subject::from(HEARTBEAT_TIME));
+            assert!(!bench.changes.is_left_behind(Subject::from(GUARD_TIME)));
             let resets = sent(bench, 0).iter().filter(|frame| *frame == "NMT 81 3F").count();
-            (bench.notes.clone(), left, resets)
+            (bench.log.notes.clone(), left, resets)
         })
     };
     assert_eq!(restored(Takes::All), (Vec::new(), false, 0));
@@ -199,15 +199,15 @@ fn a_reset_brings_back_what_was_not_stored() {
     assert_eq!(restored(Takes::Nothing), (vec!["1017h:00 could not be set back to 00 00".to_owned()], true, 1));
     let now = values(&[row(0x1017, 0, &[0xE8, 3])]);
     with_bench(device(&now, &[], Takes::Nothing), |bench| {
-        bench.changes = vec![original(0x1017, 0, &[0, 0])];
+        bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
         assert_eq!(bench.finish().notes.len(), 1);
         bench.begin();
         // The case after it changes the same object: what it finds there is not the device's own value.
-        bench.changes = vec![original(0x1017, 0, &[0xE8, 3])];
+        bench.changes.keep(original(0x1017, 0, &[0xE8, 3])).unwrap();
         assert_eq!(bench.finish().notes, ["1017h:00 could not be set back to 00 00"]);
         now.borrow_mut().insert((0x1017, 0), vec![0, 0]);
         assert_eq!(bench.finish().notes, Vec::<String>::new());
-        assert!(!bench.is_left_behind(Subject::from(HEARTBEAT_TIME)));
+        assert!(!bench.changes.is_left_behind(Subject::from(HEARTBEAT_TIME)));
     });
 }
 
@@ -222,9 +222,9 @@ fn a_stopped_device_is_woken_before_values_are_written_back() {
             if silent { Vec::new() } else { inner(request) }
         };
         with_bench(script, |bench| {
-            bench.changes = vec![original(0x1017, 0, &[0, 0])];
+            bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
             bench.restore();
-            assert_eq!((bench.notes.clone(), bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
+            assert_eq!((bench.log.notes.clone(), bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
             sent(bench, 0)
         })
     };
@@ -253,15 +253,15 @@ fn the_value_before_the_first_change_is_kept() {
     with_bench(device(&now, &[], Takes::All), |bench| {
         bench.write(HEARTBEAT_TIME, &[1, 0]).unwrap();
         bench.write(HEARTBEAT_TIME, &[2, 0]).unwrap();
-        assert_eq!(bench.changes, [original(0x1017, 0, &[0, 0])]);
+        assert_eq!(bench.changes.originals(), [original(0x1017, 0, &[0, 0])]);
         bench.write(Multiplexer::new(0x1A00, 0), &[0]).unwrap();
-        assert_eq!(bench.changes[1..], [original(0x1800, 1, &[1, 0, 0, 0]), original(0x1A00, 0, &[1])]);
+        assert_eq!(bench.changes.originals()[1..], [original(0x1800, 1, &[1, 0, 0, 0]), original(0x1A00, 0, &[1])]);
         let since = seen(bench);
         for index in [0x1003, 0x1010, 0x1011, 0x1013, 0x6003, 0x6009] {
             bench.remember(Multiplexer::new(index, 1)).unwrap();
         }
         bench.remember(HEARTBEAT_TIME).unwrap();
-        assert_eq!((seen(bench), bench.changes.len()), (since, 3), "nothing is read for these");
+        assert_eq!((seen(bench), bench.changes.originals().len()), (since, 3), "nothing is read for these");
     });
 }
 
@@ -330,9 +330,9 @@ fn an_interrupted_run_is_put_back() {
             now.borrow_mut().insert((0x1010, 1), vec![1, 0, 0, 0]);
         }
         with_bench(device(&now, &[], takes), |bench| {
-            let comparison = bench.put_back(run, Some(rescue)).unwrap();
+            let comparison = interrupted::put_back(bench, run, Some(rescue)).unwrap();
             let left: Vec<String> = comparison.left().map(|change| change.multiplexer.to_string()).collect();
-            assert!(!bench.restoring && comparison.is_complete);
+            assert!(!bench.traffic.restoring && comparison.is_complete);
             (left, sent(bench, 0), rescued(bench))
         })
     };
@@ -367,7 +367,7 @@ fn an_interrupted_run_is_put_back_after_a_reset_where_that_helps() {
             silent &= !(helps && request.data() == [0x81, 63]);
             if silent { Vec::new() } else { inner(request) }
         };
-        with_bench(script, |bench| bench.put_back(&run, None).map(|found| found.is_as_found()))
+        with_bench(script, |bench| interrupted::put_back(bench, &run, None).map(|found| found.is_as_found()))
     };
     assert_eq!((reset_helps(true), reset_helps(false)), (Some(true), None));
 }
@@ -378,9 +378,9 @@ fn what_the_dictionary_does_not_show_is_told_too() {
     let now = values(&[row(0x2041, 0, &[9]), row(0x2042, 0, &[9])]);
     let left = |takes: Takes| {
         with_bench(device(&now, &[], takes), |bench| {
-            bench.unrestored = vec![original(0x2041, 0, &[7]), original(0x2042, 0, &[7])];
-            let known = bench.change(Multiplexer::new(0x2041, 0), Some(vec![7]), Some(vec![9]));
-            bench.left_behind(&[known])
+            bench.changes.leave(vec![original(0x2041, 0, &[7]), original(0x2042, 0, &[7])]);
+            let known = dictionary::change(bench, Multiplexer::new(0x2041, 0), Some(vec![7]), Some(vec![9]));
+            restore::left_behind(bench, &[known])
         })
     };
     let told = left(Takes::Nothing);
@@ -415,11 +415,11 @@ fn commands_put_settings_back() {
     let now = values(&[row(0x1010, 1, &[1, 0, 0, 0])]);
     with_bench(device(&now, &[], Takes::All), |bench| {
         let commands = |bench: &Bench<'_>, changes: &[Change]| -> Vec<String> {
-            bench.commands("can0", &before, changes, &[]).iter().map(short).collect()
+            restore::commands(bench, "can0", &before, changes, &[]).iter().map(short).collect()
         };
         let heartbeat = setting(0x1017, 0, Some(&[0, 0]));
         assert_eq!(
-            bench.commands("can0", &before, std::slice::from_ref(&heartbeat), &[]),
+            restore::commands(bench, "can0", &before, std::slice::from_ref(&heartbeat), &[]),
             ["canvass sdo write can0 63 1017:00 0000 --type bytes"]
         );
         let text = setting(0x2010, 0, Some(&[]));
@@ -439,9 +439,9 @@ fn commands_put_settings_back() {
         let preset = setting(0x6003, 0, Some(&[0, 0, 0, 0]));
         assert_eq!(commands(bench, &[preset, setting(0x1010, 1, Some(&[1, 0, 0, 0]))]), Vec::<String>::new());
         // The memory first, from a start on; then what was in use and is not what a start brings.
-        bench.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
+        bench.changes.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
         let stored = setting(0x1017, 0, Some(&[0xD0, 7]));
-        let memory: Vec<String> = bench.commands("can0", &before, &[], &[stored]).iter().map(short).collect();
+        let memory: Vec<String> = restore::commands(bench, "can0", &before, &[], &[stored]).iter().map(short).collect();
         let reset = "canvass nmt can0 reset-node 63";
         assert_eq!(memory, [reset, "1017:00 D007", "1010:01 73617665", "1017:00 0000"]);
         for (bus, typed) in [
@@ -452,7 +452,7 @@ fn commands_put_settings_back() {
             ("it's", r"'it'\''s'"),
             ("a;b", "'a;b'"),
         ] {
-            let command = bench.commands(bus, &before, std::slice::from_ref(&heartbeat), &[]).remove(0);
+            let command = restore::commands(bench, bus, &before, std::slice::from_ref(&heartbeat), &[]).remove(0);
             assert_eq!(command, format!("canvass sdo write {typed} 63 1017:00 0000 --type bytes"));
         }
     });
@@ -461,7 +461,7 @@ fn commands_put_settings_back() {
 /// Every object has its nature: whether a run has to leave it as it was.
 #[test]
 fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
-    let nature = |bench: &Bench<'_>, index| bench.change(Multiplexer::new(index, 0), None, None).nature;
+    let nature = |bench: &Bench<'_>, index| dictionary::change(bench, Multiplexer::new(index, 0), None, None).nature;
     // Without a description: what only changes when it is written, whatever the device.
     with_bench(dictionary(Vec::new()), |bench| {
         for index in [
@@ -492,11 +492,11 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
         let found = [0x1000, 0x2000, 0x2001, 0x2002, 0x6003, 0x6009].map(|index| nature(bench, index));
         use Nature::{Constant, Own, Setting};
         assert_eq!(found, [Constant, Setting, Own, Constant, Own, Own], "a preset acts, and is no setting");
-        let change = bench.change(Multiplexer::new(0x2000, 0), Some(vec![1]), None);
+        let change = dictionary::change(bench, Multiplexer::new(0x2000, 0), Some(vec![1]), None);
         assert_eq!((change.name.as_deref(), change.data_type.map(|data_type| data_type.0)), (Some("2000"), Some(5)));
         assert_eq!((change.before, change.after), (Some(vec![1]), None));
         // What is not described has the type that the standard gives it.
-        let standard = bench.change(HEARTBEAT_TIME, None, None);
+        let standard = dictionary::change(bench, HEARTBEAT_TIME, None, None);
         assert_eq!((standard.name, standard.data_type.map(|data_type| data_type.0)), (None, Some(6)));
     });
 }
@@ -528,28 +528,28 @@ fn the_journal_names_the_case_that_was_under_way() {
     let target = super::Target::unknown(NodeId::new(63).unwrap());
     with_target(device(&now, &[], Takes::All), &target, &options, |bench| {
         let written = || Interrupted::read(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        bench.begin_journal("can0", true, &[(HEARTBEAT_TIME, vec![0, 0])]).unwrap();
+        interrupted::begin_journal(bench, "can0", true, &[(HEARTBEAT_TIME, vec![0, 0])]).unwrap();
         assert_eq!((written().operational, written().begun, written().node), (true, true, bench.node()));
         for touch in [Touch::NodeId, Touch::BitRate, Touch::Nvm, Touch::FactoryDefaults, Touch::Preset] {
-            bench.journal_case("301/a", &[Touch::OtherNodes, touch]).unwrap();
+            bench.changes.begin_case("301/a", &[Touch::OtherNodes, touch]).unwrap();
             assert_eq!(written().case.as_deref(), Some("301/a"), "{touch}");
             bench.finish();
             assert_eq!(written().case.as_deref(), Some("301/a"), "its memory may not be as it was");
-            bench.settle_journal();
+            bench.changes.settle_journal();
             assert_eq!(written().case, None);
         }
-        bench.journal_case("301/b", &[Touch::OtherNodes]).unwrap();
+        bench.changes.begin_case("301/b", &[Touch::OtherNodes]).unwrap();
         assert_eq!(written().case, None, "it leaves nothing behind");
         bench.write(Multiplexer::new(0x2041, 0), &[8]).unwrap();
         assert_eq!(written().more, [(Multiplexer::new(0x2041, 0), vec![7])]);
         bench.write(HEARTBEAT_TIME, &[8, 0]).unwrap();
         assert_eq!(written().more.len(), 1, "that one is in the dictionary");
         assert!(!written().stored);
-        bench.journal_case("301/c", &[Touch::Nvm]).unwrap();
+        bench.changes.begin_case("301/c", &[Touch::Nvm]).unwrap();
         bench.download(STORE, b"save").unwrap();
         assert!(written().stored);
         bench.finish();
-        bench.settle_journal();
+        bench.changes.settle_journal();
         assert!(!written().stored);
         // Another node's store is not this device's, nor is a read of 1010h.
         bench.send_bytes(0x640, &[0x23, 0x10, 0x10, 1, 0x73, 0x61, 0x76, 0x65]).unwrap();

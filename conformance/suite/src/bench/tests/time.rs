@@ -32,18 +32,18 @@ fn a_bus_delays_by_two_frames() {
     with_bench(
         |_: &Frame| Vec::new(),
         |bench| {
-            assert_eq!(bench.bus_delay(), Duration::from_micros(2_560));
-            assert_eq!(bench.host_delay(), Duration::ZERO);
+            assert_eq!(bench.traffic.bus_delay(), Duration::from_micros(2_560));
+            assert_eq!(bench.traffic.host_delay(), Duration::ZERO);
             assert_eq!(bench.shortly(), Duration::from_micros(52_560));
             assert_eq!(bench.tolerance(MS(1_000)), Duration::from_micros(52_560));
             assert_eq!(bench.silence(), MS(200));
             assert_eq!((bench.is_live(), bench.bit_rate(), bench.node().raw()), (false, None, 63));
-            assert!(!bench.is_cancelled() && !bench.is_out_of_time() && !bench.has_gone());
+            assert!(!bench.is_cancelled() && !bench.traffic.is_out_of_time() && !bench.knowledge.has_gone());
         },
     );
     on_device(|bench| {
         let bit_rate = u64::from(bench.bit_rate().unwrap());
-        assert_eq!(bench.bus_delay().nanos(), 320 * 1_000_000_000 / bit_rate);
+        assert_eq!(bench.traffic.bus_delay().nanos(), 320 * 1_000_000_000 / bit_rate);
     });
 }
 
@@ -66,7 +66,7 @@ fn a_bus_without_bit_rate_has_a_delay() {
         }
     }
     let mut bus = Slow(crate::scripted::ScriptedBus::new(|_| Vec::new()));
-    let delay = super::on_bus(&mut bus, &Options::default(), |bench| bench.bus_delay());
+    let delay = super::on_bus(&mut bus, &Options::default(), |bench| bench.traffic.bus_delay());
     assert_eq!(delay, Duration::from_secs(320), "of one bit per second");
 }
 
@@ -97,14 +97,14 @@ fn storing_has_a_patience_of_its_own() {
     with_bench(script, |bench| {
         let attempt = bench.download(store, b"save").unwrap();
         assert_eq!(attempt.expect_confirmation(), Ok(()));
-        assert_eq!((bench.silence(), bench.stores(), bench.watch.has_stored()), (MS(200), 1, true));
+        assert_eq!((bench.silence(), bench.stores(), bench.traffic.watch.has_stored()), (MS(200), 1, true));
         // Another object is waited for less long.
         let begun = bench.now();
         assert!(bench.upload(super::super::sdo::DEVICE_TYPE).unwrap().is_silent());
         assert_eq!(bench.now().since(begun), MS(1_000));
-        assert_eq!((bench.stores(), bench.watch.has_stored()), (1, true));
+        assert_eq!((bench.stores(), bench.traffic.watch.has_stored()), (1, true));
         bench.begin();
-        assert_eq!((bench.stores(), bench.watch.has_stored()), (1, false), "of the run, and of the case");
+        assert_eq!((bench.stores(), bench.traffic.watch.has_stored()), (1, false), "of the run, and of the case");
     });
 }
 
@@ -137,11 +137,11 @@ fn a_run_has_an_end() {
         |_: &Frame| Vec::new(),
         &options,
         |bench| {
-            assert!(!bench.is_out_of_time());
+            assert!(!bench.traffic.is_out_of_time());
             bench.listen(MS(499)).unwrap();
-            assert!(!bench.is_out_of_time() && !bench.is_cancelled());
+            assert!(!bench.traffic.is_out_of_time() && !bench.is_cancelled());
             bench.listen(MS(1)).unwrap();
-            assert!(bench.is_out_of_time() && bench.is_cancelled());
+            assert!(bench.traffic.is_out_of_time() && bench.is_cancelled());
             let Err(Stop::Inconclusive(reason)) = bench.listen(MS(1)) else { panic!("it goes on") };
             assert_eq!(reason.actual, "the time of the run was over");
             assert!(bench.uncancelled(|bench| bench.listen(MS(1))).is_ok());
@@ -160,7 +160,7 @@ fn a_cancelled_run_sends_nothing_more() {
     cancel.store(true, Ordering::Relaxed);
     let Err(Stop::Inconclusive(reason)) = bench.send_bytes(0x123, &[1]) else { panic!("it was sent") };
     assert_eq!((reason.actual.as_str(), bench.is_cancelled()), ("the run was cancelled", true));
-    assert!(!bench.is_out_of_time());
+    assert!(!bench.traffic.is_out_of_time());
     let Err(Stop::Error(reason)) = bench.uncancelled(|bench| bench.send_bytes(0x123, &[0; 9])) else {
         panic!("nine bytes were sent")
     };

@@ -50,7 +50,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     scratches.extend(bench.application_scratch()?);
     scratches.dedup_by_key(|scratch| scratch.multiplexer);
     for scratch in &scratches {
-        bench.write(scratch.multiplexer, &scratch.other)?;
+        bench.write_confirmed(scratch.multiplexer, &scratch.other)?;
     }
     let saved = bench.download(STORE, b"save")?;
     if !bench.stores_by_itself()? {
@@ -63,7 +63,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     let after = bench.reset(Command::RESET_NODE).and_then(|()| {
         scratches.iter().map(|scratch| Ok(bench.upload(scratch.multiplexer)?.outcome)).collect::<Result<Vec<_>, Stop>>()
     });
-    // Whatever came of it, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     for scratch in &scratches {
         bench.download(scratch.multiplexer, &scratch.value)?;
     }

@@ -85,14 +85,14 @@ pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// Whether the slave is in configuration: it answers an inquiry, or where it has none, it takes the node-ID that it has.
 fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Stop> {
-    let inquires = match bench.known(LSS_INQUIRY.id) {
+    let inquires = match bench.knowledge.known(LSS_INQUIRY.id) {
         Some(Found::Known(met)) => Some(met.is_ok()),
         _ => None,
     };
     if inquires != Some(false) {
         let answer = exchange_within(bench, Request::InquireNodeId, patience)?;
-        if matches!(answer, Some(Response::NodeId(_))) {
-            bench.learned(LSS_INQUIRY.id, Found::Known(Ok(())));
+        if matches!(answer, Some(Response::NodeId(node)) if node != 0) {
+            bench.knowledge.learned(LSS_INQUIRY.id, Found::Known(Ok(())));
             return Ok(true);
         }
         if inquires == Some(true) {
@@ -101,10 +101,15 @@ fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Sto
     }
     let own = Request::ConfigureNodeId { node_id: bench.node().raw() };
     let answer = exchange_within(bench, own, patience)?;
-    let takes = matches!(answer, Some(Response::Configured { command: ConfigureCommand::NodeId, .. }));
+    let takes = match answer {
+        Some(Response::Configured { command: of @ ConfigureCommand::NodeId, error, .. }) => {
+            of.error_name::<Lss>(error).is_some()
+        }
+        _ => false,
+    };
     if takes && inquires.is_none() {
         let why = "in configuration the slave confirms its node-ID (11h) and does not answer an inquiry of it (5Eh)";
-        bench.learned(LSS_INQUIRY.id, Found::Known(Err(why.to_owned())));
+        bench.knowledge.learned(LSS_INQUIRY.id, Found::Known(Err(why.to_owned())));
     }
     Ok(takes)
 }

@@ -22,7 +22,7 @@ pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node
     // Bringing the slave into configuration finds it out.
     configure(bench)?;
     wait(bench)?;
-    Ok(match bench.known(LSS_INQUIRY.id) {
+    Ok(match bench.knowledge.known(LSS_INQUIRY.id) {
         Some(Found::Known(met)) => met.clone(),
         _ => Ok(()),
     })

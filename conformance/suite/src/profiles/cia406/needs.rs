@@ -171,7 +171,8 @@ fn of_kuebler(bench: &mut Bench<'_>, objects: &[(u16, u8)]) -> Result<Met, Stop>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scripted::{Row, assert_needs, unmet};
+    use crate::need::tests::{assert_needs, unmet};
+    use crate::scripted::Row;
 
     fn row(index: u16, sub: u8, value: &[u8]) -> Row {
         ((index, sub), value.to_vec(), false)
@@ -247,7 +248,8 @@ mod tests {
     #[test]
     fn a_preset_that_is_stored_at_once_needs_leave() {
         use crate::bench::{Options, Target};
-        use crate::scripted::{asked, dictionary};
+        use crate::need::tests::asked;
+        use crate::scripted::dictionary;
         use canvass_device::models::Model;
         let met = |model: &str, allow: &[Touch]| {
             let target = Target {

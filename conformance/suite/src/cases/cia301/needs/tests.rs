@@ -3,7 +3,8 @@
 use super::*;
 use crate::bench::{Options, Target};
 use crate::need::Need;
-use crate::scripted::{NODE, Row, asked, assert_needs, described, dictionary, frame, unmet, with_bench};
+use crate::need::tests::{asked, assert_needs, unmet};
+use crate::scripted::{NODE, Row, described, dictionary, frame, with_bench};
 use crate::verdict::Stop;
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;

@@ -1,0 +1,70 @@
+//! A device that gets no processor, as a process on a busy machine, is late as a whole: that is no failure of its timers.
+
+use super::{Trial, meanwhile};
+use crate::bench::{Bench, DEVICE_KEEPS_UP, HOST_LATE, Timing, promptness};
+use crate::clause::Level;
+use crate::verdict::{Allowed, Breach, End, Lack, Reason};
+use canvass_analyzer::Service;
+use canvass_bus::observation::{Observation, Subject};
+use canvass_traces::Duration;
+
+/// Leaves out the breaches that a device may have made that was as late with answers that cost it nothing. A precondition that
+/// was not reached may be its lateness, too.
+pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
+    // What an open case finds fails nobody; a device that has left is not late.
+    if !trial.has_asked || trial.has_left || trial.case.level == Level::Open || trial.is_void() {
+        return trial;
+    }
+    let timing = bench.timing();
+    let needed = |breach: &Breach| lateness_needed(breach, &timing);
+    let unreached = match &trial.end {
+        Some(End::Inconclusive(reason)) if reason.lack == Lack::Feature => Some(reason.clone()),
+        _ => None,
+    };
+    let most = trial.breaches.iter().filter_map(needed).chain(unreached.as_ref().map(|_| HOST_LATE)).max();
+    let Some(most) = most else { return trial };
+    let lateness = promptness::lateness(bench, most);
+    let usual = bench.knowledge.usual_answer();
+    let late = |found: &Reason| {
+        let actual = format!(
+            "the device was late as a whole: a read beside the case was answered {lateness} later{}",
+            meanwhile(found)
+        );
+        let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
+        reason.for_lack_of(Lack::Promptness)
+    };
+    let is_excused = |breach: &Breach| needed(breach).is_some_and(|needed| needed <= lateness);
+    if !trial.excuse(|breach| is_excused(breach).then(|| late(&Reason::from(breach))))
+        && let Some(unreached) = unreached.filter(|_| lateness >= HOST_LATE)
+    {
+        trial.end = Some(End::Inconclusive(late(&unreached)));
+    }
+    trial
+}
+
+/// How late the device would have had to be to make the breach; `None`: no lateness makes it.
+fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
+    if let (Allowed::Time { .. }, Observation::Time(_)) = (&breach.allowed, &breach.actual) {
+        return breach.outside();
+    }
+    let of_dictionary = matches!(breach.subject, Subject::Entry(_) | Subject::Object(_));
+    let of_sdo = of_dictionary || breach.subject == Subject::Service(Service::Sdo);
+    let of_layers = matches!(breach.subject, Subject::Service(Service::Lss | Service::Lmt));
+    match breach.actual {
+        // A request waits this long for its answer.
+        Observation::Silence if of_sdo => Some(timing.sdo_response),
+        Observation::Silence if of_layers => Some(timing.silence),
+        Observation::Value(_) | Observation::Number(_) if of_dictionary => None,
+        // Cases give the device at least this long to act.
+        Observation::Silence
+        | Observation::Value(_)
+        | Observation::Number(_)
+        | Observation::State(_)
+        | Observation::Time(_)
+        | Observation::Count(_)
+        | Observation::Emcy(_)
+        | Observation::Frame(_)
+        | Observation::Named(_) => Some(HOST_LATE),
+        _ => None,
+    }
+}

@@ -1,0 +1,14 @@
+//! A case that judges an object that an earlier case has left behind says nothing of the device's own value.
+
+use super::Trial;
+use crate::bench::Bench;
+use crate::verdict::Reason;
+
+pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
+    trial.excuse(|breach| {
+        let actual = "one that an earlier case left, which could not be put back";
+        let duty = || format!("{} has the device's own value", breach.subject);
+        bench.changes.is_left_behind(breach.subject).then(|| Reason::new(duty(), "the value before the run", actual))
+    });
+    trial
+}

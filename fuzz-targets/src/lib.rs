@@ -1,0 +1,186 @@
+//! Everything that reads bytes from outside, and what must hold for it whatever the bytes are: nothing panics, and what
+//! is refused is refused with words. Coverage-guided by `cargo +nightly fuzz run --fuzz-dir fuzz-targets TARGET`; with random and with mutated
+//! real inputs by a test of the workspace, on every toolchain.
+
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::filter::Filter;
+use canvass_analyzer::{Meaning, NodeId, network::Network};
+use canvass_bus::slcan::{Decoder, Message, write_frame};
+use canvass_device::MotionSpec;
+use canvass_device::models::Model;
+use canvass_fuzzer::reproducer;
+use canvass_suite::waiver::Waivers;
+use canvass_traces::{CanId, Capture, ChannelId, Format, Frame, ReadOptions, Record, Source, Timestamp};
+
+/// A reader: its name, what takes the bytes, and where real inputs lie.
+pub type Target = (&'static str, fn(&[u8]), &'static [&'static str]);
+
+/// All readers.
+pub const TARGETS: &[Target] = &[
+    ("candump", candump, &["traces/samples"]),
+    ("console", console, &["traces/samples"]),
+    ("pcap", pcap, &["traces/samples"]),
+    ("pcapng", pcapng, &["traces/samples"]),
+    ("mcap", mcap, &["traces/samples"]),
+    ("blf", blf, &["traces/samples"]),
+    ("asc", asc, &["traces/samples"]),
+    ("trc", trc, &["traces/samples"]),
+    ("csv", csv, &["traces/samples"]),
+    ("minimon", minimon, &["traces/samples"]),
+    ("capture", capture, &["traces/samples"]),
+    ("wire", wire, &[]),
+    ("description", description, &["analyzer/tests/eds", "conformance/device/models"]),
+    ("filter", filter, &[]),
+    ("waivers", waivers, &["fuzz-targets/seeds/waivers"]),
+    ("model", model, &["conformance/device/models"]),
+    ("slcan", slcan, &["fuzz-targets/seeds/slcan"]),
+    ("reproducer", reproducer, &["traces/samples", "fuzz-targets/seeds/reproducer"]),
+    ("motion", motion, &[]),
+];
+
+fn read(bytes: &[u8], format: Option<Format>) {
+    let options = ReadOptions { format, ..ReadOptions::default() };
+    let Ok(capture) = Capture::from_source("fuzz", Source::from_bytes(bytes), &options) else { return };
+    for item in capture {
+        if let Err(damage) = item {
+            assert!(!damage.to_string().is_empty());
+        }
+    }
+}
+
+macro_rules! formats {
+    ($($name:ident = $id:literal,)*) => {
+        $(
+            #[doc = concat!("Captures, read as ", $id, ".")]
+            pub fn $name(bytes: &[u8]) {
+                read(bytes, Format::by_id($id));
+            }
+        )*
+    };
+}
+
+formats! {
+    candump = "candump",
+    console = "candump-console",
+    pcap = "pcap",
+    pcapng = "pcapng",
+    mcap = "mcap",
+    blf = "blf",
+    asc = "asc",
+    trc = "trc",
+    csv = "csv",
+    minimon = "minimon",
+}
+
+/// Captures of every format, recognised by their content, compressed ones too.
+pub fn capture(bytes: &[u8]) {
+    read(bytes, None);
+}
+
+/// Any frames in any order: each gets one line of text without control characters.
+pub fn wire(bytes: &[u8]) {
+    let mut network = Network::new();
+    for (n, chunk) in (0_u64..).zip(bytes.chunks_exact(11)) {
+        let id = CanId::standard_masked(u32::from(u16::from_le_bytes([chunk[0], chunk[1]])));
+        let payload = &chunk[3..3 + usize::from(chunk[2] % 9)];
+        let frame = if chunk[2] & 0x80 != 0 { Frame::remote(id, chunk[2] % 9) } else { Frame::new(id, payload) };
+        let Some(frame) = frame else { continue };
+        let record = Record::new(Timestamp(n * 1_000_000), ChannelId(0), frame);
+        let decoded = network.handle(&record);
+        if let Some(bus) = network.bus(record.channel) {
+            let text = Meaning::new(&record, &decoded, bus).to_string();
+            assert!(!text.is_empty() && !text.chars().any(char::is_control), "{text:?}");
+        }
+    }
+}
+
+/// Device descriptions: EDS, DCF, XDD and XDC.
+pub fn description(bytes: &[u8]) {
+    if let Ok(description) = DeviceDescription::read(bytes) {
+        for problem in &description.problems {
+            assert!(!problem.to_string().is_empty());
+        }
+    }
+}
+
+/// Filter expressions.
+pub fn filter(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Err(error) = text.parse::<Filter>() {
+        assert!(error.column <= text.chars().count() + 1);
+        assert!(!error.to_string().is_empty());
+    }
+}
+
+/// Files of waivers.
+pub fn waivers(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match Waivers::read(text) {
+        Ok(waivers) => drop(waivers.deviations("2026-01-01")),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// The two files of a model: the bytes before the first NUL are its sheet, those after it its EDS; without a NUL an EDS
+/// of the same bytes is read as a device of which nothing else is known.
+pub fn model(bytes: &[u8]) {
+    let end = bytes.iter().position(|&byte| byte == 0);
+    let (sheet, eds) = bytes.split_at(end.unwrap_or(0));
+    if let (Ok(sheet), Ok(eds)) = (std::str::from_utf8(sheet), std::str::from_utf8(eds)) {
+        // A sheet alone is judged too: an EDS without content is refused after it.
+        if let Err(error) = Model::read(eds.trim_start_matches('\0'), sheet) {
+            assert!(!error.to_string().is_empty());
+        }
+    }
+    if let Err(error) = Model::generic("fuzz", bytes) {
+        assert!(!error.to_string().is_empty());
+    }
+}
+
+/// What an SLCAN adapter sends, in pieces of any length; a frame that is understood is written as it can be read again.
+pub fn slcan(bytes: &[u8]) {
+    let mut decoder = Decoder::default();
+    let cut = bytes.first().map_or(0, |&byte| usize::from(byte)).min(bytes.len());
+    let (head, tail) = bytes.split_at(cut);
+    for piece in [head, tail] {
+        decoder.push(piece, |message| {
+            let Message::Frame { record, .. } = message else { return };
+            let mut line = Vec::new();
+            if write_frame(&record, &mut line).is_none() {
+                return;
+            }
+            let mut again = None;
+            Decoder::default().push(&line, |message| again = Some(message));
+            let frame = record.frame;
+            assert!(
+                matches!(&again, Some(Message::Frame { record: read, .. }) if read.frame == frame),
+                "{frame} is written as {line:?}"
+            );
+        });
+    }
+}
+
+/// Reproducers of the fuzzer, and captures that are replayed.
+pub fn reproducer(bytes: &[u8]) {
+    match reproducer::read(bytes, NodeId::MIN) {
+        Ok(sequences) => {
+            for sequence in &sequences {
+                // What is read is written so that it can be read again.
+                let again = reproducer::read(reproducer::candump(sequence).as_bytes(), NodeId::MIN);
+                assert!(again.is_ok() || sequence.stimuli.iter().any(|stimulus| stimulus.frame.len() > 8), "{again:?}");
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// Points of a motion.
+pub fn motion(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Err(error) = MotionSpec::from_csv(text) {
+        assert!(!error.to_string().is_empty());
+    }
+    if let Err(error) = text.parse::<MotionSpec>() {
+        assert!(!error.to_string().is_empty());
+    }
+}
