@@ -1,10 +1,10 @@
-//! `--allow`: what may be done to a device, by name or all of it.
+//! `--allow`: permissions to change a device, by name or all at once.
 
 use canvass_suite::touch::{Touch, UnknownTouch};
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-/// One word of it.
+/// A word that `--allow` takes.
 #[derive(Clone, Copy, Debug)]
 pub enum Allow {
     One(Touch),
@@ -19,7 +19,7 @@ impl FromStr for Allow {
     }
 }
 
-/// All that the words name.
+/// All touches that the words permit.
 pub fn touches(words: &[Allow]) -> BTreeSet<Touch> {
     let of = |word: &Allow| match word {
         Allow::One(touch) => vec![*touch],

@@ -1,13 +1,14 @@
-//! Bundles: all that there is of a run in one file, from which it can be judged again.
+//! Bundles: one file with everything about a run, from which the run can be judged again.
 //!
 //! ```text
-//! manifest.json       the names, lengths and hashes of the others
+//! manifest.json       names, lengths and hashes of the other files
 //! result.json         as `canvass test --format json`
-//! report.html         the same for people
+//! report.html         the result as a page
 //! recording.pcapng    every frame that the tester saw
-//! transcript.txt      what else it saw of the bus: see `canvass_bus::transcript`
-//! run.json            what the run was made with
-//! description.eds     the description of the device, and waivers.toml, where there were any
+//! transcript.txt      what the tester saw of the bus besides frames: see `canvass_bus::transcript`
+//! run.json            the options and inputs of the run
+//! description.eds     the description of the device, if a file describes it
+//! waivers.toml        the waivers, if there are any
 //! ```
 
 pub mod manifest;
@@ -24,14 +25,14 @@ use std::io::{Read, Seek};
 use std::path::Path;
 use zip::Entry;
 
-/// The names in a bundle.
+/// Names of the files in a bundle.
 pub const RESULT: &str = "result.json";
 pub const PAGE: &str = "report.html";
 pub const RECORDING: &str = "recording.pcapng";
 pub const TRANSCRIPT: &str = "transcript.txt";
 pub const WAIVERS: &str = "waivers.toml";
 
-/// The frames of a run, on their way into a bundle.
+/// A recording that is still being written, for a bundle.
 pub struct Frames {
     file: File,
     recording: Recording,
@@ -40,18 +41,18 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Begins in a file that nobody else sees.
+    /// Begins the recording in a temporary file without a name, which no other program can change.
     pub fn begin() -> Result<Self> {
         let file = tempfile::tempfile().context("can't write a temporary file")?;
         let sink = Box::new(file.try_clone()?);
-        let format = Format::by_id("pcapng").context("there is no pcapng")?;
+        let format = Format::by_id("pcapng").context("expected the writer of pcapng among the formats, found none")?;
         let recording = Recording::create(sink, format, Compression::None, &WriteOptions::default())?;
         let mut channels = Channels::default();
         channels.intern("can0");
         Ok(Self { file, recording, channels, written: Ok(()) })
     }
 
-    /// Takes a frame. What can't be written is reported at the end.
+    /// Writes a frame. An error is kept for the end of the recording: the run must not stop for it.
     pub fn take(&mut self, record: &Record) {
         if self.written.is_ok() {
             self.written = self.recording.write(record, &self.channels).map_err(Into::into);
@@ -68,20 +69,20 @@ impl Frames {
     }
 }
 
-/// What goes into a bundle.
+/// Everything that goes into a bundle.
 pub struct Contents<'a> {
     pub frames: Frames,
     pub transcript: &'a Transcript,
     pub setup: Setup,
     pub result: Vec<u8>,
     pub page: Vec<u8>,
-    /// The file that describes the device, and the waivers.
+    /// Paths of the device's description and of the waivers.
     pub description: Option<&'a Path>,
     pub waivers: Option<&'a Path>,
 }
 
 impl Contents<'_> {
-    /// The bundle.
+    /// Makes the bytes of the bundle.
     pub fn pack(self) -> Result<Vec<u8>> {
         let read =
             |path: &Path| small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()));

@@ -19,7 +19,7 @@ Exit status: 0 good; 1 findings, failures or violations; 2 wrong usage or unread
 #[command(disable_help_subcommand = true)]
 #[command(after_help = STATUSES)]
 pub struct Cli {
-    /// Colours: on a terminal, always or never
+    /// When to use colours: on a terminal (auto), always or never
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
     color: Color,
     #[command(subcommand)]
@@ -60,16 +60,16 @@ enum Command {
 }
 
 impl Cli {
-    /// All commands, with what only this place knows of them.
+    /// All commands, with the additions that need the whole command line: environment, exit status, completion.
     pub fn described() -> clap::Command {
         let command = Self::command().color(crate::output::colors_of_help());
         completion::with_candidates(with_statuses(with_environment(command)))
     }
 
-    /// The command line, and what was typed of it; help and mistakes end the program.
+    /// Parses the command line, and notes the typed options for the provenance. Help and usage errors end the program.
     ///
     /// # Errors
-    /// What is wrong with the settings.
+    /// If the settings file can't be read or has an error.
     pub fn of_arguments(arguments: Vec<OsString>) -> Result<(Self, Typed), Failure> {
         let plain = Self::described();
         let Completed { mut command, arguments, set, file } = settings::complete(plain.clone(), arguments)?;
@@ -79,7 +79,7 @@ impl Cli {
         Ok((cli, typed))
     }
 
-    /// Does what was asked for.
+    /// Runs the chosen subcommand.
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
@@ -115,19 +115,19 @@ impl Cli {
     }
 }
 
-/// A mistake, and where the formats are that a table for other programs can have.
+/// Adds to an error about `--format parquet` or `arrow` that canvass-fleet writes these formats.
 fn told(mut mistake: clap::Error) -> clap::Error {
     use clap::error::{ContextKind, ContextValue};
     let is = |kind, known: &[&str]| matches!(mistake.get(kind), Some(ContextValue::String(told)) if known.contains(&&**told));
     if is(ContextKind::InvalidArg, &["--format <FORMAT>"]) && is(ContextKind::InvalidValue, &["parquet", "arrow"]) {
-        const TIP: &str = "canvass-fleet writes Parquet and Arrow: canvass fleet decode FILE --format parquet --output \
-                           FILE.parquet, and signals and diagnose alike";
+        const TIP: &str = "canvass-fleet writes Parquet and Arrow: canvass fleet decode FILE --format parquet \
+         --output FILE.parquet; its commands signals and diagnose take the same options";
         mistake.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![TIP.into()]));
     }
     mistake
 }
 
-/// A bus that is the only argument of its command may come from the environment.
+/// Lets the environment name the bus of commands that have no other positional argument.
 fn with_environment(command: clap::Command) -> clap::Command {
     let is_bus = |argument: &clap::Arg| argument.get_id() == "bus";
     let with_variable = |argument: clap::Arg| match is_bus(&argument) {
@@ -140,7 +140,7 @@ fn with_environment(command: clap::Command) -> clap::Command {
     })
 }
 
-/// Help and manual page of every command say what its exit status means.
+/// Adds the meaning of the exit statuses to the help and the manual page of every command.
 fn with_statuses(command: clap::Command) -> clap::Command {
     command.after_help(STATUSES).mut_subcommands(with_statuses)
 }

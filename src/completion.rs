@@ -1,4 +1,4 @@
-//! What a shell offers for the values of arguments: models, faults, cases, interfaces and so on, as this program knows them.
+//! Shell completion for values of arguments: models, faults, cases, interfaces and so on.
 
 use canvass_analyzer::findings;
 use canvass_device::models::Model;
@@ -10,13 +10,13 @@ use clap::Command;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter};
 use std::ffi::OsStr;
 
-/// The environment variable by which a shell asks.
+/// The environment variable that a shell sets to ask for completions.
 pub const VARIABLE: &str = "COMPLETE";
 
-/// Words that may stand for a value, from what is typed of it.
+/// Returns the words that complete the typed beginning.
 type Words = fn(&str) -> Vec<String>;
 
-/// The commands, whose arguments know what may stand for them.
+/// Adds the completions to all arguments of the commands.
 pub fn with_candidates(command: Command) -> Command {
     let command = command.mut_args(|argument| match words(argument.get_id().as_str()) {
         Some(words) => argument.add(ArgValueCompleter::new(move |typed: &OsStr| candidates(typed, words))),
@@ -25,7 +25,7 @@ pub fn with_candidates(command: Command) -> Command {
     command.mut_subcommands(with_candidates)
 }
 
-/// What may stand for the argument of that id, in any command.
+/// The completions for the argument with that id, in any command.
 fn words(id: &str) -> Option<Words> {
     Some(match id {
         "bus" => buses,
@@ -51,7 +51,7 @@ fn candidates(typed: &OsStr, words: Words) -> Vec<CompletionCandidate> {
     words(typed).into_iter().filter(|word| word.starts_with(typed)).map(CompletionCandidate::new).collect()
 }
 
-/// The last word of a list with commas, after what stands before it.
+/// Completes the last item of a comma-separated list.
 fn listed(typed: &str, words: impl IntoIterator<Item = String>) -> Vec<String> {
     let before = typed.rfind(',').map_or("", |comma| &typed[..=comma]);
     words.into_iter().map(|word| format!("{before}{word}")).collect()
@@ -104,7 +104,7 @@ fn interfaces() -> Vec<String> {
     Vec::new()
 }
 
-/// Models and files, after the node-ID if it is typed.
+/// Models and files, after the node-ID if one is typed.
 fn devices(typed: &str) -> Vec<String> {
     let (before, path) = typed.find('=').map_or(("", typed), |at| typed.split_at(at + 1));
     let files = PathCompleter::file().complete(OsStr::new(path)).into_iter();

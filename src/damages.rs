@@ -1,22 +1,22 @@
-//! What could not be read, shown and counted.
+//! Damage in captures, printed and counted.
 
 use crate::output::diagnostic;
 use canvass_traces::{Damage, DamageKind};
 use std::collections::BTreeMap;
 
-/// Shows the first damages of each kind and counts all.
+/// Prints the first damages of each kind and counts all.
 #[derive(Default)]
 pub struct Damages {
     counts: BTreeMap<&'static str, u64>,
-    /// How often frames were said to be lost, and how many.
+    /// Number of reported losses, and of frames lost in them.
     losses: (u64, u64),
 }
 
-/// How many of a kind are shown one by one.
+/// Number of damages of a kind that are printed one by one.
 const SHOWN: u64 = 10;
 
 impl Damages {
-    /// Shows a damage of the source of that name, unless many of its kind were shown.
+    /// Prints a damage of the named source, unless [`SHOWN`] of its kind were printed already.
     pub fn report(&mut self, name: &str, damage: &Damage) {
         if let DamageKind::Dropped(frames) = damage.kind {
             self.losses = (self.losses.0 + 1, self.losses.1.saturating_add(frames));
@@ -32,7 +32,7 @@ impl Damages {
         }
     }
 
-    /// Says how many there were, if there were more than were shown.
+    /// Prints the totals of the kinds that were not printed in full.
     pub fn summarise(&self) {
         if let (2.., frames) = self.losses {
             diagnostic(&format!("canvass: {frames} frames were lost in all"));

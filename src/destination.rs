@@ -1,4 +1,4 @@
-//! The file that a capture is written to.
+//! The output file of a capture.
 
 use crate::output::Output;
 use crate::whole_file::WholeFile;
@@ -8,17 +8,17 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Where a capture goes, in which format.
+/// Path and format of an output.
 pub struct Destination {
     path: PathBuf,
     pub format: Format,
-    /// The compression of the whole.
+    /// The compression of the whole file.
     pub compression: Compression,
     force: bool,
 }
 
 impl Destination {
-    /// A path with the format that was said, or else the one that its extension tells.
+    /// The format is the given one, else that of the path's extension.
     pub fn new(path: &Path, said: Option<Format>, force: bool) -> Result<Self> {
         let (compression, by_name) = Compression::and_format_of(path);
         let Some(format) = said.or(by_name) else {
@@ -37,7 +37,7 @@ impl Destination {
         self.path.as_os_str() == "-"
     }
 
-    /// What is written, and the file that is to be completed when all of it is; `None`: there is none.
+    /// Opens the output: a writer, and the file that is completed at the end (`None` for standard output).
     pub fn open(&self, output: &Output) -> Result<(Box<dyn Write>, Option<WholeFile>)> {
         if self.is_stdout() {
             return Ok((Box::new(output.clone()), None));
@@ -49,8 +49,8 @@ impl Destination {
         Ok((Box::new(whole.writer()?), Some(whole)))
     }
 
-    /// The same for what comes as it happens on a bus: the file has its name from the start, so that it is found
-    /// there even if this program is killed.
+    /// Opens an output for frames of a live bus: the file gets its final name at the start, so that it is found there
+    /// even if this program is killed.
     pub fn open_growing(&self, output: &Output) -> Result<Box<dyn Write>> {
         if self.is_stdout() {
             return Ok(Box::new(output.clone()));
@@ -77,7 +77,7 @@ impl Destination {
     }
 }
 
-/// Nothing is overwritten unasked. A pipe or a device has nothing that could get lost.
+/// Refuses to overwrite a file without `--force`. A pipe or a device has no content to lose.
 pub fn refuse_existing(path: &Path) -> Result<()> {
     if fs::symlink_metadata(path).is_ok() && is_file(path) {
         bail!("{} exists: give --force to overwrite it", path.display());
@@ -85,7 +85,7 @@ pub fn refuse_existing(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// One that can't be asked is treated as a file.
+/// A path that can't be examined counts as a file.
 fn is_file(path: &Path) -> bool {
     fs::metadata(path).map_or(true, |metadata| metadata.is_file())
 }

@@ -31,13 +31,13 @@ pub fn parse_node(text: &str) -> Result<NodeId> {
 }
 
 impl DeviceArg {
-    /// What is known of the device.
+    /// The model or the description of the device.
     pub fn describe(&self) -> Result<KnownDevice> {
         describe(&self.device)
     }
 }
 
-/// What is known of a built-in model, or of the device that a file describes.
+/// Reads a built-in model, or the description in a file.
 pub fn describe(device: &str) -> Result<KnownDevice> {
     if let Some(model) = Model::by_id(device) {
         return Ok(KnownDevice::clone(model.device()));
@@ -51,7 +51,8 @@ pub fn describe(device: &str) -> Result<KnownDevice> {
     Ok(KnownDevice::described(description))
 }
 
-/// The description in a file, with its problems; one of which half can't be read describes nothing.
+/// Reads the description in a file, with its problems. A description with unreadable parts is refused: it would
+/// describe another device.
 pub fn read(path: &Path) -> Result<DeviceDescription> {
     let bytes = small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()))?;
     let description =
@@ -60,7 +61,7 @@ pub fn read(path: &Path) -> Result<DeviceDescription> {
     Ok(description)
 }
 
-/// Says in one line what is wrong in a description, and how to see all of it.
+/// Prints the problems of a description in one line, and how to see all of them.
 fn tell_problems(path: &Path, problems: &[EdsProblem]) {
     let of = |severity| problems.iter().filter(move |problem| problem.severity() == severity);
     let first = of(Severity::Error).next().or_else(|| of(Severity::Warning).next());
@@ -71,7 +72,7 @@ fn tell_problems(path: &Path, problems: &[EdsProblem]) {
     }
 }
 
-/// How many problems there are: `1 error, 2 warnings`.
+/// The number of problems: `1 error, 2 warnings`.
 pub fn summary(problems: &[EdsProblem]) -> String {
     let count = |severity, name: &str| {
         let count = problems.iter().filter(|problem| problem.severity() == severity).count();

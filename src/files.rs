@@ -1,7 +1,7 @@
-//! The files of one command: what it writes is nothing that it reads, and no file is written twice.
+//! The files of one command: no output may be an input, and no two outputs the same file.
 //!
-//! Files are distinguished by what the system knows them by, so that neither another spelling of the path nor a link hides
-//! that two are one. A command asks before it opens the first of them for writing.
+//! Files are compared by the system's identity of them, so that another spelling of the path or a link hides nothing.
+//! A command checks all files before it opens the first for writing.
 
 use anyhow::{Result, bail};
 use canvass_device::MotionSpec;
@@ -11,11 +11,11 @@ use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The files that are known so far.
+/// The files named so far.
 pub struct Files(Vec<Known>);
 
 struct Known {
-    /// As the user calls it.
+    /// The file's name as typed.
     name: String,
     identity: Identity,
     use_: Use,
@@ -27,18 +27,18 @@ enum Use {
     Written,
 }
 
-/// What tells a file from all others.
+/// An identity that distinguishes a file from all others.
 #[derive(PartialEq, Eq)]
 enum Identity {
     /// Device and inode of a file that exists.
     #[cfg(unix)]
     Inode(u64, u64),
-    /// Where a file is or will be.
+    /// The path of a file that may not exist yet.
     Path(PathBuf),
 }
 
 impl Files {
-    /// Standard input and output, where they are files.
+    /// Begins with standard input and output, if they are files.
     pub fn new() -> Self {
         let standard = [
             (standard_file(&io::stdin()), "standard input", Use::Read),
@@ -50,7 +50,7 @@ impl Files {
         Self(standard.into_iter().filter_map(known).collect())
     }
 
-    /// Files that are read. Those that are not there are reported when they are opened.
+    /// Adds inputs. Missing files are reported when they are opened.
     pub fn reads<'a, P: AsRef<Path> + ?Sized + 'a>(mut self, paths: impl IntoIterator<Item = &'a P>) -> Self {
         let known = |path: &P| {
             let path = path.as_ref();
@@ -61,13 +61,13 @@ impl Files {
         self
     }
 
-    /// The files that describe devices: `MODEL`, `FILE` or `NODE=FILE`.
+    /// Adds the files among values of `--device`: `MODEL`, `FILE` or `NODE=FILE`.
     pub fn describes<'a>(self, devices: impl IntoIterator<Item = &'a str>) -> Self {
         let path = |device: &'a str| device.split_once('=').map_or(device, |(_, path)| path);
         self.reads(devices.into_iter().map(path).filter(|device| Model::by_id(device).is_none()))
     }
 
-    /// The files that a bus address names.
+    /// Adds the files that a bus address names.
     pub fn bus(self, address: &str) -> Self {
         let Ok(BusAddress::Simulated(devices)) = address.parse() else { return self };
         let of_device = |device: &SimulatedDevice| {
@@ -85,10 +85,10 @@ impl Files {
         self.reads(&files)
     }
 
-    /// Files that will be written.
+    /// Adds outputs.
     ///
     /// # Errors
-    /// If one of them is read, or was named before.
+    /// If one of them is an input or another output.
     pub fn writes<'a, P: AsRef<Path> + ?Sized + 'a>(mut self, paths: impl IntoIterator<Item = &'a P>) -> Result<Self> {
         for path in paths.into_iter().map(AsRef::as_ref).filter(|path: &&Path| path.as_os_str() != "-") {
             let Some(identity) = Identity::of_output(path) else { continue };
@@ -110,7 +110,7 @@ impl Files {
 }
 
 impl Identity {
-    /// `None` where there is no file, or one that nothing can be lost of: a pipe, a device.
+    /// `None` if there is no file, or nothing in it can be lost: a pipe, a device.
     fn of_existing(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok()?;
         Self::of(&metadata, || fs::canonicalize(path).ok())
@@ -120,11 +120,11 @@ impl Identity {
         if fs::metadata(path).is_ok() {
             return Self::of_existing(path);
         }
-        // Not there yet: its folder is.
+        // The file does not exist yet; its folder does.
         let name = path.file_name()?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
         let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
-        // Windows makes one file of names that differ in case only.
+        // Names that differ only in case are one file on Windows.
         let name = if cfg!(windows) { name.to_ascii_lowercase() } else { name.to_owned() };
         Some(Self::Path(folder.join(name)))
     }
@@ -147,7 +147,7 @@ fn standard_file(stream: &impl std::os::fd::AsFd) -> Option<Identity> {
     Identity::of(&file.metadata().ok()?, || None)
 }
 
-/// Which file it is can't be found out.
+/// This system offers no identity of standard files.
 #[cfg(not(unix))]
 fn standard_file<S>(_: &S) -> Option<Identity> {
     None

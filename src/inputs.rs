@@ -1,4 +1,4 @@
-//! The captures that a command reads: opened, merged, and watched for damage and quality.
+//! The captures that a command reads: opens and merges them, and reports damage and quality.
 
 use crate::damages::Damages;
 use crate::interrupt::Interrupt;
@@ -19,7 +19,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// How captures are read.
+/// Options for reading captures.
 #[derive(clap::Args, Default)]
 pub struct InputOptions {
     /// The format of the captures, if it is not recognised
@@ -33,14 +33,14 @@ pub struct InputOptions {
     /// Without it, the channels of several files are distinguished as FILE:CHANNEL.
     #[arg(long)]
     same_bus: bool,
-    /// Stop with status 2 at the first thing that can't be read
+    /// Stop with exit status 2 at the first damage
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
     quality: QualityOptions,
 }
 
-/// The format with that id, as clap wants to know it.
+/// Parses the id of a format, for clap.
 pub fn parse_format(id: &str) -> Result<Format, String> {
     Format::by_id(id).ok_or_else(|| format!("expected one of {}", format_ids()))
 }
@@ -55,33 +55,33 @@ pub struct Inputs<'a> {
     options: &'a InputOptions,
     merge: Merge,
     damages: Damages,
-    /// How many there were so far: asked for at every record.
+    /// Number of damages so far; kept here because it is needed for every record.
     damage_count: u64,
-    /// By source.
+    /// The quality of each source.
     quality: Vec<Quality>,
-    /// What came out last. It stays here: moving it costs as much as reading it.
+    /// The latest record. It stays in place: moving it costs as much as reading it.
     record: Record,
-    /// What sorts records by time, where that is wanted.
+    /// Sorts records by time, with `--in-order`.
     order: Option<Box<InOrder>>,
     output: Output,
     interrupt: Interrupt,
     is_live: bool,
-    /// An interruption ends the source, which then has something to say: no more is looked for here.
+    /// Whether Ctrl-C ends the source itself, which then reports its end. The reader then does not check for Ctrl-C.
     ends_itself: bool,
     /// The first source that could not be read to its end.
     stopped: Option<String>,
 }
 
-/// What has come out of the captures: [`Inputs::record`] is it.
+/// The kind of the latest record, [`Inputs::record`].
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
     Record,
-    /// What makes sense of a frame that contradicts itself; its damage was reported.
+    /// A frame salvaged from damage; it contradicts itself, and the damage was reported.
     Salvaged,
 }
 
 impl<'a> Inputs<'a> {
-    /// Opens all files; `output` is flushed before anything is reported, and while standard input has nothing.
+    /// Opens all files. `output` is flushed before each message, and while standard input has no data.
     pub fn open(files: &[PathBuf], options: &'a InputOptions, output: &Output) -> Result<Self, Failure> {
         let interrupt = Interrupt::watch()?;
         let is_live = files.iter().any(|file| is_stdin(file) || may_wait(file));
@@ -89,13 +89,13 @@ impl<'a> Inputs<'a> {
         let open = |file: &PathBuf| options.open(file, output, &interrupt, &progress);
         let opened = files.iter().map(open).collect::<Result<Vec<_>>>();
         let captures = opened.map_err(|error| {
-            // What was waited for looks empty then.
-            if interrupt.came() { anyhow!("interrupted before there was anything to read") } else { error }
+            // After Ctrl-C an input that was still awaited looks empty.
+            if interrupt.came() { anyhow!("interrupted before any input arrived") } else { error }
         })?;
         Ok(Self { is_live, ..Self::merged(captures, options, output, interrupt) })
     }
 
-    /// A live bus.
+    /// Reads a live bus.
     pub fn live(capture: Capture, options: &'a InputOptions, output: &Output, interrupt: Interrupt) -> Self {
         Self { is_live: true, ends_itself: true, ..Self::merged(vec![capture], options, output, interrupt) }
     }
@@ -123,7 +123,7 @@ impl<'a> Inputs<'a> {
         self.order = Some(Box::default());
     }
 
-    /// Goes on to what comes next; `None` at the end or when interrupted.
+    /// Reads the next record; `None` at the end or after Ctrl-C.
     ///
     /// # Errors
     /// With `--strict`, the first damage.
@@ -131,7 +131,7 @@ impl<'a> Inputs<'a> {
         if self.order.is_some() { self.advance_in_order() } else { self.read() }
     }
 
-    /// Reads on until it is a record's turn.
+    /// Reads on until the oldest record may be returned.
     #[cold]
     fn advance_in_order(&mut self) -> Result<Option<Seen>, Failure> {
         let mut is_at_end = false;
@@ -166,7 +166,7 @@ impl<'a> Inputs<'a> {
                     }
                     return Ok(Some(Seen::Record));
                 }
-                // Its end is not the file's: a last line may be cut there.
+                // After Ctrl-C the last line may be cut off, which is no damage of the file.
                 Err(_) if self.interrupt.came() && !self.ends_itself => {}
                 Err(damage) => {
                     self.report(source, &damage)?;
@@ -180,17 +180,17 @@ impl<'a> Inputs<'a> {
         Ok(None)
     }
 
-    /// What came out last.
+    /// The latest record.
     pub const fn record(&self) -> &Record {
         &self.record
     }
 
-    /// Hands over what came out last: [`Inputs::record`] is something else then.
+    /// Moves the latest record to `reading`; afterwards [`Inputs::record`] is undefined.
     pub fn hand_over(&mut self, reading: &mut Reading) -> io::Result<()> {
         reading.record(&mut self.record, &self.merge)
     }
 
-    /// The captures as one.
+    /// The merged captures.
     pub const fn merge(&self) -> &Merge {
         &self.merge
     }
@@ -212,7 +212,7 @@ impl<'a> Inputs<'a> {
         Ok(())
     }
 
-    /// How many damages there were so far, frames that a recorder lost included: frames may be missing there.
+    /// Number of damages so far, including losses reported by the recorder; each may hide missing frames.
     pub const fn damages(&self) -> u64 {
         self.damage_count
     }
@@ -222,7 +222,7 @@ impl<'a> Inputs<'a> {
         counts.map(|(_, count)| count).fold(0, u64::saturating_add)
     }
 
-    /// Whether standard input is among them: frames may come as they are seen.
+    /// Whether standard input is among the captures, so that frames may arrive live.
     pub fn is_live(&self) -> bool {
         self.is_live
     }
@@ -237,15 +237,15 @@ impl<'a> Inputs<'a> {
         self.merge.own_name(channel)
     }
 
-    /// What the times count from, as far as it has shown.
+    /// The time base of the captures, as far as it is known.
     pub fn time_base(&self) -> TimeBase {
         self.merge.time_base()
     }
 
-    /// Says what has come of reading.
+    /// Prints the totals of the damage.
     ///
     /// # Errors
-    /// If a file could not be read to its end, or the reading of files was interrupted.
+    /// If a file could not be read to its end, or Ctrl-C interrupted the reading.
     pub fn finish(self) -> Result<(), Failure> {
         self.output.flush()?;
         self.damages.summarise();
@@ -258,7 +258,7 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// The captures, and how far each can be trusted so far.
+    /// The captures, and their quality so far.
     pub fn captures(&self) -> Vec<CaptureQuality<'_>> {
         let captures = self.merge.sources().zip(&self.quality);
         captures.map(|(capture, quality)| CaptureQuality::new(capture, quality)).collect()
@@ -286,7 +286,7 @@ fn is_stdin(file: &Path) -> bool {
 }
 
 impl InputOptions {
-    /// The file that the quality of the captures is written to, if it is.
+    /// The output file of `--quality`, if there is one.
     pub fn quality_file(&self) -> Option<&Path> {
         self.quality.file()
     }

@@ -1,23 +1,23 @@
-//! Ctrl-C and requests to terminate: what is under way is ended properly first.
+//! Ctrl-C and requests to terminate: the current work is ended properly first.
 
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user wants the program to end.
+/// Whether the user has asked the program to end.
 #[derive(Clone, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
-/// What shells give to a program that Ctrl-C ended.
+/// The exit status of a program that Ctrl-C killed, by the convention of shells.
 const KILLED_BY_CTRL_C: i32 = 130;
 
 impl Interrupt {
-    /// Waits for Ctrl-C and the like from now on. The second one ends the program at once.
+    /// Watches for Ctrl-C and SIGTERM. The second one ends the program at once.
     pub fn watch() -> Result<Self> {
         Self::watch_and(|| ())
     }
 
-    /// The same, and the first one is answered by that message.
+    /// As [`Interrupt::watch`]; the first interrupt prints the message.
     pub fn watch_saying(message: &'static str) -> Result<Self> {
         Self::watch_and(move || crate::output::diagnostic(message))
     }
@@ -35,18 +35,18 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// As if the user had asked for it.
+    /// Requests the end, as Ctrl-C does.
     #[cfg(test)]
     pub fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// What is set when it comes.
+    /// The flag that Ctrl-C sets.
     pub fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.0)
     }
 
-    /// Whether it came.
+    /// Whether the end was requested.
     pub fn came(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -10,18 +10,18 @@ use canvass_traces::{Frame, Timestamp};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The device; what it stores goes into the file as soon as it is stored.
+/// The device; whenever it stores something, the file is written.
 pub struct KeptDevice {
     device: Device,
     file: Option<PathBuf>,
-    /// What the file holds.
+    /// The content of the file.
     kept: Memory,
-    /// Why it could not be written, until somebody asks.
+    /// The first error of writing, until it is reported.
     trouble: Option<anyhow::Error>,
 }
 
 impl KeptDevice {
-    /// Switches the device on with what the file holds, if there is one.
+    /// Switches the device on with the content of the file, if it exists.
     pub fn new(mut device: Device, file: Option<&Path>) -> Result<Self> {
         if let Some(file) = file.filter(|file| file.exists()) {
             let text =
@@ -34,12 +34,12 @@ impl KeptDevice {
         Ok(Self { device, file: file.map(Path::to_owned), kept, trouble: None })
     }
 
-    /// The node-ID in use.
+    /// The current node-ID.
     pub fn node(&self) -> Option<NodeId> {
         self.device.node()
     }
 
-    /// Writes what is stored by now. Fails also if it could not be written before.
+    /// Writes the memory to the file. Also returns the error of an earlier write.
     pub fn keep(&mut self) -> Result<()> {
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);
@@ -47,7 +47,7 @@ impl KeptDevice {
         let Some(file) = &self.file else { return Ok(()) };
         let memory = self.device.memory();
         if memory != self.kept || !file.exists() {
-            // A device that is killed while it stores keeps what it had before.
+            // The file is replaced when it is complete: a program killed while writing leaves the old content.
             let whole = WholeFile::create(file)?;
             let written = whole.writer()?.write_all(memory.to_string().as_bytes());
             written.with_context(|| format!("can't write {}", file.display()))?;
@@ -57,7 +57,7 @@ impl KeptDevice {
         Ok(())
     }
 
-    /// After an event: has a store come to its end?
+    /// Writes the memory if a store was completed.
     fn keep_if_stored(&mut self, was_storing: bool) {
         if was_storing && !self.device.is_storing() && self.file.is_some() {
             self.trouble = self.keep().err();

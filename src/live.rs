@@ -1,4 +1,4 @@
-//! Buses, as commands use them: opened, with what is known of the devices on them.
+//! Opening of buses, with descriptions of the devices on them.
 
 use crate::devices::DeviceArg;
 use crate::output::{Color, Output, diagnostic};
@@ -15,12 +15,12 @@ use canvass_traces::{Channels, Duration, Record, TimeBase};
 use std::io;
 use std::net::IpAddr;
 
-/// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
+/// Opens a bus. An invalid address is a usage error, anything else a failure of the bus.
 pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
     open_bus_at(address, seed, None)
 }
 
-/// The same; a simulated device that is alone and whose node-ID the address does not tell gets `node`.
+/// Opens a bus. A single simulated device whose address gives no node-ID gets `node`.
 fn open_bus_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened, Failure> {
     if let Some(place) = open_to_others(address) {
         diagnostic(&format!("canvass: anyone who can reach {place} can use this bus: the protocol has no passwords"));
@@ -31,7 +31,7 @@ fn open_bus_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened,
     })
 }
 
-/// The place where others than programs on this machine can connect, if the address names one.
+/// The listening address that is reachable from other machines, if the bus has one.
 fn open_to_others(address: &str) -> Option<&str> {
     let place = address.strip_prefix("slcan:listen://")?;
     let place = place.split_once('@').map_or(place, |(place, _)| place);
@@ -41,10 +41,10 @@ fn open_to_others(address: &str) -> Option<&str> {
     (!is_own).then_some(place)
 }
 
-/// How long a program that has to connect to this end is waited for.
+/// Default time to wait for a client of `slcan:listen://`.
 pub const CLIENT: Duration = Duration::from_secs(10);
 
-/// How long it is waited for, as typed.
+/// The option for this time.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
     /// How long to wait for a client, if the bus is slcan:listen://
@@ -52,12 +52,12 @@ pub struct ClientArg {
     client_timeout: Duration,
 }
 
-/// The same for a bus on which a device is asked: where somebody has to connect to this end first, that is waited for.
+/// Opens a bus for questions to a device: on `slcan:listen://` it waits for a client first.
 pub fn open_device_bus(address: &str, seed: u64, patience: Duration) -> Result<Opened, Failure> {
     open_device_bus_at(address, seed, patience, None)
 }
 
-/// The same; a simulated device that is alone and whose node-ID the address does not tell gets `node`.
+/// As [`open_device_bus`]; a single simulated device whose address gives no node-ID gets `node`.
 pub fn open_device_bus_at(
     address: &str,
     seed: u64,
@@ -69,7 +69,7 @@ pub fn open_device_bus_at(
     Ok(opened)
 }
 
-/// A simulated bus whose device has booted.
+/// Opens a simulated bus whose device has booted.
 pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus>, Failure> {
     let mut bus = open_bus_at(address, seed, Some(node))?.bus;
     let boots = bus.now() + BOOT;
@@ -81,16 +81,16 @@ pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus
     Ok(bus)
 }
 
-/// How long a simulated device may take to boot.
+/// Time limit for the boot-up of a simulated device.
 const BOOT: Duration = Duration::from_secs(5);
 
-/// Lets a tester that falls behind lose the oldest frames: waits that are that late say nothing of the device any more. The
-/// limit is a third of a second of a full bus at 1 Mbit/s.
+/// Limits the queue of received frames; the oldest are lost if the tester falls behind. Such late frames say nothing
+/// about the device's times any more. The limit is a third of a second of a full bus at 1 Mbit/s.
 pub fn limited(bus: &mut dyn Bus) {
     bus.limit_backlog(8_192);
 }
 
-/// What a bus is called in listings and captures: the interface, port or kind.
+/// The name of a bus in listings and captures: the interface, port or kind.
 pub fn channel_name(address: &str) -> &str {
     match address.split_once(':') {
         Some(("sim", _)) => "sim",
@@ -100,27 +100,27 @@ pub fn channel_name(address: &str) -> &str {
     }
 }
 
-/// What the times of a bus count from.
+/// The time base of a bus.
 pub fn time_base(bus: &dyn Bus) -> TimeBase {
     if bus.is_live() { TimeBase::Utc } else { TimeBase::Start }
 }
 
-/// A bus with the devices that are known on it.
+/// An open bus, with the devices known on it.
 pub struct Live {
     /// The bus.
     pub bus: Box<dyn Bus>,
     /// The model of the first simulated device.
     pub model: Option<&'static Model>,
-    /// Its node-ID.
+    /// The node-ID of the first simulated device.
     simulated: Option<NodeId>,
-    /// What the traffic means.
+    /// The decoder's state of the network.
     pub network: Network,
-    /// The bus's name.
+    /// The name of the bus, as a channel.
     pub channels: Channels,
 }
 
 impl Live {
-    /// Opens a bus, describes the devices on it, and lets a simulated one, which was only just switched on, finish its
+    /// Opens a bus, describes the devices on it, and lets a simulated one, which was just switched on, finish its
     /// initialisation.
     pub fn open(
         address: &str,
@@ -159,18 +159,18 @@ impl Live {
         Ok(())
     }
 
-    /// The node-ID of the simulated device, where there is one.
+    /// The node-ID of the simulated device, if there is one.
     pub fn simulated_node(&self) -> Option<NodeId> {
         self.simulated
     }
 
-    /// Says what went wrong on the way from and to the bus.
+    /// Prints the errors and losses of the bus.
     pub fn report_health(&self) {
         report_health(self.bus.as_ref());
     }
 }
 
-/// Says what went wrong on the way from and to a bus.
+/// Prints the errors and losses of a bus.
 pub fn report_health(bus: &dyn Bus) {
     let health = bus.health();
     if health.lost > 0 {
@@ -181,7 +181,7 @@ pub fn report_health(bus: &dyn Bus) {
     }
 }
 
-/// One line for each frame.
+/// Prints one line for each frame.
 pub struct FrameLines {
     lines: TextLines,
     output: Output,
@@ -205,7 +205,7 @@ impl FrameLines {
     }
 }
 
-/// A size as typed, in bytes: `500k`, `100M`, `2G`.
+/// Parses a size in bytes: `500k`, `100M`, `2G`.
 pub fn parse_size(text: &str) -> anyhow::Result<u64> {
     let (digits, factor) = match text.char_indices().last() {
         Some((at, 'k' | 'K')) => (&text[..at], 1_000),
@@ -219,7 +219,7 @@ pub fn parse_size(text: &str) -> anyhow::Result<u64> {
     }
 }
 
-/// A span as typed: seconds, or a number with `ms`, `s`, `min` or `h`.
+/// Parses a span: seconds, or a number with `ms`, `s`, `min` or `h`.
 pub fn parse_span(text: &str) -> anyhow::Result<Duration> {
     let unit_at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(unit_at);
@@ -236,7 +236,7 @@ pub fn parse_span(text: &str) -> anyhow::Result<Duration> {
     }
 }
 
-/// A span as [`parse_span`] takes it.
+/// Prints a span in the form that [`parse_span`] takes.
 pub fn typed_span(span: Duration) -> String {
     match (span.nanos() / 1_000_000, span.nanos() % 1_000_000) {
         (millis, 0) if millis % 1_000 == 0 => format!("{}s", millis / 1_000),

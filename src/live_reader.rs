@@ -1,4 +1,4 @@
-//! A live bus as a capture without end: what is done with captures is done with buses.
+//! A live bus as a capture without end, so that commands for captures work on buses.
 
 use crate::interrupt::Interrupt;
 use crate::live::{channel_name, time_base};
@@ -9,28 +9,28 @@ use canvass_traces::{
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Reads a bus until an end, or until interrupted; `output` is flushed before each wait.
+/// Reads a bus until its end or Ctrl-C; `output` is flushed before each wait.
 pub struct LiveReader {
     bus: Box<dyn Bus>,
     channels: Channels,
     end: Timestamp,
     output: Output,
     interrupt: Interrupt,
-    /// As it was when losses were looked for last.
+    /// The health of the bus at the last check for losses.
     health: Health,
     looked: Timestamp,
-    /// Records since then.
+    /// Number of records since then.
     read: u32,
     interruptions: Interrupted,
     state: ReaderState,
 }
 
-/// How the way to a bus was interrupted until its reader came to an end.
+/// The interruptions of a bus, known after its reader has ended.
 #[derive(Clone, Default)]
 pub struct Interrupted(Arc<Mutex<Option<Interruptions>>>);
 
 impl Interrupted {
-    /// `None`: it was not, or the reader did not come to an end.
+    /// The interruptions; `None` if there were none, or the reader has not ended.
     pub fn take(&self) -> Option<Interruptions> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
@@ -43,18 +43,19 @@ impl Interrupted {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ReaderState {
     Reading,
-    /// Nothing is read any more; what was lost until then is still to be reported.
+    /// Reading has ended; the last losses are still to be reported.
     Ending,
     Ended,
 }
 
-/// How often an interruption is looked for while nothing comes.
+/// Interval between two checks for Ctrl-C while no frame comes.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How often losses are looked for while frames come without a pause: each look that finds some is one line.
+/// Interval between two checks for losses while frames come without a pause; each check that finds some prints one
+/// line.
 const LOSSES: Duration = Duration::from_millis(250);
 
-/// The clock is looked at after so many records: at each it would cost more than the record.
+/// Number of records between two looks at the clock: one look costs more than a record.
 const CLOCK: u32 = 64;
 
 impl LiveReader {
@@ -82,18 +83,18 @@ impl LiveReader {
         }
     }
 
-    /// What is known of the interruptions once all was read.
+    /// The interruptions, for use after the reader has ended.
     pub fn interruptions(&self) -> Interrupted {
         self.interruptions.clone()
     }
 
-    /// As a capture of that name.
+    /// Makes a capture of this name.
     pub fn capture(self, address: &str) -> Capture {
-        // In no file, a frame of a bus is what candump would have logged of it.
+        // No file holds the frame; so its source text is the line that candump would have logged.
         Capture::from_reader(address, Format::Candump, Box::new(self))
     }
 
-    /// What was lost since the last look, as damage.
+    /// The frames lost since the last check, as damage.
     fn losses(&mut self) -> Option<Damage> {
         let health = self.bus.health();
         let since = health.since(&self.health);
@@ -104,7 +105,7 @@ impl LiveReader {
         lost(since.lost)
     }
 
-    /// The same where frames come without a pause, and the last look was long ago.
+    /// The same while frames come without a pause; `None` if the last check was less than [`LOSSES`] ago.
     fn losses_meanwhile(&mut self) -> Option<Damage> {
         self.read += 1;
         if !self.read.is_multiple_of(CLOCK) || self.bus.now().since(self.looked) < LOSSES {
@@ -113,8 +114,8 @@ impl LiveReader {
         self.losses()
     }
 
-    /// What was lost until the end. After an interruption that is also what was received and waited to be shown: whoever
-    /// interrupts does not want to wait for it.
+    /// The losses up to the end. After Ctrl-C they include frames that were received and not yet printed: the user
+    /// does not want to wait for them.
     fn last_losses(&mut self) -> Option<Damage> {
         self.state = ReaderState::Ended;
         let waiting = if self.interrupt.came() { self.count_waiting() } else { 0 };
@@ -133,10 +134,10 @@ impl LiveReader {
 
     fn fail(&mut self, reason: &str) -> Damage {
         self.state = ReaderState::Ended;
-        Damage::new(DamageKind::Fatal, Place::default(), "a bus that works", reason.as_bytes())
+        Damage::new(DamageKind::Fatal, Place::default(), "a working bus", reason.as_bytes())
     }
 
-    /// What comes next while the bus is read; `None` at the end of that.
+    /// The next record while the bus is read; `None` at its end.
     fn read(&mut self) -> Option<Result<Record, Damage>> {
         if let Some(damage) = self.losses_meanwhile() {
             return Some(Err(damage));

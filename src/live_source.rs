@@ -1,4 +1,4 @@
-//! Standard input, pipes and devices as live sources: while they have nothing, what was made of them so far goes out, and
+//! Standard input, pipes and devices as live sources: while they have no data, the output so far is flushed, and
 //! Ctrl-C ends them.
 
 use crate::interrupt::Interrupt;
@@ -10,14 +10,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync
 use std::thread;
 use std::time::Duration;
 
-/// How often Ctrl-C is looked for while there is nothing to read.
+/// Interval between two checks for Ctrl-C while there is no data.
 const LOOK: Duration = Duration::from_millis(50);
 const CHUNK: usize = 64 * 1024;
 
-/// What `open` opens, which flushes `output` whenever it is about to wait, and ends when interrupted.
+/// Reads what `open` opens, flushes `output` before each wait, and ends on Ctrl-C.
 ///
-/// It is opened and read in a thread of its own: neither can be interrupted, and a named pipe is not even opened before
-/// somebody writes into it.
+/// A thread opens and reads the source, as neither can be interrupted: opening a named pipe waits until another
+/// program writes into it.
 pub fn live<R: Read>(
     open: impl FnOnce() -> io::Result<R> + Send + 'static,
     output: Output,
@@ -26,14 +26,14 @@ pub fn live<R: Read>(
     let (sender, chunks) = sync_channel(4);
     thread::spawn(move || match open() {
         Ok(source) => read_all(source, &sender),
-        // Whoever reads gets the error, or has gone.
+        // The receiver gets the error; if it is gone, nobody needs the error.
         Err(error) => _ = sender.send(Err(error)),
     });
     LiveSource { chunks, chunk: io::Cursor::default(), output, interrupt }
 }
 
-/// Whether reading a file may have to wait: it is a pipe, a terminal, a device, or one that the kernel makes while it is
-/// read (those of /proc say that they are regular and empty).
+/// Whether reading a file may block: a pipe, a terminal, a device, or a file that the kernel generates (those of
+/// /proc claim to be regular and empty).
 pub fn may_wait(file: &Path) -> bool {
     fs::metadata(file).is_ok_and(|metadata| !metadata.is_dir() && (!metadata.is_file() || metadata.len() == 0))
 }
@@ -67,7 +67,7 @@ impl LiveSource {
         match self.chunks.try_recv() {
             Ok(chunk) => return chunk.map(Some),
             Err(TryRecvError::Disconnected) => return Ok(None),
-            // Nobody reads what was made of it: nothing more is wanted.
+            // If the output is closed, no more input is needed.
             Err(TryRecvError::Empty) => match self.output.flush() {
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(None),
                 flushed => flushed?,

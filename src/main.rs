@@ -39,6 +39,6 @@ fn main() -> std::process::ExitCode {
     let started = cli::Cli::of_arguments(quality::with_format(console::arguments().into_iter()).collect());
     let ended = started.and_then(|(cli, typed)| cli.run(&typed));
     let status = ended.unwrap_or_else(|failure| failure.report());
-    // The process ends here: what is buffered was written by the commands themselves.
+    // Commands have flushed their own buffers, so the process may end here.
     Status::into(status)
 }

@@ -25,7 +25,7 @@ impl Color {
     pub fn on_stdout(self) -> bool {
         match self {
             Self::Always => {
-                // A console that can't show them gets them all the same: that was asked for.
+                // The user asked for colours, so a console that can't show them gets them too.
                 takes_sequences(&raw());
                 true
             }
@@ -35,7 +35,7 @@ impl Color {
     }
 }
 
-/// How to print a result that is either read or processed.
+/// How to print a result that people or programs read.
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 pub enum TextOrJson {
     /// Lines for people
@@ -45,8 +45,8 @@ pub enum TextOrJson {
     Json,
 }
 
-/// Buffered standard output that can be shared with the reader of standard input: before that waits for more, what
-/// was decoded so far goes out.
+/// Buffered standard output, shared with the reader of standard input: before the reader waits, it flushes the lines
+/// decoded so far.
 #[derive(Clone)]
 pub struct Output(Arc<Mutex<Buffer>>);
 
@@ -57,21 +57,21 @@ struct Buffer {
 }
 
 enum Stream {
-    /// What people read, or may.
+    /// Text, for people or programs.
     Text(Visible<Stdout>),
-    /// A capture.
+    /// A capture, in bytes.
     Raw(Stdout),
 }
 
 impl Output {
     const FULL: usize = 64 * 1024;
 
-    /// Of text, with or without the colours that its renderer sets.
+    /// An output for text; `colors` tells whether its colours are kept.
     pub fn text(colors: bool) -> Self {
         Self::new(Stream::Text(document(colors)))
     }
 
-    /// Of a capture, whose bytes stay as they are.
+    /// An output for a capture, whose bytes stay unchanged.
     pub fn capture() -> Self {
         Self::new(Stream::Raw(raw()))
     }
@@ -80,14 +80,14 @@ impl Output {
         Self(Arc::new(Mutex::new(Buffer { bytes: Vec::new(), stream, has_written: false })))
     }
 
-    /// Lets `append` add to the buffer, and writes it out when it is full.
+    /// Lets `append` add to the buffer, and flushes a full buffer.
     pub fn append(&self, append: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         append(&mut buffer.bytes);
         if buffer.bytes.len() >= Self::FULL { buffer.write_out() } else { Ok(()) }
     }
 
-    /// The same where adding can fail; what was added before that stays.
+    /// As [`Output::append`], with an `append` that can fail; the bytes added before the error stay.
     pub fn append_with<T>(&self, append: impl FnOnce(&mut Vec<u8>) -> io::Result<T>) -> io::Result<T> {
         let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let appended = append(&mut buffer.bytes)?;
@@ -97,12 +97,12 @@ impl Output {
         Ok(appended)
     }
 
-    /// Whether anything of it is where others see it.
+    /// Whether any of the output has been written out of the buffer.
     pub fn has_written(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).has_written
     }
 
-    /// Writes out what is in the buffer.
+    /// Flushes the buffer.
     pub fn flush(&self) -> io::Result<()> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).write_out()
     }
@@ -121,7 +121,8 @@ impl Buffer {
     }
 }
 
-/// As a sink: nothing reaches standard output before it is flushed or full, whatever flushes the sink.
+/// As a sink: flushing it does not flush standard output, which is written when [`Output::flush`] is called or the
+/// buffer is full.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.append(|buffer| buffer.extend_from_slice(bytes)).map(|()| bytes.len())
@@ -132,43 +133,44 @@ impl Write for Output {
     }
 }
 
-/// Standard output for a document of which nothing may act, with or without the colours that its renderer sets.
+/// Standard output for text with its control characters made visible; `colors` tells whether the renderer's colours
+/// are kept.
 pub fn document(colors: bool) -> Visible<Stdout> {
     Visible::new(raw(), colors).in_ascii(is_terminal() && locale_is_ascii())
 }
 
-/// Whether the terminal knows no sequences: nothing has colours then, and no line takes the place of another.
+/// Whether the terminal interprets no sequences: then there are no colours, and no line is rewritten.
 pub fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// Whether the user and the terminal take colours.
+/// Whether user and terminal accept colours.
 fn may_have_colors() -> bool {
     // https://no-color.org: any value but the empty one switches colours off.
     let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     !no_color && !is_dumb()
 }
 
-/// The colours of clap's help and messages. Left alone it sends them to a terminal that knows none wherever `CI` or
+/// The colours of clap's help and messages. By itself clap would send them to a dumb terminal if `CI` or
 /// `CLICOLOR_FORCE` is set.
 pub fn colors_of_help() -> clap::ColorChoice {
     if may_have_colors() { clap::ColorChoice::Auto } else { clap::ColorChoice::Never }
 }
 
-/// Whether the user's locale is one of ASCII. Terminals keep to it; files and pipes are UTF-8 in any locale.
+/// Whether the user's locale is ASCII. Terminals follow the locale; files and pipes are UTF-8 in any locale.
 fn locale_is_ascii() -> bool {
     let said =
         ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().filter_map(std::env::var_os).find(|locale| !locale.is_empty());
     said.is_some_and(|locale| locale == "C" || locale == "POSIX")
 }
 
-/// The text as a terminal of the user's locale shows it.
+/// The text in the characters that a terminal of the user's locale can show.
 fn shown(text: &str, is_terminal: bool) -> Cow<'_, str> {
     if is_terminal && locale_is_ascii() { ascii(text) } else { Cow::Borrowed(text) }
 }
 
-/// Standard output as it is, for what programs read: captures, scripts for shells. Text goes through [`document`].
-#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
+/// Standard output for bytes that programs read: captures, scripts for shells. Text goes through [`document`].
+#[expect(clippy::disallowed_methods, reason = "all other modules write through this one")]
 pub fn raw() -> Stdout {
     io::stdout()
 }
@@ -178,21 +180,20 @@ pub fn is_terminal() -> bool {
     raw().is_terminal()
 }
 
-#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
+#[expect(clippy::disallowed_methods, reason = "all other modules write through this one")]
 fn stderr() -> Stderr {
     io::stderr()
 }
 
-/// Whether somebody sees standard error as it is written, on a terminal on which a line can take the place of another.
+/// Whether standard error is a terminal on which a line can be rewritten.
 pub fn is_seen() -> bool {
     stderr().is_terminal() && !is_dumb() && takes_sequences(&stderr())
 }
 
-/// Whether the last line of standard error is a progress.
+/// Whether the last line of standard error shows a progress.
 static PROGRESS_IS_SHOWN: AtomicBool = AtomicBool::new(false);
 
-/// Writes a line of standard error, which must be a terminal, in place of the one before it; an empty one clears it. Who
-/// does not see it misses nothing.
+/// Rewrites the progress line of standard error, which must be a terminal; an empty text clears it.
 pub fn show_progress(line: &Printable) {
     let mut stderr = stderr().lock();
     PROGRESS_IS_SHOWN.store(!line.as_str().is_empty(), Ordering::Relaxed);
@@ -200,21 +201,20 @@ pub fn show_progress(line: &Printable) {
     let _ = write!(stderr, "\r\x1b[K{line}").and_then(|()| stderr.flush());
 }
 
-/// The columns of standard output, if it is a terminal.
+/// The width of the terminal, if standard output is one.
 pub fn terminal_width() -> Option<u16> {
     terminal_size::terminal_size_of(raw()).map(|(width, _)| width.0)
 }
 
-/// Writes a text to standard output. That nobody reads it any more is no error: what a command has found out, and the status
-/// that it ends with, do not depend on that.
+/// Prints a text. A closed standard output is no error: result and exit status of a command do not depend on its
+/// reader.
 pub fn print(text: &Printable) -> io::Result<()> {
     let mut stdout = raw().lock();
     let text = shown(text.as_str(), is_terminal());
     unless_closed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-/// Takes it for written if nobody reads standard output any more: what a command has found out stays true, and its other
-/// outputs are still wanted.
+/// Ignores a closed standard output: the result of the command stays true, and its other outputs are still needed.
 pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
     match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
@@ -222,18 +222,18 @@ pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Writes a line to standard error. If nobody reads that either, there is nobody left to tell.
+/// Prints a line to standard error; errors are ignored, as they can't be reported anywhere.
 ///
-/// Whatever names and texts it is made of: characters that act are made visible, line ends too, so that no file's name and
-/// no device's can look like a message of its own.
+/// Control characters and line ends are made visible, so that no name of a file or device can imitate a message of
+/// canvass.
 pub fn diagnostic(line: &str) {
-    // It takes the place of a progress that is shown.
+    // The message replaces a progress line.
     let clear = if PROGRESS_IS_SHOWN.swap(false, Ordering::Relaxed) { "\r\x1b[K" } else { "" };
     let (line, is_terminal) = (Printable::line(line), stderr().is_terminal());
     let _ = writeln!(stderr().lock(), "{clear}{}", shown(line.as_str(), is_terminal));
 }
 
-/// The same for a text of several lines.
+/// As [`diagnostic`], for a text of several lines.
 pub fn diagnostics(text: &str) {
     text.lines().for_each(diagnostic);
 }

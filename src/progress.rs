@@ -1,4 +1,4 @@
-//! How far the reading of captures is: on standard error, where that is a terminal and nothing else is written to it.
+//! Progress of reading captures: on standard error, if that is a terminal and the output is not.
 
 use crate::output::{Output, is_seen, is_terminal, show_progress};
 use canvass_reports::escape::Printable;
@@ -8,32 +8,32 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Nothing is shown before, as most captures are read by then.
+/// Delay before the progress appears: most captures are read by then.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Between one showing and the next.
+/// Interval between two updates.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Of all captures of a command.
+/// The progress of all captures of a command.
 #[derive(Clone)]
 pub struct Progress(Arc<ProgressState>);
 
 struct ProgressState {
     begun: Instant,
-    /// Of all files, in bytes.
+    /// Size of all files in bytes.
     size: u64,
     read: AtomicU64,
     shown: Mutex<Option<Instant>>,
     output: Output,
 }
 
-/// A file whose bytes are counted.
+/// A reader that counts its bytes.
 pub struct Counted<R> {
     inner: R,
     progress: Progress,
 }
 
 impl Progress {
-    /// Of these files; `output` gets what is made of them.
+    /// Begins the progress of these files; `output` receives the decoded lines.
     pub fn of<'a>(files: impl IntoIterator<Item = &'a Path>, output: &Output) -> Self {
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |file| file.len());
         Self(Arc::new(ProgressState {
@@ -45,7 +45,7 @@ impl Progress {
         }))
     }
 
-    /// The same bytes, counted.
+    /// Counts the bytes read through `inner`.
     pub fn count<R>(&self, inner: R) -> Counted<R> {
         Counted { inner, progress: self.clone() }
     }
@@ -59,7 +59,7 @@ impl Progress {
         }
         let mut shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
         let is_early = shown.is_some_and(|shown| shown.elapsed() < PAUSE);
-        // Lines that come as they are read show themselves how far it is.
+        // Decoded lines on the terminal show the progress themselves.
         if is_early || is_terminal() && output.has_written() {
             return;
         }
@@ -67,7 +67,7 @@ impl Progress {
         show_progress(&Printable::line(&told(read, self.0.size, elapsed)));
     }
 
-    /// Nothing more is read.
+    /// Ends the display.
     fn end(&self) {
         let mut shown = self.0.shown.lock().unwrap_or_else(PoisonError::into_inner);
         if shown.take().is_some() {
@@ -76,7 +76,7 @@ impl Progress {
     }
 }
 
-/// `34 of 120 MB (28 %), 17.0 MB/s, 5 s left`.
+/// The text of the line: `34 of 120 MB (28 %), 17.0 MB/s, 5 s left`.
 fn told(read: u64, size: u64, elapsed: Duration) -> String {
     const MEGA: f64 = 1e6;
     let (done, all) = (read.min(size) as f64, size as f64);

@@ -1,4 +1,4 @@
-//! Where a result comes from, gathered in one place for all commands that report one.
+//! The provenance of a result, gathered here for all commands with reports.
 
 mod adapter;
 mod date;
@@ -20,19 +20,19 @@ use date::GivenDate;
 use std::path::Path;
 use std::str::FromStr;
 
-/// What the user adds to a report.
+/// The user's additions to a report.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Remarks {
     /// A note for the reports, such as tester=Ann or firmware=1.4.2; can be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     note: Vec<Note>,
-    /// The date for the reports, such as 2026-11-22T14:00:00+01:00, where no live bus is used; without it
-    /// `SOURCE_DATE_EPOCH`
+    /// The date for the reports, such as 2026-11-22T14:00:00+01:00, where no live bus is used (default:
+    /// `SOURCE_DATE_EPOCH`)
     #[arg(long, value_name = "DATE")]
     date: Option<GivenDate>,
 }
 
-/// `KEY=VALUE`.
+/// A value of `--note`: `KEY=VALUE`.
 #[derive(Clone, Debug)]
 struct Note(String, String);
 
@@ -49,32 +49,32 @@ impl FromStr for Note {
     }
 }
 
-/// What the result is about.
+/// The subject of a result.
 #[derive(Clone, Copy)]
 pub enum Subject<'a> {
-    /// A device on a live bus: the date is that of the clock.
+    /// A device on a live bus; the report has the clock's date.
     LiveBus(&'a str),
-    /// One on a simulated bus, whose runs are the same whenever and wherever they are made.
+    /// A device on a simulated bus; a run is the same at any time on any machine.
     SimulatedBus(&'a str),
     Files,
 }
 
 impl<'a> Subject<'a> {
-    /// The bus of that address.
+    /// The bus with that address.
     pub fn bus(address: &'a str) -> Self {
         if address.starts_with("sim:") { Self::SimulatedBus(address) } else { Self::LiveBus(address) }
     }
 }
 
-/// Grows while a command learns more.
+/// A provenance that a command completes step by step.
 #[derive(Clone, Debug)]
 pub struct Collected(pub Provenance);
 
 impl Collected {
-    /// What is known at the start.
+    /// Begins the provenance.
     ///
     /// # Errors
-    /// If a date is given for a live bus, or something that is no date.
+    /// If a date is given for a live bus, or the date is invalid.
     pub fn begin(remarks: &Remarks, typed: &Typed, subject: Subject<'_>) -> Result<Self, Failure> {
         let mut notes: Vec<(String, String)> = Vec::new();
         for Note(key, value) in &remarks.note {
@@ -97,30 +97,30 @@ impl Collected {
         Ok(collected)
     }
 
-    /// The day by which what expires is judged: that of the report, else today.
+    /// The day by which waivers and quarantines expire: the report's date, else today.
     pub fn day(&self) -> String {
         let given = self.0.date.as_ref().and_then(|Date { rfc3339, .. }| rfc3339.get(..10));
         given.map_or_else(|| jiff::Zoned::now().date().to_string(), str::to_owned)
     }
 
-    /// The bit rate in bit/s, where it is known.
+    /// Sets the bit rate in bit/s, if it is known.
     pub fn bit_rate(&mut self, bit_rate: Option<u32>) {
         if let Some(bus) = &mut self.0.bus {
             bus.bit_rate = bit_rate;
         }
     }
 
-    /// What a node says of itself.
+    /// Adds the identity of a node.
     pub fn node(&mut self, node: NodeId, identity: DeviceIdentity) {
         self.0.devices.push((format!("node {node}"), identity));
     }
 
-    /// What the nodes of captures said of themselves, where somebody asked them.
+    /// Adds the identities of nodes that the captures contain.
     pub fn nodes_of(&mut self, results: &Results, channels: &Channels) {
         self.0.add_nodes_of(results, channels);
     }
 
-    /// A device by another name than its node-ID.
+    /// Adds the identity of a device under another name than its node-ID.
     pub fn device(&mut self, name: &str, identity: DeviceIdentity) {
         self.0.devices.push((name.to_owned(), identity));
     }
@@ -129,17 +129,17 @@ impl Collected {
         self.0.seed = Some(seed);
     }
 
-    /// A file that is read, as it is now.
+    /// Adds an input file, with its current hash.
     pub fn file(&mut self, role: &'static str, path: &Path) {
         self.0.files.push(files::used(role, path));
     }
 
-    /// Files whose content is known already.
+    /// Adds files whose hashes are known.
     pub fn files(&mut self, files: Vec<FileUsed>) {
         self.0.files.extend(files);
     }
 
-    /// The files that describe devices: `MODEL`, `FILE` or `NODE=FILE`; those of a simulated bus, too.
+    /// Adds the files that describe devices (`MODEL`, `FILE` or `NODE=FILE`), and those of a simulated bus.
     pub fn descriptions<'a>(&mut self, bus: Option<&str>, devices: impl IntoIterator<Item = &'a str>) {
         let files = bus.map(files::of_bus).unwrap_or_default();
         files.iter().for_each(|(role, path)| self.file(role, Path::new(path)));
@@ -147,13 +147,13 @@ impl Collected {
         files.for_each(|path| self.file("description", Path::new(path)));
     }
 
-    /// What an option stands at that nobody gave, or of which only a part was given.
+    /// Sets the value in force of an option that was absent or incomplete.
     pub fn resolve(&mut self, name: &str, value: Vec<String>) {
         options::resolve(&mut self.0.options, name, value);
     }
 }
 
-/// The file that describes the device under test, if it is a file.
+/// The file that describes the device under test; `None` for a built-in model.
 pub fn described_by(bus: &str, device: Option<&str>) -> Option<String> {
     let of_bus = || files::of_bus(bus).into_iter().find(|(role, _)| *role == "description").map(|(_, path)| path);
     match device {
@@ -169,7 +169,7 @@ fn host() -> Host {
     let name = read("/proc/sys/kernel/hostname").or_else(|| named("COMPUTERNAME")).or_else(|| named("HOSTNAME"));
     let release = read("/proc/sys/kernel/osrelease").map(|release| format!(" {release}")).unwrap_or_default();
     Host {
-        name: name.unwrap_or_else(|| "a computer without a name".to_owned()),
+        name: name.unwrap_or_else(|| "this computer has no name".to_owned()),
         system: format!("{}{release} {}", std::env::consts::OS, std::env::consts::ARCH),
     }
 }

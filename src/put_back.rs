@@ -1,4 +1,4 @@
-//! What an interrupted run has left behind, by its journal.
+//! Restores a device from the journal of an interrupted run.
 
 use crate::devices::describe;
 use crate::output::diagnostic;
@@ -14,13 +14,13 @@ use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// The journal in a file.
+/// Reads a journal.
 pub fn read(path: &Path) -> Result<Interrupted, Failure> {
     let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
     Ok(Interrupted::read(&text).with_context(|| format!("{} is no journal", path.display()))?)
 }
 
-/// Puts back what a run has left behind, and removes its journal if that is all.
+/// Restores a device, and removes the journal if everything was restored.
 pub fn put_back(
     bus: &mut dyn Bus,
     device: &str,
@@ -37,14 +37,11 @@ pub fn put_back(
     if !comparison.is_as_found() {
         lines(&comparison).iter().for_each(|line| diagnostic(&format!("canvass: {line}")));
         let path = journal.display();
-        diagnostic(&format!("canvass: not all of node {} is as it was; {path} stays", interrupted.node));
+        diagnostic(&format!("canvass: not everything on node {} could be restored; {path} stays", interrupted.node));
         return Ok(Status::Findings);
     }
     std::fs::remove_file(journal).map_err(|error| anyhow!("can't remove {}: {error}", journal.display()))?;
     let values = interrupted.values.len();
-    diagnostic(&format!(
-        "canvass: node {} is as it was before the interrupted run ({values} values)",
-        interrupted.node
-    ));
+    diagnostic(&format!("canvass: node {} is restored ({values} values)", interrupted.node));
     Ok(Status::Good)
 }

@@ -1,4 +1,4 @@
-//! `--quality`: how far the captures can be trusted.
+//! `--quality`: the quality of the captures.
 
 use crate::output::{diagnostics, print};
 use crate::whole_file::WholeFile;
@@ -11,19 +11,19 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Whether and how the quality of the captures is shown.
+/// Options for the quality of the captures.
 #[derive(clap::Args, Default)]
 pub struct QualityOptions {
-    /// Report at the end what the captures contain and lack: frames, damage, clock steps, time resolution, gaps
+    /// Report frames, damage, clock steps, time resolution and gaps of the captures at the end
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "text")]
     quality: Option<QualityFormat>,
-    /// Where to; without it standard error; - is standard output
+    /// The file for the quality report (default: standard error); - is standard output
     #[arg(long, value_name = "FILE", requires = "quality")]
     quality_out: Option<PathBuf>,
 }
 
-/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file after it would
-/// be taken for its format.
+/// Replaces a `--quality` without format by `--quality=text`: otherwise clap would take the name of a following file
+/// for the format.
 pub fn with_format(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
     let mut arguments = arguments.peekable();
     std::iter::from_fn(move || {
@@ -43,12 +43,12 @@ enum QualityFormat {
 }
 
 impl QualityOptions {
-    /// The file that is written, if one is.
+    /// The output file, if one is given.
     pub fn file(&self) -> Option<&Path> {
         self.quality_out.as_deref()
     }
 
-    /// Shows it, if it was asked for.
+    /// Prints the quality, if the user asked for it.
     pub fn report(&self, captures: &[CaptureQuality<'_>], channels: &Channels) -> Result<()> {
         let shown = match self.quality {
             None => return Ok(()),

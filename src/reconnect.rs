@@ -1,4 +1,4 @@
-//! `--reconnect-timeout`: how long a bus is waited for while the way to it is interrupted.
+//! `--reconnect-timeout`: how long to wait for an interrupted bus.
 
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
@@ -9,37 +9,37 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Gateways take a minute and a half to start again.
+/// Default: some gateways take a minute and a half to restart.
 pub const RECONNECT: Duration = Duration::from_secs(120);
 
-/// How long it is waited for, as typed.
+/// The option for this time.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ReconnectArg {
-    /// How long to wait for the bus if the way to it is interrupted: an adapter is unplugged, a connection breaks, an
-    /// interface goes down
+    /// How long to wait for the bus after an interruption: an adapter is unplugged, a connection breaks, an interface
+    /// goes down
     #[arg(long, default_value = "2min", value_name = "SPAN", value_parser = parse_span)]
     reconnect_timeout: Duration,
 }
 
 impl ReconnectArg {
-    /// Until the user ends it.
+    /// Waits for this time, or until the user ends it.
     pub fn endurance(self, interrupt: &Interrupt) -> Endurance {
         self.until(None, interrupt.flag())
     }
 
-    /// Until that moment, or until the user ends it.
+    /// Waits until that moment, or until the user ends it.
     pub const fn until(self, ends: Option<Instant>, cancelled: Arc<AtomicBool>) -> Endurance {
         Endurance { patience: self.reconnect_timeout, ends, cancelled }
     }
 }
 
-/// How often and how long the way to a bus was interrupted so far; `None` if it was not.
+/// Number and duration of the interruptions of a bus; `None` if there were none.
 pub fn interruptions(bus: &dyn Bus) -> Option<Interruptions> {
     bus.health().interruptions(bus.now())
 }
 
-/// The status of a command that only listens, which would otherwise end with `status`. A bus that is not back is an error,
-/// except where this end is the adapter: whoever has connected to it may leave it.
+/// The exit status of a command that only listens, which would otherwise be `status`. A bus that did not come back is
+/// an error, except on `slcan:listen://`: its client may disconnect at any time.
 pub fn status_of_listener(address: &str, interruptions: Option<&Interruptions>, status: Status) -> Status {
     let is_lost = interruptions.is_some_and(|interruptions| !interruptions.is_over);
     let may_leave = address.starts_with("slcan:listen://");

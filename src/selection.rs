@@ -1,4 +1,4 @@
-//! `--node`, `--channel`, `--filter`: which frames of a capture.
+//! `--node`, `--channel`, `--filter`: selection of frames.
 
 use crate::devices::DeviceArg;
 use crate::inputs::Inputs;
@@ -11,7 +11,7 @@ use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
 use std::cell::Cell;
 
-/// Which frames are chosen.
+/// Options that select frames.
 #[derive(clap::Args)]
 pub struct Selection {
     /// Only frames of these nodes, such as 5 or 1..8,63
@@ -30,7 +30,7 @@ pub struct Selection {
     seen: Seen,
 }
 
-/// How many frames were asked about, and how many passed which test.
+/// Number of frames tested, and number that passed each test.
 #[derive(Clone, Default)]
 struct Seen {
     asked: Cell<u64>,
@@ -44,7 +44,7 @@ fn count(counter: &Cell<u64>) {
 }
 
 impl Selection {
-    /// A network that knows the devices named.
+    /// Makes a network that knows the given devices.
     pub fn network(&self) -> Result<Network, Failure> {
         let mut network = Network::new();
         network.offer(Model::candidates());
@@ -55,7 +55,7 @@ impl Selection {
         Ok(network)
     }
 
-    /// What describes the devices named: models and files.
+    /// The models and files that `--device` names.
     pub fn descriptions(&self) -> impl Iterator<Item = &str> {
         self.device.iter().map(|device| &*device.device)
     }
@@ -65,17 +65,17 @@ impl Selection {
         self.filter.is_some()
     }
 
-    /// Whether frames must be decoded to be chosen.
+    /// Whether the selection needs decoded frames.
     pub fn needs_decoding(&self) -> bool {
         !self.node.is_empty() || self.filter.is_some()
     }
 
-    /// Whether a record's channel is chosen.
+    /// Whether the record's channel is selected.
     pub fn has_channel(&self, record: &Record, inputs: &Inputs<'_>) -> bool {
         self.has_channel_id(record.channel, inputs)
     }
 
-    /// Whether a channel is chosen.
+    /// Whether a channel is selected.
     pub fn has_channel_id(&self, channel: ChannelId, inputs: &Inputs<'_>) -> bool {
         self.channel.is_empty() || {
             let (name, own) = (inputs.channels().name(channel), inputs.own_name(channel));
@@ -83,7 +83,7 @@ impl Selection {
         }
     }
 
-    /// Whether a record is chosen, whatever its channel.
+    /// Whether a record is selected; its channel is not checked.
     pub fn has(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
         count(&self.seen.asked);
         let of_node = self.has_node(decoded.node);
@@ -93,12 +93,12 @@ impl Selection {
         of_node && self.passes(record, decoded, inputs)
     }
 
-    /// Whether what is about that node is chosen.
+    /// Whether the node is selected.
     pub fn has_node(&self, node: Option<NodeId>) -> bool {
         self.node.is_empty() || node.is_some_and(|node| self.node.iter().any(|range| range.contains(node)))
     }
 
-    /// Whether a record passes the filter, whatever its channel and node.
+    /// Whether a record passes the filter; its channel and node are not checked.
     pub fn passes(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
         let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
         count(&self.seen.tried);
@@ -109,14 +109,14 @@ impl Selection {
         passes
     }
 
-    /// Whether neither a frame is chosen nor any that is like it, whatever its channel.
+    /// Whether neither this frame nor any frame like it is selected; the channel is not checked.
     pub fn refuses_alike(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>, steady: Steady) -> bool {
         let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
         let by_filter = || self.filter.as_ref().is_some_and(|filter| filter.refuses_alike(&subject, steady));
         !self.has_node(decoded.node) || by_filter()
     }
 
-    /// Says what was asked for and never seen: most likely it is called otherwise.
+    /// Warns of nodes, channels and filters that no frame matched: they are probably misspelt.
     pub fn warn_of_nothing(&self, inputs: &Inputs<'_>) {
         self.warn_of_unknown_channels(inputs);
         let Seen { asked, of_node, tried, passed } = &self.seen;

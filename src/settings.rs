@@ -1,5 +1,5 @@
-//! `canvass.toml`: what a project always says, found upwards from the working directory. Where the command line or the
-//! environment says something else, that holds.
+//! `canvass.toml`: settings of a project, in the working directory or a folder above. The command line and the
+//! environment take precedence.
 
 mod file;
 
@@ -15,37 +15,37 @@ pub const NAME: &str = "canvass.toml";
 /// The environment variable that names the bus.
 pub const BUS_VARIABLE: &str = "CANVASS_BUS";
 
-/// Commands whose bus may come from here.
+/// Commands whose bus may come from the settings.
 pub const ON_BUS: [&str; 5] = ["test", "fuzz", "monitor", "scan", "restore"];
-/// Those that test one device.
+/// Commands that test one device.
 const OF_DEVICE: [&str; 2] = ["test", "fuzz"];
-/// Those that know devices by node.
+/// Commands that take devices by node.
 const OF_NODES: [&str; 4] = ["decode", "diagnose", "signals", "monitor"];
 
-/// What the file says.
+/// The content of the file.
 pub struct Settings {
-    /// Where it stands.
+    /// The path of the file.
     pub path: PathBuf,
-    /// In the order of the file's keys.
+    /// The settings in the order of the file.
     pub settings: Vec<Setting>,
 }
 
 /// One key with its value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Setting {
-    /// Such as `node` or `timeouts.sdo`.
+    /// The key, such as `node` or `timeouts.sdo`.
     pub key: String,
-    /// As it would be typed.
+    /// The value as it would be typed.
     pub value: String,
-    /// Where it stands in the file.
+    /// The line of the file.
     pub line: usize,
 }
 
 impl Settings {
-    /// The nearest file, if there is one.
+    /// Finds the nearest file.
     ///
     /// # Errors
-    /// That it can't be read, or says what is not known, with its path and line.
+    /// If the file can't be read or has an unknown key, with its path and line.
     pub fn find() -> Result<Option<Self>> {
         let Ok(folder) = std::env::current_dir() else { return Ok(None) };
         let found = folder.ancestors().map(|folder| folder.join(NAME)).find(|path| path.is_file());
@@ -63,7 +63,7 @@ impl Settings {
         self.settings.iter().find(|setting| setting.key == key).map(|setting| setting.value.as_str())
     }
 
-    /// `KEY=VALUE` of all keys of a table.
+    /// `KEY=VALUE` for all keys of a table.
     fn table(&self, name: &str) -> Vec<String> {
         let of = |setting: &Setting| {
             let key = setting.key.strip_prefix(name)?.strip_prefix('.')?;
@@ -72,14 +72,14 @@ impl Settings {
         self.settings.iter().filter_map(of).collect()
     }
 
-    /// What it says for the arguments of a command; `typed` tells what stands on the command line.
+    /// The settings for the arguments of a command; `typed` holds the arguments of the command line.
     fn arguments(&self, command: &str, typed: &Typed) -> Vec<(&'static str, Vec<String>)> {
         let one = |key: &'static str| (key, self.value(key).map(str::to_owned).into_iter().collect());
         let mut all = Vec::new();
         if ON_BUS.contains(&command) {
             all.push(one("bus"));
         }
-        // Node, device and waivers are those of its bus: on another one there are others.
+        // Node, device and waivers belong to the bus of the file; they do not hold for another bus.
         let is_its_bus = typed.bus.is_none() || typed.bus.as_deref() == self.value("bus");
         if is_its_bus && OF_DEVICE.contains(&command) {
             all.extend([one("node"), one("device")]);
@@ -96,7 +96,7 @@ impl Settings {
         all.into_iter().filter(|(_, values)| !values.is_empty()).collect()
     }
 
-    /// `NODE=DEVICE`, where the file says both.
+    /// `NODE=DEVICE`, if the file has both.
     fn device_of_node(&self) -> Option<String> {
         let device = self.value("device")?;
         if device.contains('=') {
@@ -106,30 +106,30 @@ impl Settings {
     }
 }
 
-/// What matters of the command line before it is understood as a whole.
+/// The parts of the command line that decide which settings apply.
 #[derive(Default)]
 struct Typed {
     bus: Option<String>,
-    /// The options that stand there.
+    /// The typed options.
     options: Vec<String>,
 }
 
-/// A command line with what the settings add to it.
+/// A command line with the settings added.
 pub struct Completed {
-    /// The commands, with the settings for defaults.
+    /// The commands, with the settings as defaults.
     pub command: Command,
     /// The command line.
     pub arguments: Vec<OsString>,
-    /// The arguments whose default is a setting.
+    /// The arguments whose default comes from the settings.
     pub set: Vec<&'static str>,
-    /// The file that says something for this command.
+    /// The settings file, if it sets something for this command.
     pub file: Option<PathBuf>,
 }
 
-/// Adds what the settings say to the command that was typed.
+/// Adds the settings to the typed command.
 ///
 /// # Errors
-/// What is wrong with the file, where the command would use it.
+/// If the file has an error and the command would use it.
 pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Completed> {
     let (name, typed) = typed(&command, &arguments);
     let is_used = ON_BUS.iter().chain(&OF_NODES).any(|known| name.as_deref() == Some(known));
@@ -147,14 +147,14 @@ pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Comple
             command = with_default(command, &name, id, &values);
             set.push(id);
         } else if matches!(id, "timeout" | "threshold") {
-            // Each of them is a setting of its own: what was typed comes after those of the file.
+            // Each value is a separate argument; typed values come later and take precedence.
             put_first(&mut arguments, &name, id, &values);
         }
     }
     Ok(Completed { command, arguments, set, file })
 }
 
-/// The subcommand, and what was typed for it, as far as it can be determined.
+/// The subcommand and its arguments, as far as they can be determined without parsing the whole command line.
 fn typed(command: &Command, arguments: &[OsString]) -> (Option<String>, Typed) {
     let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(arguments) else {
         return Default::default();

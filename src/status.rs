@@ -1,14 +1,14 @@
-//! Exit statuses, and how errors become one.
+//! Exit statuses of the program, and of errors.
 
 use canvass_bus::BusError;
 use canvass_suite::runner::RunError;
 use canvass_traces::{OpenError, WriteError};
 use std::process::ExitCode;
 
-/// How the program ended.
+/// The exit status of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
-    /// Everything as it should be.
+    /// Success.
     Good = 0,
     /// Findings, failures, or violations found by the fuzzer.
     Findings = 1,
@@ -37,7 +37,7 @@ impl Failure {
         Self { status: Status::Unreachable, error: error.into() }
     }
 
-    /// Says what went wrong, unless it is only that nobody reads the output any more.
+    /// Prints the error, unless it is only a closed standard output.
     pub fn report(&self) -> Status {
         if self.is_broken_pipe() {
             return Status::Good;
@@ -46,7 +46,7 @@ impl Failure {
         self.status
     }
 
-    /// The error and its causes, without those that the words before them tell already.
+    /// The error and its causes; a cause that repeats the text before it is left out.
     fn message(&self) -> String {
         let message =
             self.error.chain().map(ToString::to_string).fold(String::new(), |message, cause| match message.as_str() {
@@ -63,20 +63,20 @@ impl Failure {
     }
 }
 
-/// Errors that nothing else is said of come from what the user gave: arguments or files.
+/// By default an error counts as wrong usage: most come from arguments or files.
 impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         Self { status: Status::Usage, error: error.into() }
     }
 }
 
-/// The option that helps, which the libraries know nothing of.
+/// The option that helps; libraries do not know the program's options.
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
         return Some("if you know which, use --format-in");
     }
     if let Some(BusError::Interrupted { .. }) = cause.downcast_ref() {
-        return Some("--reconnect-timeout says how long to wait");
+        return Some("--reconnect-timeout sets how long to wait");
     }
     if let Some(RunError::OtherClients { .. }) = cause.downcast_ref() {
         return Some("stop them, or test the device beside them with --allow other-clients");

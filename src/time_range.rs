@@ -1,4 +1,4 @@
-//! `--from` and `--to`: which part of a capture.
+//! `--from` and `--to`: a part of a capture.
 
 use anyhow::{Context, Result, bail};
 use canvass_traces::{Duration, Timestamp};
@@ -7,13 +7,13 @@ use std::str::FromStr;
 /// A point in time as typed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TimePoint {
-    /// As the capture counts it: seconds, or a date and time.
+    /// A time as the capture counts it: seconds, or a date and time.
     Absolute(Timestamp),
-    /// Since the first frame.
+    /// A time since the first frame.
     SinceStart(Duration),
 }
 
-/// The part of a capture between two points; both are in it.
+/// The part of a capture between two points, both included.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct TimeRange {
     /// Leave out frames before this time: seconds as in the capture, +SECONDS since its first frame, or
@@ -28,12 +28,12 @@ pub struct TimeRange {
 }
 
 impl TimeRange {
-    /// The part between two points, both of which may be open.
+    /// The part between two points; `None` leaves that side open.
     pub fn new(from: Option<TimePoint>, to: Option<TimePoint>) -> Self {
         Self { from, to, start: None }
     }
 
-    /// Whether a frame of that time is in the part. The first one asked for is the start.
+    /// Whether a frame of that time is in the part. The first call sets the start of the capture.
     pub fn contains(&mut self, time: Timestamp) -> bool {
         let start = *self.start.get_or_insert(time);
         self.from.is_none_or(|from| from.after(start) <= time) && self.to.is_none_or(|to| time <= to.after(start))
@@ -65,7 +65,7 @@ impl FromStr for TimePoint {
     }
 }
 
-/// Decimal seconds with up to nine digits of fraction, exactly.
+/// Parses seconds with up to nine decimals, without rounding.
 fn nanos(text: &str) -> Result<u64> {
     let expected = "expected seconds such as 12.5 (+12.5 counts from the first frame)";
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));

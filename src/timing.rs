@@ -7,7 +7,7 @@ use canvass_suite::bench::Timing;
 use canvass_traces::Duration;
 use std::str::FromStr;
 
-/// One waiting time.
+/// A value of `--timeout`.
 #[derive(Clone, Copy, Debug)]
 pub struct Timeout {
     what: What,
@@ -27,12 +27,12 @@ enum What {
 }
 
 impl Timeout {
-    /// How long the program that has to connect to this end is waited for, if that is what it says.
+    /// The time to wait for a client, if this value sets it.
     pub fn of_client(self) -> Option<Duration> {
         matches!(self.what, What::Client).then_some(self.span)
     }
 
-    /// Puts it where the bench looks for it.
+    /// Sets the time in the bench's timing.
     pub const fn set(self, timing: &mut Timing) {
         match self.what {
             What::Sdo => timing.sdo_response = self.span,
@@ -46,13 +46,13 @@ impl Timeout {
     }
 }
 
-/// How long an interrupted bus is waited for, by the last of them that says so.
+/// How long to wait for an interrupted bus, from the last value that sets it.
 pub fn reconnect(timeouts: &[Timeout]) -> Duration {
     let is_it = |timeout: &&Timeout| matches!(timeout.what, What::Reconnect);
     timeouts.iter().rfind(is_it).map_or(RECONNECT, |timeout| timeout.span)
 }
 
-/// All waiting times, as `--timeout` would set them.
+/// All waiting times, in the form of `--timeout`.
 pub fn told(timing: &Timing, client: Duration, reconnect: Duration) -> Vec<String> {
     let spans = [
         ("sdo", timing.sdo_response),

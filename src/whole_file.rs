@@ -1,5 +1,5 @@
-//! Files that are there as a whole or not at all: they are written beside their place and renamed when they are complete.
-//! Until then, and if anything goes wrong before, a file of that name keeps what it held.
+//! Files that appear complete or not at all: they are written under another name and renamed when complete. Until
+//! then, and after an error, a file of the final name keeps its content.
 
 use anyhow::{Context, Result, bail};
 use canvass_reports::escape::Visible;
@@ -8,17 +8,17 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
-/// A file on its way to its place.
+/// A file that is not complete yet.
 pub struct WholeFile {
-    /// As the user named it.
+    /// The path as typed.
     path: PathBuf,
     part: Part,
 }
 
 enum Part {
-    /// Gets this place when it is complete.
+    /// A temporary file, and the path that it gets when complete.
     Beside(NamedTempFile, PathBuf),
-    /// A pipe or a device: there is nothing that could be kept.
+    /// A pipe or a device, which is written directly: it has no content to keep.
     InPlace(File),
 }
 
@@ -26,7 +26,7 @@ impl WholeFile {
     /// Begins a file.
     ///
     /// # Errors
-    /// If it could not be put in its place.
+    /// If the file could not be given its name later.
     pub fn create(path: &Path) -> Result<Self> {
         let failed = || format!("can't write {}", path.display());
         let part = match fs::metadata(path) {
@@ -35,10 +35,10 @@ impl WholeFile {
                 Part::InPlace(OpenOptions::new().write(true).open(path).with_context(failed)?)
             }
             Ok(metadata) => {
-                // One that may not be written must not be replaced either.
+                // A read-only file must not be replaced by renaming either.
                 OpenOptions::new().write(true).open(path).with_context(failed)?;
                 let place = fs::canonicalize(path).with_context(failed)?;
-                // A folder that takes no new files: what is complete is copied.
+                // If the folder takes no new files, the complete file is copied over the old one.
                 let part = beside(&place).or_else(|_| Builder::new().tempfile()).with_context(failed)?;
                 part.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
                 Part::Beside(part, place)
@@ -48,10 +48,10 @@ impl WholeFile {
         Ok(Self { path: path.to_owned(), part })
     }
 
-    /// What writes into it. All writers write at one place.
+    /// A writer into the file. All writers share one position.
     ///
     /// # Errors
-    /// If the system can't open it again.
+    /// If the system can't open the file again.
     pub fn writer(&self) -> Result<File> {
         let file = match &self.part {
             Part::Beside(part, _) => part.as_file(),
@@ -60,39 +60,39 @@ impl WholeFile {
         file.try_clone().with_context(|| format!("can't write {}", self.path.display()))
     }
 
-    /// The same for a document of which nothing may act.
+    /// A writer for text, which makes control characters visible.
     ///
     /// # Errors
-    /// If the system can't open it again.
+    /// If the system can't open the file again.
     pub fn document(&self) -> Result<BufWriter<Visible<File>>> {
         Ok(BufWriter::new(Visible::new(self.writer()?, false)))
     }
 
-    /// Everything is written: it takes its place.
+    /// Gives the complete file its final name.
     ///
     /// # Errors
-    /// If the system can't put it there.
+    /// If the system can't rename or copy it.
     pub fn complete(self) -> Result<()> {
         let failed = || format!("can't write {}", self.path.display());
         let Part::Beside(part, place) = self.part else { return Ok(()) };
         part.as_file().sync_data().with_context(failed)?;
         match part.persist(&place) {
             Ok(_) => Ok(()),
-            // It is elsewhere, or something is mounted on the place itself.
+            // Renaming fails across file systems and onto a mount point; then the content is copied.
             Err(error) if place.exists() => fs::copy(error.file.path(), &place).map(|_| ()).with_context(failed),
             Err(error) => Err(error.error).with_context(failed),
         }
     }
 }
 
-/// In the folder of a file, so that it can be renamed; hidden, and with a name that says whose it is.
+/// A temporary file in the same folder, so that it can be renamed; hidden, with a name that tells its program.
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let name = place.file_name().unwrap_or_default().to_string_lossy();
     let mut builder = Builder::new();
     let prefix = format!(".{name}.");
     builder.prefix(&prefix).suffix(".part");
-    // As any new file: what the user's mask leaves.
+    // Permissions as for any new file, limited by the user's mask; the crate's default is private.
     #[cfg(unix)]
     builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
     builder.tempfile_in(folder)

@@ -1,4 +1,5 @@
-//! Where in a recording of `canvass test` a case begins and ends: a line of a comment, which names the case by its id.
+//! The mark at the beginning and end of a case in a recording of `canvass test`: a line of a comment with the
+//! case's id.
 //!
 //! ```text
 //! case 301/boot-up/every-time begins
@@ -12,12 +13,12 @@ use std::fmt;
 pub struct CaseMark<'a> {
     /// The case's id.
     pub id: &'a str,
-    /// How the case ended, in words; `None` where it begins.
+    /// The verdict in words; `None` at the beginning of a case.
     pub verdict: Option<&'a str>,
 }
 
 impl<'a> CaseMark<'a> {
-    /// The mark that a line is, if it is one.
+    /// Parses a line; `None` if it is no mark.
     pub fn of(line: &'a str) -> Option<Self> {
         let (id, what) = line.strip_prefix("case ")?.split_once(' ')?;
         let verdict = match what {
@@ -27,13 +28,13 @@ impl<'a> CaseMark<'a> {
         is_plain(id, "0123456789/-").then_some(Self { id, verdict })
     }
 
-    /// The marks in a comment of several lines.
+    /// All marks in a comment of several lines.
     pub fn all(comment: &'a str) -> impl Iterator<Item = Self> {
         comment.lines().filter_map(Self::of)
     }
 }
 
-/// Whether a text is short and has only small letters and these: a capture may say anything.
+/// Whether a text is short and has only small letters and the characters in `others`: captures may contain any text.
 fn is_plain(text: &str, others: &str) -> bool {
     (1..=120).contains(&text.len()) && text.chars().all(|c| c.is_ascii_lowercase() || others.contains(c))
 }

@@ -1,35 +1,36 @@
-//! Where a standard demands something, how sure that place is, and how strictly it is demanded.
+//! References to standards: the clause, its certainty, and the level of the requirement.
 
 use std::fmt;
 
-/// A place in a standard, and how sure it is.
+/// A place in a standard, and its certainty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Clause {
     /// `CiA 301`.
     pub standard: &'static str,
-    /// `7.2.8.2.3.1`, where it is known.
+    /// The section, such as `7.2.8.2.3.1`, if it is known.
     pub section: Option<&'static str>,
-    /// How sure the section is.
+    /// How certain the section is.
     pub confidence: Confidence,
 }
 
-/// How sure the number of a section is. Of most standards the text is not public: their numbers come from those who cite it.
+/// How certain the number of a section is. The text of most standards is not public: their numbers come from
+/// documents that cite them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Confidence {
-    /// The clause was read, in a public edition of the standard.
+    /// The section was read in a public edition of the standard.
     Cited,
     /// An independent source cites it.
     Attested,
-    /// Counted between two attested sections.
+    /// The number was counted between two attested sections.
     Derived,
-    /// From general knowledge of the standard's structure.
+    /// The number comes from general knowledge of the standard's structure.
     Known,
     /// The section is not known.
     Unknown,
 }
 
 impl Confidence {
-    /// The word for it in JSON.
+    /// The name in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cited => "cited",
@@ -42,7 +43,7 @@ impl Confidence {
 }
 
 impl Clause {
-    /// `CiA 301 7.2.8.2.3.1` without a word on how sure it is: only where [`Clause::confidence`] stands beside it.
+    /// `CiA 301 7.2.8.2.3.1` without its certainty: for places that show [`Clause::confidence`] beside it.
     pub fn bare(&self) -> String {
         match self.section {
             Some(section) => format!("{} {section}", self.standard),
@@ -50,13 +51,13 @@ impl Clause {
         }
     }
 
-    /// `CiA 301 7.5.2.20 (derived)`, but the standard alone where the section is not known: for places where that is no news.
+    /// `CiA 301 7.5.2.20 (derived)`, or the standard alone if the section is unknown.
     pub fn brief(&self) -> String {
         if self.section.is_some() { self.to_string() } else { self.standard.to_owned() }
     }
 }
 
-/// Never shows a section as certain that is not: `CiA 301 7.5.2.20 (derived)`.
+/// `CiA 301 7.5.2.20 (derived)`: an uncertain section is always marked as such.
 impl fmt::Display for Clause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.section, self.confidence) {
@@ -68,19 +69,19 @@ impl fmt::Display for Clause {
     }
 }
 
-/// How strictly the standard demands something.
+/// How strictly the standard requires a behaviour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Level {
     /// The standard says "shall".
     Must,
     /// The standard recommends it, or several readings are plausible.
     Should,
-    /// The standard leaves it open: what the device does is recorded and never fails.
+    /// The standard leaves it open: the behaviour is recorded and never fails.
     Open,
 }
 
 impl Level {
-    /// The word for it in JSON.
+    /// The name in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Must => "must",

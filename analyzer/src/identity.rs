@@ -27,8 +27,7 @@ impl NodeId {
         }
     }
 
-    /// The node-ID in the lower seven bits of a CAN-ID of the predefined connection set, or `None` where they
-    /// are 0.
+    /// The node-ID in the lower seven bits of a CAN-ID of the predefined connection set; `None` if they are 0.
     pub const fn of_cob_id(cob_id: u16) -> Option<Self> {
         Self::new((cob_id & 0x7F) as u8)
     }
@@ -138,7 +137,7 @@ pub struct Index(pub u16);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubIndex(pub u8);
 
-/// Index and sub-index together: what an SDO addresses.
+/// Index and sub-index together: the address of an SDO.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Multiplexer {
     /// The index.
@@ -196,7 +195,7 @@ const HEX: &[u8; 16] = b"0123456789ABCDEF";
 /// `1018h:01`.
 impl fmt::Display for Multiplexer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Most lines of a trace name an object: without the machinery of `{:04X}`.
+        // Most lines of a trace name an object, and this is faster than `{:04X}`.
         let mut text = *b"0000h:00";
         for (n, digit) in text[..4].iter_mut().rev().enumerate() {
             *digit = HEX[usize::from(self.index.0 >> (4 * n) & 15)];

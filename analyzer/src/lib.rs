@@ -1,10 +1,10 @@
 //! CANopen: from frames to messages, events and findings.
 //!
-//! - [`wire`]: one frame understood alone, one file per service, each with its parser and its encoder.
+//! - [`wire`]: single frames without context, one file per service, each with its parser and its encoder.
 //! - [`dictionary`]: data types, values, device descriptions and the standard's object names.
-//! - [`filter`]: a small language to choose frames.
-//! - [`network`]: what happened on a bus: COB-IDs in use, node states, whole transfers.
-//! - [`findings`]: what was wrong: one rule per file.
+//! - [`filter`]: a small language for selecting frames.
+//! - [`network`]: the state of a bus: COB-IDs in use, node states, whole transfers.
+//! - [`findings`]: problems found by rules, one file each.
 //! - [`statistics`]: figures of a bus and its nodes.
 
 #![warn(clippy::disallowed_methods)]

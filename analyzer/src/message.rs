@@ -1,4 +1,4 @@
-//! One frame understood: which service it belongs to and what it says.
+//! The message in a frame: its service and content.
 
 use crate::object;
 use crate::wire::case_marker::CaseMarker;
@@ -15,15 +15,15 @@ use crate::wire::{Malformed, lmt, lss, sdo};
 use canvass_traces::ErrorClass;
 use std::fmt;
 
-/// A frame's message, typed by its service. Which service it is depends on the COB-IDs in use and, for SDO block
-/// segments and guarding, on what came before.
+/// A frame's message, typed by its service. The service depends on the COB-IDs in use and, for SDO block segments and
+/// guarding, on earlier frames.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Message {
     /// An NMT command.
     Nmt(Nmt),
     /// Boot-up, heartbeat, or the answer to a guarding request.
     ErrorControl(ErrorControl),
-    /// A remote frame that asks for the node's state.
+    /// A remote frame that requests the node's state.
     GuardingRequest,
     /// SYNC.
     Sync(Sync),
@@ -33,33 +33,33 @@ pub enum Message {
     Emcy(Emcy),
     /// Process data.
     Pdo(PdoNumber),
-    /// Process data that name their object.
+    /// A multiplexed PDO, which names its object.
     Mpdo(PdoNumber, Mpdo),
-    /// A remote frame that asks for a PDO.
+    /// A remote frame that requests a PDO.
     PdoRequest(PdoNumber),
-    /// From an SDO client to a server.
+    /// An SDO message from a client to a server.
     SdoRequest(sdo::Request),
-    /// From an SDO server to a client.
+    /// An SDO message from a server to a client.
     SdoResponse(sdo::Response),
     /// A segment of a block download (from the client).
     SdoBlockDownload(BlockSegment),
     /// A segment of a block upload (from the server).
     SdoBlockUpload(BlockSegment),
-    /// From the LSS master.
+    /// A message from the LSS master.
     LssRequest(lss::Request),
-    /// From an LSS slave.
+    /// A message from an LSS slave.
     LssResponse(lss::Response),
-    /// From the LMT master.
+    /// A message from the LMT master.
     LmtRequest(lmt::Request),
-    /// From an LMT slave.
+    /// A message from an LMT slave.
     LmtResponse(lmt::Response),
     /// Safety-relevant data.
     Srdo(Srdo),
     /// The global fail-safe command.
     GlobalFailSafe,
-    /// Masters agreeing on the active one.
+    /// A message by which masters agree on the active one.
     FlyingMaster(FlyingMaster),
-    /// Where in a certification run a case begins or ends.
+    /// A marker at the beginning or end of a case in a certification run.
     CaseMarker(CaseMarker),
     /// The controller's report of an error on the bus.
     ErrorFrame(ErrorClass),
@@ -67,7 +67,7 @@ pub enum Message {
     Malformed(Service, Malformed),
     /// Not a message of classical CANopen: CAN FD, CAN XL or 29-bit identifier.
     Foreign,
-    /// A remote frame on a CAN-ID where CANopen knows none.
+    /// A remote frame on a CAN-ID for which CANopen defines none.
     UnexpectedRemote,
     /// A CAN-ID that no known service uses.
     Unknown,

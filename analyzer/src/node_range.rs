@@ -1,10 +1,10 @@
-//! Node-IDs as people write them.
+//! Ranges of node-IDs as typed.
 
 use crate::NodeId;
 use std::fmt;
 use std::str::FromStr;
 
-/// Nodes that follow each other: `5`, `1..8`, `all`.
+/// Consecutive nodes: `5`, `1..8`, `all`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct NodeRange {
     first: NodeId,
@@ -35,16 +35,16 @@ impl NodeRange {
     /// All nodes of a list of ranges: `1..8,63`.
     ///
     /// # Errors
-    /// [`NodeError`] of the first that is none.
+    /// [`NodeError`] of the first invalid range.
     pub fn list(text: &str) -> Result<Vec<NodeId>, NodeError> {
         let ranges: Vec<Self> = text.split(',').map(str::parse).collect::<Result<_, _>>()?;
         Ok(ranges.into_iter().flat_map(Self::nodes).collect())
     }
 
-    /// A node-ID as it is typed: 1 to 127, decimal or hexadecimal with 0x.
+    /// Parses a node-ID: 1 to 127, decimal or hexadecimal with 0x.
     ///
     /// # Errors
-    /// [`NodeError`] if it is none.
+    /// [`NodeError`] if it is not a node-ID.
     pub fn node(text: &str) -> Result<NodeId, NodeError> {
         let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
             Some(hex) => u8::from_str_radix(hex, 16),

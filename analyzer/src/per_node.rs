@@ -1,4 +1,4 @@
-//! Something for each node-ID of a bus.
+//! A table by node-ID.
 
 use crate::NodeId;
 use std::ops::{Index, IndexMut, Range};
@@ -14,40 +14,40 @@ impl<T: Default> Default for PerNode<T> {
 }
 
 impl<T> PerNode<T> {
-    /// All with their node-IDs.
+    /// All entries with their node-IDs.
     pub fn iter(&self) -> impl Iterator<Item = (NodeId, &T)> {
         NodeId::all().zip(self.0.iter().skip(1))
     }
 
-    /// All with their node-IDs, for good.
+    /// All entries by value, with their node-IDs.
     pub fn into_all(self) -> impl Iterator<Item = (NodeId, T)> {
         NodeId::all().zip(self.0.into_iter().skip(1))
     }
 
-    /// All with their node-IDs, to change.
+    /// All entries with their node-IDs, mutable.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (NodeId, &mut T)> {
         NodeId::all().zip(self.0.iter_mut().skip(1))
     }
 
-    /// All, to change.
+    /// All entries, mutable.
     pub fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.iter_mut().skip(1)
     }
 
-    /// Those that an NMT command names: one, or all where it names 0.
+    /// The entries that an NMT command addresses: one, or all for node 0.
     pub fn named(&self, node: u8) -> impl Iterator<Item = (NodeId, &T)> {
         let (places, ids) = named(node);
         ids.iter().copied().zip(self.0.get(places).unwrap_or_default())
     }
 
-    /// Those that an NMT command names, to change.
+    /// The entries that an NMT command addresses, mutable.
     pub fn named_mut(&mut self, node: u8) -> impl Iterator<Item = (NodeId, &mut T)> {
         let (places, ids) = named(node);
         ids.iter().copied().zip(self.0.get_mut(places).unwrap_or_default())
     }
 }
 
-/// The places that an NMT command names, and their node-IDs.
+/// The indexes that an NMT command addresses, and their node-IDs.
 fn named(node: u8) -> (Range<usize>, &'static [NodeId]) {
     static IDS: [NodeId; 127] = NodeId::ALL;
     let places = match usize::from(node) {
@@ -60,12 +60,12 @@ fn named(node: u8) -> (Range<usize>, &'static [NodeId]) {
 }
 
 impl<T: Default> PerNode<T> {
-    /// All are as in the beginning.
+    /// Resets all entries to their default.
     pub fn reset(&mut self) {
         self.0.iter_mut().for_each(|value| *value = T::default());
     }
 
-    /// Those that an NMT command names are as in the beginning.
+    /// Resets the entries that an NMT command addresses to their default.
     pub fn reset_named(&mut self, node: u8) {
         match NodeId::new(node) {
             Some(node) => self[node] = T::default(),
@@ -80,7 +80,7 @@ impl<T> Index<NodeId> for PerNode<T> {
 
     #[inline]
     fn index(&self, node: NodeId) -> &T {
-        // A node-ID has 7 bits: the index is always there.
+        // A node-ID has 7 bits, so the index is valid.
         &self.0[usize::from(node.raw() & 0x7F)]
     }
 }

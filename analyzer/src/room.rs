@@ -1,32 +1,33 @@
-//! Memory that many share: so that a capture in which every node of every bus shows as much as it can stays small.
+//! Shared limits of memory: they keep the program small on a capture in which every node of every bus shows as much
+//! as possible.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Bytes that are left for all who have a clone of it.
+/// The number of bytes left for all clones.
 #[derive(Clone, Debug)]
 pub struct Room(Arc<AtomicUsize>);
 
 impl Room {
-    /// Room for so many bytes.
+    /// A room of this size.
     pub fn new(bytes: usize) -> Self {
         Self(Arc::new(AtomicUsize::new(bytes)))
     }
 
-    /// Another room with as much left.
+    /// An independent room with the same number of bytes left.
     #[must_use]
     pub fn apart(&self) -> Self {
         Self::new(self.0.load(Ordering::Relaxed))
     }
 
-    /// Takes so many bytes, unless there are fewer.
+    /// Takes this many bytes; `false` if fewer are left.
     #[must_use]
     pub fn take(&self, bytes: usize) -> bool {
         let taken = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(bytes));
         taken.is_ok()
     }
 
-    /// Gives back what was taken.
+    /// Returns bytes to the room.
     pub fn give(&self, bytes: usize) {
         self.0.fetch_add(bytes, Ordering::Relaxed);
     }

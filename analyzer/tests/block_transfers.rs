@@ -215,8 +215,11 @@ fn a_wrong_crc_is_named() {
         plan.assert_joined(&trace);
         let blamed: Vec<_> = said.iter().filter(|said| said.decoded.violation.is_some()).collect();
         assert_eq!(blamed.len(), 1);
-        let expected =
-            format!("[violation: CRC {:04X}h does not fit, calculated {:04X}h]", plan.end().0, crc16(0, &plan.value));
+        let expected = format!(
+            "[violation: CRC {:04X}h does not match the data, expected {:04X}h]",
+            plan.end().0,
+            crc16(0, &plan.value)
+        );
         assert!(blamed[0].text.ends_with(&expected), "{}", blamed[0].text);
     }
 }
@@ -280,7 +283,7 @@ fn fewer_bytes_than_announced() {
     let mut trace = Trace::new();
     let said = play(&mut trace, &frames);
     assert_eq!(transfer(&trace, 5).violation, Some(Violation::Size { announced: 71, received: 70 }));
-    assert!(said.last().unwrap().text.contains("70 bytes came, 71 were announced"));
+    assert!(said.last().unwrap().text.contains("70 bytes transferred, but 71 announced"));
 }
 
 #[test]

@@ -219,9 +219,9 @@ fn transfers_in_words() {
     for (violation, name, text) in [
         (Violation::Toggle, "toggle", "toggle bit not alternated"),
         (Violation::Multiplexer(object), "multiplexer", "answer names 1000h:00"),
-        (Violation::Size { announced: 2, received: 1 }, "size", "1 bytes came, 2 were announced"),
-        (Violation::Crc { sent: 1, calculated: 2 }, "crc", "CRC 0001h does not fit, calculated 0002h"),
-        (Violation::Sequence { expected: 1, found: 2 }, "sequence", "segment 2 came, 1 was due"),
+        (Violation::Size { announced: 2, received: 1 }, "size", "1 bytes transferred, but 2 announced"),
+        (Violation::Crc { sent: 1, calculated: 2 }, "crc", "CRC 0001h does not match the data, expected 0002h"),
+        (Violation::Sequence { expected: 1, found: 2 }, "sequence", "segment 2, expected 1"),
         (Violation::Unexpected, "unexpected", "unexpected in this state"),
     ] {
         assert_eq!((violation.name(), violation.to_string().as_str()), (name, text));

@@ -1,10 +1,10 @@
 (() => {
-  const cases = [...document.querySelectorAll('.case')];
+  const cases = [...document.querySelectorAll('.finding')];
   const tiles = [...document.querySelectorAll('.tile')];
   const filter = document.getElementById('filter');
   const shown = document.getElementById('shown');
   const texts = cases.map((c) => c.querySelector('summary').textContent.toLowerCase() + ' '
-    + [...c.querySelectorAll('.requirement, .reason, .note')].map((e) => e.textContent.toLowerCase()).join(' '));
+    + [...c.querySelectorAll('.body > p, .reason')].map((e) => e.textContent.toLowerCase()).join(' '));
   const update = () => {
     const kinds = tiles.filter((t) => t.getAttribute('aria-pressed') === 'true').map((t) => t.dataset.kind);
     const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);

@@ -1,7 +1,5 @@
 //! Colours of the terminal, for lines and for the cells of tables.
 
-use canvass_analyzer::findings::Severity;
-use canvass_suite::verdict::Kind;
 use comfy_table::Cell;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -32,24 +30,6 @@ pub(crate) fn push_end(color: Option<Color>, out: &mut Vec<u8>) {
 }
 
 impl Color {
-    pub(crate) const fn of_verdict(kind: Kind) -> Self {
-        match kind {
-            Kind::Pass => Self::Green,
-            Kind::Tolerated | Kind::Deviation => Self::Yellow,
-            Kind::Fail | Kind::Error => Self::Red,
-            Kind::Inconclusive => Self::Magenta,
-            Kind::NotApplicable => Self::Grey,
-        }
-    }
-
-    pub(crate) const fn of_severity(severity: Severity) -> Self {
-        match severity {
-            Severity::Error => Self::Red,
-            Severity::Warning => Self::Yellow,
-            Severity::Info => Self::Cyan,
-        }
-    }
-
     /// The escape sequence that begins it.
     const fn escape(self) -> &'static str {
         match self {

@@ -1,23 +1,20 @@
 //! Two results of `canvass test --format json`: what changed from one release of a firmware to the next.
 
-pub mod html;
 mod json;
-pub mod junit;
-pub mod markdown;
+mod report;
 
 pub use crate::results::compare::Direction;
-pub use json::render as json;
 
-use crate::escape::printable;
-use crate::provenance::{self, Provenance};
+use crate::provenance::Provenance;
 use crate::results::TestResult;
 use crate::results::compare::Change;
 use crate::results::test::{Case, Measurement, ObjectRead, Quarantine, Reason};
+use crate::time::milliseconds;
 use canvass_suite::verdict::Kind;
+use canvass_traces::Duration;
 use serde_json::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 /// A measured time that changes by less than this share is as before, in percent.
 pub const NOTICEABLE_PERCENT: u64 = 10;
@@ -155,14 +152,11 @@ fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
         let (difference, is_time) = (new.value.abs_diff(old.value), new.unit == "ns");
         let is_noticeable = difference.saturating_mul(100) > old.value.saturating_mul(NOTICEABLE_PERCENT)
             && (!is_time || difference > NOTICEABLE_NS);
-        let shown = |m: &Measurement| if is_time { milliseconds(m.value) } else { m.value.to_string() };
+        let shown =
+            |m: &Measurement| if is_time { milliseconds(Duration(m.value)) + " ms" } else { m.value.to_string() };
         // A longer or shorter time is wrong only where a case says so, and then its verdict changes.
         is_noticeable.then(|| Change::other("timing", name, Some(shown(old)), Some(shown(new))))
     })
-}
-
-fn milliseconds(nanos: u64) -> String {
-    format!("{}.{:03} ms", nanos / 1_000_000, nanos / 1_000 % 1_000)
 }
 
 fn identity(old: &TestResult, new: &TestResult) -> Vec<Change> {
@@ -228,31 +222,12 @@ impl Comparison {
             (all, worse) => format!("{all} differences, {worse} for the worse{returned}"),
         }
     }
-
-    /// The differences for people.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        for change in &self.changes {
-            let (old, new) = change.values();
-            let (subject, old, new) = (printable(&change.subject), printable(old), printable(new));
-            // Writing to a string can't fail.
-            let _ = writeln!(text, "{:6} {:10} {subject}: {old} -> {new}", change.direction.name(), change.kind);
-            if let Some(reason) = change.why() {
-                let _ = writeln!(text, "                  {}", printable(&reason));
-            }
-        }
-        let _ = writeln!(text, "{}", self.outcome());
-        let _ = writeln!(text);
-        for line in provenance::short_text(&self.provenance) {
-            let _ = writeln!(text, "{line}");
-        }
-        text
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{Form, Report, Style};
     use crate::results;
     use canvass_analyzer::object;
     use serde_json::json;
@@ -271,6 +246,12 @@ mod tests {
         results::read(&text.to_string()).unwrap()
     }
 
+    fn text_of(comparison: &Comparison) -> String {
+        let mut text = Vec::new();
+        comparison.write(Form::Text(Style::default()), &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    }
+
     #[test]
     fn what_a_release_changed() {
         let old = result("pass", "1.0", 100_000_000, "0000");
@@ -279,10 +260,11 @@ mod tests {
         let kinds: Vec<_> = worse.changes.iter().map(|change| (&*change.kind, change.direction)).collect();
         assert_eq!(kinds[0], ("verdict", Direction::Worse));
         assert_eq!(kinds.len(), 4);
-        assert!(worse.text().contains("pass -> fail") && worse.text().contains("1017h:00: 0000 -> E803"));
+        let text = text_of(&worse);
+        assert!(text.contains("pass -> fail") && text.contains("1017h:00: 0000 -> E803"));
         let better = compare(&result("fail", "1.0", 100_000_000, "0000"), &old, Missing::Worse);
         assert!(!better.has_regressions() && better.changes[0].direction == Direction::Better);
-        assert!(compare(&old, &old, Missing::Worse).text().starts_with("no difference\n"));
+        assert!(text_of(&compare(&old, &old, Missing::Worse)).ends_with("no difference\n"));
         assert!(
             compare(&old, &result("pass", "1.0", 100_500_000, "0000"), Missing::Worse).changes.is_empty(),
             "jitter"

@@ -9,7 +9,6 @@ use std::io::{self, Write};
 
 const STYLES: [&str; 2] = [include_str!("../assets/uplot/uPlot.min.css"), include_str!("../assets/fleet.css")];
 const SCRIPTS: [&str; 2] = [include_str!("../assets/uplot/uPlot.iife.min.js"), include_str!("../assets/fleet.js")];
-const UPLOT_LICENSE: &str = include_str!("../assets/uplot/LICENSE");
 
 /// What the page shows.
 #[derive(Clone, Debug, Default)]
@@ -81,7 +80,7 @@ pub fn render(fleet: &Fleet, out: &mut dyn Write) -> io::Result<()> {
         sections: &sections,
         footer: html! {
             p { "Made by " (printable(&fleet.made_by)) "." }
-            details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } }
+            (page::plot_licence())
         },
     };
     page::write(&page, out, |out| {
@@ -97,7 +96,7 @@ fn course(fleet: &Fleet) -> Markup {
     html! {
         section {
             h2 #course { "Over time" }
-            dl.facts { @for (name, figure) in &fleet.totals { div { dt { (name) } dd { (printable(figure)) } } } }
+            dl.facts { @for (name, figure) in &fleet.totals { (page::fact(name, figure)) } }
             div #plots {}
             noscript { p { "The plots need JavaScript, which runs in this page only." } }
         }

@@ -7,6 +7,7 @@
 //! - [`decode`]: frames, one line or one JSON object each;
 //! - [`descriptions`]: what was wrong in device descriptions;
 //! - [`diagnosis`]: what was wrong in a capture;
+//! - [`document`]: what a report says, and its forms: text, Markdown, HTML, JUnit;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 //! - [`fleet`]: what a lake of captures and results tells;
@@ -30,12 +31,12 @@ pub mod conformance;
 pub mod decode;
 pub mod descriptions;
 pub mod diagnosis;
+pub mod document;
 pub mod escape;
 pub mod events;
 pub mod fleet;
 pub mod fuzz;
 pub mod history;
-mod junit;
 mod page;
 mod page_text;
 pub mod provenance;

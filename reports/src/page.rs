@@ -13,6 +13,7 @@ use std::io::{self, Write};
 
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
+const UPLOT_LICENSE: &str = include_str!("../assets/uplot/LICENSE");
 /// A magnifying glass, so that no browser asks a server for an icon.
 const ICON: &str = "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' \
                     stroke='%232f6fd6' stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E\
@@ -85,6 +86,16 @@ pub fn write(
         },
     )?;
     out.flush()
+}
+
+/// A name and its value, in a list of facts.
+pub fn fact(name: &str, value: &str) -> Markup {
+    html! { div { dt { (name) } dd { (escape::printable(value)) } } }
+}
+
+/// What has to be said of the library that draws plots.
+pub fn plot_licence() -> Markup {
+    html! { details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } } }
 }
 
 /// Writes a part of a page.

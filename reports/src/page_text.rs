@@ -23,3 +23,27 @@ pub fn wrapped(text: &str, indent: &str) -> String {
     }
     lines + line.trim_end() + "\n"
 }
+
+/// As many parts in a line as fit, with a separator and a blank between them.
+pub fn packed(parts: &[String], separator: &str, width: usize) -> Vec<String> {
+    let length = |text: &str| text.chars().count();
+    let mut lines: Vec<String> = Vec::new();
+    for (at, part) in parts.iter().enumerate() {
+        let part = if at + 1 < parts.len() { format!("{part}{separator}") } else { part.clone() };
+        match lines.last_mut() {
+            Some(line) if length(line) + 1 + length(&part) <= width => *line += &format!(" {part}"),
+            _ => lines.push(part),
+        }
+    }
+    lines
+}
+
+/// `1 warning`, `2 warnings`.
+pub fn counted(count: usize, one: &str) -> String {
+    format!("{count} {one}{}", if count == 1 { "" } else { "s" })
+}
+
+/// `no warnings`, `1 warning`, `2 warnings`.
+pub fn none_or_counted(count: usize, one: &str) -> String {
+    if count == 0 { format!("no {one}s") } else { counted(count, one) }
+}

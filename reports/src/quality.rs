@@ -1,5 +1,6 @@
 //! The quality of captures, as text and as JSON ([`QualityResult`], described in `docs/quality.md`).
 
+use crate::escape::printable;
 use crate::results::quality::{Channel, Gap, Place, QualityResult, Source, Steps};
 use crate::results::{self, Contract};
 use canvass_traces::quality::{Gaps, Sighting};
@@ -201,11 +202,6 @@ fn by_channel<'a>(quality: &'a Quality, channels: &'a Channels) -> impl Iterator
     named.filter(|(_, frames)| **frames > 0).map(|(id, frames)| (channels.name(ChannelId(id as u16)), *frames))
 }
 
-/// A name comes from outside: it may be anything.
-fn printable(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,7 +232,7 @@ mod tests {
             "capture quality\n\
              a.log (candump)\n\
              \x20 frames     4: 4 standard\n\
-             \x20 channels   can0 3, can\u{FFFD}[31m 1\n\
+             \x20 channels   can0 3, can\\x1B[31m 1\n\
              \x20 time       1.000000000 to 29.000000000, 28 s, resolution 1 s\n\
              \x20 damage     7 dropped\n\
              \x20 clock      1 step back, the largest 1 s, the first at a.log:4\n\

@@ -1,7 +1,7 @@
 //! The time of a frame as it is shown.
 
 use crate::push::{push_decimal, push_fraction, push_six_digits, push_text};
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Timestamp};
 
 /// How the time of a frame is shown.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -34,6 +34,12 @@ pub struct Clock {
 }
 
 const NANOS: u64 = 1_000_000_000;
+
+/// Milliseconds with three digits after the point: what a person compares.
+pub fn milliseconds(time: Duration) -> String {
+    let micros = time.nanos() / 1_000;
+    format!("{}.{:03}", micros / 1_000, micros % 1_000)
+}
 
 impl Clock {
     /// A clock for people: six decimals, nine where the time has them.

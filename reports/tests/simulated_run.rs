@@ -8,7 +8,8 @@ use canvass_device::Device;
 use canvass_device::Fault;
 use canvass_device::Faults;
 use canvass_device::models::Model;
-use canvass_reports::conformance::{Document, Reporter, html, json, junit, markdown, terminal};
+use canvass_reports::conformance::{Reporter, RunReport};
+use canvass_reports::document::{Form, Style};
 use canvass_suite::bench::{Bench, Decoder, Options, Target};
 use canvass_suite::catalogue;
 use canvass_suite::runner::{Plan, Summary, run};
@@ -49,7 +50,7 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
 fn two_runs_give_the_same_bytes() {
     let document = || {
         let mut out = Vec::new();
-        run_with(Faults::NONE, &mut [&mut Document::new(&mut out, json::render)]);
+        run_with(Faults::NONE, &mut [&mut RunReport::new(&mut out, Form::Json)]);
         out
     };
     let first = document();
@@ -62,14 +63,13 @@ fn every_report_of_a_faulty_device() {
     let faults: Faults =
         [Fault::SdoStaleMultiplexer, Fault::HeartbeatPeriodDoubled, Fault::DeviceNameWithGarbage].into_iter().collect();
     let [mut page, mut xml, mut text, mut lines] = [const { Vec::new() }; 4];
-    let style = terminal::Style { color: false, progress: false, width: None, allow: "" };
     let summary = run_with(
         faults,
         &mut [
-            &mut Document::new(&mut page, html::render),
-            &mut Document::new(&mut xml, junit::render),
-            &mut Document::new(&mut text, markdown::render),
-            &mut terminal::Terminal::new(&mut lines, |_| {}, style),
+            &mut RunReport::new(&mut page, Form::Html),
+            &mut RunReport::new(&mut xml, Form::Junit),
+            &mut RunReport::new(&mut text, Form::Markdown),
+            &mut RunReport::new(&mut lines, Form::Text(Style::default())),
         ],
     );
     // A stale multiplexer shows in every case that provokes an abort.

@@ -1,4 +1,4 @@
-//! `manifest.json`: what a bundle holds, with the hash of each file.
+//! `manifest.json`: the names of a bundle's files, with the hash of each.
 
 use super::zip::Entry;
 use crate::provenance::hash;
@@ -6,12 +6,12 @@ use anyhow::{Context, Result, bail};
 use canvass_reports::provenance::VERSION;
 use serde_json::{Value, json};
 
-/// Its name in the bundle.
+/// Name of the manifest in the bundle.
 pub const NAME: &str = "manifest.json";
 /// The name and version of the contract.
 pub const SCHEMA: &str = "canvass/bundle/1";
 
-/// The manifest of these files.
+/// Makes the manifest of the given files.
 pub fn of(entries: &[Entry]) -> Result<Entry> {
     let files = entries.iter().map(file).collect::<Result<Vec<Value>>>()?;
     let manifest = json!({ "schema": SCHEMA, "version": VERSION, "files": files });
@@ -23,12 +23,13 @@ fn file(entry: &Entry) -> Result<Value> {
     Ok(json!({ "name": entry.name, "bytes": bytes, "sha256": sha256 }))
 }
 
-/// Sees that the files are those of the manifest, and no others.
+/// Checks that the bundle holds exactly the files of the manifest, unchanged.
 ///
 /// # Errors
-/// The first one that is not, by its name.
+/// The first file that is missing, added or changed, by its name.
 pub fn check(manifest: &Entry, entries: &[Entry]) -> Result<()> {
-    let text: Value = serde_json::from_slice(&manifest.content).context("manifest.json was changed: it is no JSON")?;
+    let text: Value =
+        serde_json::from_slice(&manifest.content).context("manifest.json was changed: expected a JSON document")?;
     if text["schema"] != SCHEMA {
         bail!("manifest.json: expected a document of schema {SCHEMA}, found {}", text["schema"]);
     }

@@ -1,42 +1,42 @@
-//! `run.json`: what the run was made with, so that it can be made again from its recording.
+//! `run.json`: the options and inputs of a run, from which its recording can be judged again.
 
 use anyhow::{Context, Result, bail};
 use canvass_suite::bench::Options;
 use serde::{Deserialize, Serialize};
 
-/// Its name in the bundle.
+/// Name of this file in the bundle.
 pub const NAME: &str = "run.json";
 const SCHEMA: &str = "canvass/bundle-run/1";
 const MOST_RUNS: u32 = 1_000;
 
-/// What a run was made with.
+/// Options and inputs of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setup {
     schema: String,
     /// The bus, as the user addressed it.
     pub bus: String,
-    /// The node-ID.
+    /// The node-ID of the device under test.
     pub node: u8,
-    /// What `--device` named.
+    /// The value of `--device`.
     pub device: Option<String>,
-    /// The file in the bundle that describes the device, where one does.
+    /// Name of the description in the bundle, if the device has one.
     pub description: Option<String>,
-    /// Whether there are waivers.
+    /// Whether the bundle holds waivers.
     pub waivers: bool,
-    /// The day by which waivers were judged, where there are any.
+    /// The day by which waivers were judged; empty without waivers.
     pub day: String,
     pub seed: u64,
     /// The cases in the order in which they ran.
     pub cases: Vec<String>,
-    /// Why the run can't be made again, if it can't.
+    /// Why the run can't be repeated; `None` if it can.
     pub not_repeatable: Option<String>,
-    /// How was tested. Commands of the user and paths of the machine are not written.
+    /// The options of the run, without its shell commands: a bundle from elsewhere must not start programs.
     #[serde(flatten)]
     pub options: Options,
 }
 
 impl Setup {
-    /// With those options; what else there is to say of the run is for the caller.
+    /// Records these options; the caller adds the bus, the device and the cases.
     pub fn new(options: &Options) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
@@ -53,9 +53,10 @@ impl Setup {
         }
     }
 
-    /// As it stands in the bundle.
+    /// Reads `run.json` of a bundle.
     pub fn read(text: &[u8]) -> Result<Self> {
-        let setup: Self = serde_json::from_slice(text).context("run.json is not what a bundle has")?;
+        let setup: Self =
+            serde_json::from_slice(text).context("run.json does not have the form of a bundle's run.json")?;
         if setup.schema != SCHEMA {
             bail!("run.json: expected a document of schema {SCHEMA}, found \"{}\"", setup.schema);
         }
@@ -66,7 +67,7 @@ impl Setup {
         Ok(setup)
     }
 
-    /// As it stands in the bundle.
+    /// The text of `run.json`.
     pub fn text(&self) -> Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }

@@ -1,7 +1,8 @@
-//! ZIP archives as bundles are: files that are stored as they are, with nothing between, before or after them.
+//! ZIP archives in the form that bundles have: each file uncompressed, with no bytes between, before or after the
+//! files.
 //!
-//! Of such an archive every byte follows from the names and contents of its files, so that one that was changed anywhere shows:
-//! it is not what [`write`] makes of them. (APPNOTE.TXT 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16.)
+//! The names and contents of the files determine every byte of such an archive. So a changed byte always shows: the
+//! archive then differs from the output of [`write`]. (APPNOTE.TXT 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16.)
 
 use anyhow::{Context, Result, anyhow, bail};
 use flate2::Crc;
@@ -10,24 +11,24 @@ const LOCAL: u32 = 0x0403_4B50;
 const CENTRAL: u32 = 0x0201_4B50;
 const END: u32 = 0x0605_4B50;
 const END_LENGTH: usize = 22;
-/// 2.0: what every program reads.
+/// Version 2.0 of the format, which every program reads.
 const VERSION: u16 = 20;
-/// 1 January 1980, where the format's time begins: an archive tells nothing of when it was packed.
+/// 1 January 1980, the first date of the format: the archive must not depend on the time of packing.
 const DATE: u16 = 0x0021;
 
 /// A file in an archive.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Entry {
-    /// Letters, digits, `.`, `-` and `_`: no folders.
+    /// The file's name, of letters, digits, `.`, `-` and `_`; archives have no folders.
     pub name: String,
-    /// What it holds.
+    /// The bytes of the file.
     pub content: Vec<u8>,
 }
 
-/// The archive.
+/// Makes an archive of the files.
 ///
 /// # Errors
-/// If a file is longer than the format can hold, 4 GiB.
+/// If a file or the archive is longer than 4 GiB, or there are more than 65535 files: the format has no room for more.
 pub fn write(entries: &[Entry]) -> Result<Vec<u8>> {
     let (mut archive, mut directory) = (Vec::new(), Vec::new());
     for entry in entries {
@@ -40,7 +41,7 @@ pub fn write(entries: &[Entry]) -> Result<Vec<u8>> {
         directory.extend(CENTRAL.to_le_bytes());
         directory.extend(VERSION.to_le_bytes());
         directory.extend(&shared);
-        // No comment, the first and only disk, no attributes.
+        // The last fields: disk number, attributes and comment, all 0.
         directory.extend([0; 2 + 2 + 2 + 4]);
         directory.extend(offset.to_le_bytes());
         directory.extend(entry.name.as_bytes());
@@ -58,7 +59,8 @@ pub fn write(entries: &[Entry]) -> Result<Vec<u8>> {
     Ok(archive)
 }
 
-/// What the header of a file and its row in the directory have in common: version, flags, method, time, date, CRC, lengths.
+/// The fields that a file's header and its row in the directory share: version, flags, method, time, date, CRC,
+/// lengths.
 fn shared_fields(entry: &Entry) -> Result<Vec<u8>> {
     let length = u32::try_from(entry.content.len()).with_context(|| format!("{} is longer than 4 GiB", entry.name))?;
     let name = u16::try_from(entry.name.len()).context("a name is too long")?;
@@ -76,28 +78,28 @@ fn shared_fields(entry: &Entry) -> Result<Vec<u8>> {
     Ok(fields)
 }
 
-/// The files of an archive, as its directory tells them. Whether it is as [`write`] makes it is for [`changed`] to say.
+/// Reads the files that the archive's directory lists. [`changed`] then tells whether the archive is as [`write`] makes it.
 ///
 /// # Errors
-/// What is no archive, or one that was cut.
+/// If the bytes are no archive, or the archive was cut.
 pub fn read(archive: &[u8]) -> Result<Vec<Entry>> {
-    let end = archive.len().checked_sub(END_LENGTH).context("it is too short for an archive")?;
+    let end = archive.len().checked_sub(END_LENGTH).context("the file is too short for an archive")?;
     if number(archive, end)? != END {
-        bail!("its end is missing or was changed: it was cut, or is no bundle");
+        bail!("the end of the archive is missing or was changed: the file was cut, or is no bundle");
     }
     let mut at = number(archive, end + 16)? as usize;
     let mut entries: Vec<Entry> = Vec::new();
     while at < end {
         if number(archive, at)? != CENTRAL {
-            bail!("its directory was changed");
+            bail!("the archive's directory was changed");
         }
         let (length, offset) = (number(archive, at + 20)? as usize, number(archive, at + 42)? as usize);
         let name_length = (number(archive, at + 28)? & 0xFFFF) as usize;
         let name = bytes(archive, at + 46, name_length)?;
         let name = std::str::from_utf8(name).ok().filter(|name| is_name(name));
-        let name = name.context("its directory was changed: a name is none that a bundle has")?;
+        let name = name.context("the archive's directory was changed: expected names of files, found another text")?;
         if entries.iter().any(|known| known.name == name) {
-            bail!("its directory was changed: {name} is there twice");
+            bail!("the archive's directory was changed: it lists {name} twice");
         }
         let content = bytes(archive, offset + 30 + name_length, length);
         let content = content.with_context(|| format!("{name} was changed: its place or length is wrong"))?;
@@ -107,7 +109,7 @@ pub fn read(archive: &[u8]) -> Result<Vec<Entry>> {
     Ok(entries)
 }
 
-/// No way out of the folder that it is unpacked into.
+/// Whether a name stays in the folder into which the archive is unpacked.
 fn is_name(name: &str) -> bool {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
     !name.is_empty() && name.len() <= 100 && !name.starts_with('.') && name.chars().all(is_plain)
@@ -115,15 +117,15 @@ fn is_name(name: &str) -> bool {
 
 fn bytes(archive: &[u8], at: usize, length: usize) -> Result<&[u8]> {
     let end = at.checked_add(length);
-    end.and_then(|end| archive.get(at..end)).ok_or_else(|| anyhow!("it was cut, or its directory was changed"))
+    end.and_then(|end| archive.get(at..end)).ok_or_else(|| anyhow!("the archive was cut, or its directory was changed"))
 }
 
 fn number(archive: &[u8], at: usize) -> Result<u32> {
     let found = bytes(archive, at, 4)?.first_chunk();
-    found.map(|bytes| u32::from_le_bytes(*bytes)).context("it was cut")
+    found.map(|bytes| u32::from_le_bytes(*bytes)).context("the archive was cut")
 }
 
-/// The file in which an archive is not what [`write`] makes of its files, or `directory`.
+/// Name of the first file that differs from the output of [`write`], or `directory`; `None` if all is unchanged.
 ///
 /// # Errors
 /// As [`write`].

@@ -1,13 +1,13 @@
-//! Every command in the documentation is one that the program takes.
+//! Test: the program accepts every command that the documentation prints.
 
 use super::*;
 use clap::error::ErrorKind;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a pipeline's variables hold, where a value has a form of its own.
+/// Values for variables of a pipeline whose form the program checks.
 const VARIABLES: [(&str, &str); 3] = [("$CI_MERGE_REQUEST_IID", "7"), ("$SPAN", "3m"), ("${FUZZ_FOR:-3m}", "3m")];
-/// Lines of code that begin with the program's name and are none of its commands.
+/// A page in which lines of code begin with the program's name without being commands.
 const DRAWINGS: &str = "architecture.md";
 
 fn pages() -> Vec<PathBuf> {
@@ -26,14 +26,14 @@ fn commands(page: &str) -> Vec<String> {
         let mut lines = folded.lines().peekable();
         while let Some(line) = lines.next() {
             let depth = line.len() - line.trim_start().len();
-            // In YAML a command goes on in the lines below `>` that are as deep.
+            // YAML folds the lines below `>` of the same depth into the command.
             let is_folded = line.trim_end().ends_with("- >");
             let bare = line.trim().trim_start_matches("$ ").trim_start_matches("- ").trim_start_matches("run: ");
             let mut command = if is_folded { String::new() } else { bare.to_owned() };
             while let Some(more) = lines.next_if(|more| is_folded && more.len() - more.trim_start().len() > depth) {
                 command = format!("{command} {}", more.trim());
             }
-            // Reports begin with the name, too, in a column of its own.
+            // In printed reports the name stands in a column of its own, followed by more than one space.
             let is_command = |command: &String| command.starts_with("canvass ") && !command.starts_with("canvass  ");
             commands.extend(Some(command.trim().to_owned()).filter(is_command));
         }
@@ -41,7 +41,7 @@ fn commands(page: &str) -> Vec<String> {
     commands
 }
 
-/// The words of a command, without what is the shell's and what is a remark.
+/// The words of a command, without the shell's operators and comments.
 fn words(command: &str) -> Vec<String> {
     let command = VARIABLES.iter().fold(command.to_owned(), |text, (name, value)| text.replace(name, value));
     let command = command.split("     ").next().unwrap_or_default();
@@ -59,7 +59,7 @@ fn words(command: &str) -> Vec<String> {
     words.into_iter().take_while(is_own).collect()
 }
 
-/// What is wrong with a command; `with_bus`: the bus is given elsewhere.
+/// The error with which the program refuses a command; with `bus_is_named` the bus is given elsewhere.
 fn mistake(command: &str, bus_is_named: bool) -> Option<clap::Error> {
     let mut words = words(command);
     let parsed = |words: &[String]| Cli::described().try_get_matches_from(words).err();
@@ -88,7 +88,7 @@ fn every_command_in_a_block_of_code_is_taken() {
     assert!(count > 60, "{count}");
 }
 
-/// In the text commands have placeholders; their names and options are real.
+/// Commands in running text have placeholders; the test checks their names and options.
 #[test]
 fn every_command_in_the_text_is_known() {
     let mut count = 0;
@@ -97,7 +97,7 @@ fn every_command_in_the_text_is_known() {
         let quoted = page.split('`').skip(1).step_by(2).filter(|text| text.starts_with("canvass "));
         for command in quoted.filter(|command| !command.starts_with("canvass fleet")) {
             count += 1;
-            // Of alternatives, the first.
+            // Takes the first of several alternatives.
             let first = |word: &str| word.split('|').next().unwrap_or_default().trim_end_matches('\\').to_owned();
             let command = command.split_whitespace().map(first).collect::<Vec<_>>().join(" ");
             if let Some(mistake) = mistake(&command, false) {

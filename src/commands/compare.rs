@@ -1,14 +1,13 @@
 //! `canvass compare`: what changed between two results of `canvass test`.
 
-use super::test::reports::{ReportFormat, Shown};
+use super::test::reports::Shown;
 use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::comparison::{Comparison, Missing, compare, html, json, junit, markdown};
+use canvass_reports::comparison::{Missing, compare};
 use canvass_reports::results::{self, TestResult};
 use canvass_traces::small_file::{self, OF_PROGRAM};
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Compare two results of `canvass test --format json`
@@ -21,11 +20,11 @@ pub struct Args {
     old: PathBuf,
     /// The result of the new release
     new: PathBuf,
-    /// Cases that only the old result has were left out on purpose
+    /// Accept cases that only the old result has: they were left out on purpose
     #[arg(long)]
     allow_missing: bool,
-    /// Results of releases before OLD, oldest first: a case that was bad in one of them, but not in OLD, is reported as
-    /// returned
+    /// Results of releases before OLD, oldest first. A case that was bad in one of them, but not in OLD, is reported
+    /// as returned
     #[arg(long, value_name = "[RELEASE=]FILE")]
     earlier: Vec<String>,
     #[command(flatten)]
@@ -53,22 +52,12 @@ impl Args {
         });
         comparison.recall(&earlier.collect::<anyhow::Result<Vec<_>>>()?);
         comparison.provenance = provenance.0;
-        self.shown.write(&|format, out| render(&comparison, format, out))?;
+        self.shown.write(&comparison)?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })
     }
 }
 
-fn render(comparison: &Comparison, format: ReportFormat, out: &mut dyn Write) -> io::Result<()> {
-    match format {
-        ReportFormat::Table => out.write_all(comparison.text().as_bytes()),
-        ReportFormat::Json => json(comparison, out),
-        ReportFormat::Junit => junit::render(comparison, out),
-        ReportFormat::Html => html::render(comparison, out),
-        ReportFormat::Markdown => markdown::render(comparison, out),
-    }
-}
-
-/// `RELEASE=FILE`, or a file.
+/// Splits `RELEASE=FILE`; a plain `FILE` names no release.
 pub fn named(text: &str) -> (Option<&str>, PathBuf) {
     match text.split_once('=') {
         Some((release, file)) if !release.is_empty() && !Path::new(text).exists() => (Some(release), file.into()),
@@ -76,13 +65,13 @@ pub fn named(text: &str) -> (Option<&str>, PathBuf) {
     }
 }
 
-/// What a release is called: as typed, as noted in its result, or as its file.
+/// The name of a release: the typed one, else the one noted in the result, else the name of the file.
 pub fn release(typed: Option<&str>, result: &TestResult, path: &Path) -> String {
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     typed.or(result.note("release")).map_or_else(stem, str::to_owned)
 }
 
-/// A result of `canvass test`.
+/// Reads a result of `canvass test`.
 pub fn read(path: &Path) -> anyhow::Result<TestResult> {
     let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
     results::read(&text).with_context(|| format!("{}", path.display()))

@@ -9,7 +9,7 @@ use std::io::Write;
 
 /// Print a completion script for a shell
 ///
-/// The shell then asks canvass itself: it offers commands, options and what they take, such as models, faults, cases and
+/// The script asks canvass itself for the commands, the options and their values, such as models, faults, cases and
 /// interfaces. For bash: canvass completions bash > ~/.local/share/bash-completion/completions/canvass
 #[derive(clap::Args)]
 pub struct Args {
@@ -18,7 +18,7 @@ pub struct Args {
     shell: String,
 }
 
-/// Colons and equal signs are parts of bus addresses and devices; bash would break words there.
+/// Bus addresses and devices contain colons and equal signs, at which bash would otherwise break words.
 const WHOLE_WORDS: &str = "COMP_WORDBREAKS=${COMP_WORDBREAKS//[:=]/}\n";
 
 impl Args {

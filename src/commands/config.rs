@@ -1,4 +1,4 @@
-//! `canvass config`: what holds without a word on the command line, and who says so.
+//! `canvass config`: the settings in force, and their sources.
 
 use crate::live::CLIENT;
 use crate::output::print;
@@ -11,13 +11,13 @@ use canvass_suite::bench::Timing;
 use serde_json::json;
 use std::fmt::Write;
 
-/// Show bus, node, device, waivers, timeouts and thresholds as they hold here, and where each comes from
+/// Show bus, node, device, waivers, timeouts and thresholds in force, and where each comes from
 ///
-/// They come from the nearest canvass.toml in this folder or one above it; the bus also from the environment variable
-/// `CANVASS_BUS`, which has precedence. What is typed has precedence over both.
+/// The settings come from the nearest canvass.toml, in this folder or one above it. The environment variable
+/// `CANVASS_BUS` precedes its bus. Options on the command line precede both.
 #[derive(clap::Args)]
 pub struct Args {
-    /// How to print them
+    /// How to print the settings
     #[arg(long, value_enum, default_value_t)]
     format: ConfigFormat,
 }
@@ -27,14 +27,14 @@ enum ConfigFormat {
     /// For people, on a terminal
     #[default]
     Table,
-    /// The contract for programs
+    /// The documented JSON contract
     Json,
 }
 
-/// One value.
+/// A setting with its value and source.
 struct SettingRow {
     key: String,
-    /// `None` where nothing holds.
+    /// The value; `None` if nothing sets it.
     value: Option<String>,
     from: String,
 }

@@ -16,9 +16,9 @@ use std::str::FromStr;
 
 /// Convert captures to another format
 ///
-/// The output format is given by the extension of OUT, which .gz or .zst may follow for compression, or by --to.
-/// Several captures are merged by time. What the format can't hold, and what can't be read, is reported on standard
-/// error. On Ctrl-C the file is completed.
+/// The extension of OUT gives the output format; .gz or .zst after it compresses the file. --to names another format.
+/// Several captures are merged by time. Standard error reports what can't be read and what the output format can't
+/// hold. On Ctrl-C the file is completed.
 #[derive(clap::Args)]
 #[command(override_usage = "canvass convert [OPTIONS] <IN>... <OUT>")]
 #[command(after_help = "\
@@ -31,7 +31,7 @@ pub struct Args {
     /// Capture files, and the file to write; - is standard input or output
     #[arg(required = true, value_name = "IN... OUT")]
     files: Vec<PathBuf>,
-    /// The output format, such as pcapng; or a time after which frames are left out, as for --from; can be given once
+    /// The output format, such as pcapng, or a time: frames after it are left out, as for --from. Can be given once
     /// for each
     #[arg(long, value_name = "FORMAT|TIME")]
     to: Vec<To>,
@@ -48,7 +48,7 @@ pub struct Args {
     input: InputOptions,
 }
 
-/// What `--to` names.
+/// A value of `--to`: a format or a time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum To {
     Format(Format),
@@ -62,7 +62,7 @@ impl FromStr for To {
         if let Some(format) = Format::by_id(text) {
             return Ok(Self::Format(format));
         }
-        // Where it does not even begin like a time, it is a format misspelt.
+        // A text that does not begin like a time is reported as an unknown format.
         text.parse()
             .map(Self::Time)
             .map_err(|_| format!("expected a format ({}) or a time (12.5, +12.5, 2025-01-28T10:47:15Z)", format_ids()))
@@ -96,7 +96,7 @@ impl Args {
             recording: None,
         };
         let converted = conversion.run(&mut inputs);
-        // Also after an error, so that what was written is a valid file.
+        // The file is completed also after an error, so that its frames can be read.
         let finished = conversion.finish(&inputs);
         converted?;
         finished?;
@@ -127,18 +127,18 @@ struct Conversion<'a> {
     range: TimeRange,
     destination: Destination,
     sink: Option<Box<dyn std::io::Write>>,
-    /// What gets its name when it is written; `None` where it has it already.
+    /// The file that gets its final name when it is complete; `None` for standard output.
     whole: Option<WholeFile>,
-    /// What the times count from is known with the first record.
+    /// The output; opened with the first record, whose time base its header needs.
     recording: Option<Recording>,
-    /// Every frame is to be seen at once.
+    /// Whether each frame is written out at once, for a live reader.
     flushes: bool,
 }
 
 impl Conversion<'_> {
     fn run(&mut self, inputs: &mut Inputs<'_>) -> Result<(), Failure> {
         while let Some(seen) = inputs.advance()? {
-            // A salvaged frame contradicts itself: writing it would make it a good one.
+            // A salvaged frame contradicts itself; written out, it would look like a good frame.
             if seen == Seen::Record && self.chooses(inputs.record(), inputs) {
                 let flushes = self.flushes;
                 let recording = self.recording(inputs)?;
@@ -167,7 +167,7 @@ impl Conversion<'_> {
             let Destination { format, compression, .. } = self.destination;
             self.recording = Some(Recording::create(sink, format, compression, &options)?);
         }
-        self.recording.as_mut().ok_or_else(|| anyhow!("the file could not be begun").into())
+        self.recording.as_mut().ok_or_else(|| anyhow!("the output could not be opened").into())
     }
 
     fn finish(&mut self, inputs: &Inputs<'_>) -> Result<(), Failure> {
@@ -185,7 +185,7 @@ fn report_losses(format: Format, losses: &Losses) {
         let plural = if frames == 1 { "" } else { "s" };
         diagnostic(&match loss {
             Loss::Frame => format!("canvass: {format} can't hold {}: {frames} frame{plural} left out", loss.name()),
-            _ => format!("canvass: {format} can't hold {}: lost of {frames} frame{plural}", loss.name()),
+            _ => format!("canvass: {format} can't hold {}: dropped from {frames} frame{plural}", loss.name()),
         });
     }
 }

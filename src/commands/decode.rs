@@ -1,4 +1,4 @@
-//! `canvass decode`: captures in words.
+//! `canvass decode`: captures as text.
 
 use super::decode_events;
 use crate::files::Files;
@@ -16,8 +16,8 @@ use std::path::PathBuf;
 
 /// Decode captures: one annotated line per frame, or one per event
 ///
-/// The format of a capture is recognised by its content. Several captures are merged by time. What can't be read is
-/// reported with its place and reason on standard error, and the rest is decoded.
+/// The format of a capture is recognised by its content. Several captures are merged by time. Standard error reports
+/// what can't be read, with its place and reason; the rest is decoded.
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input
@@ -29,19 +29,19 @@ pub struct Args {
     input: InputOptions,
 }
 
-/// What is shown of the frames, and how.
+/// Options for the output of frames.
 #[derive(clap::Args)]
 pub struct View {
     /// How to print the frames
     #[arg(long, value_enum, default_value_t)]
     format: DecodeFormat,
-    /// Show what happened instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
+    /// Print events instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
     #[arg(long)]
     events: bool,
-    /// Sort frames that are out of order by up to 20 ms, as recorders with several threads or adapters write them
+    /// Sort frames that are up to 20 ms out of order; recorders with several threads or adapters write such files
     #[arg(long, conflicts_with = "events")]
     in_order: bool,
-    /// Which time to show; JSON always has integer nanoseconds
+    /// Which time to print; JSON always has integer nanoseconds
     #[arg(long, value_enum, default_value_t)]
     time: Time,
     #[command(flatten)]
@@ -65,12 +65,12 @@ enum DecodeFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum Time {
-    /// As in the capture
+    /// The time as in the capture
     #[default]
     Absolute,
-    /// Since the first frame
+    /// Time since the first frame
     Relative,
-    /// Since the frame before
+    /// Time since the frame before
     Delta,
     /// Date and time of day in UTC (RFC 3339)
     Utc,
@@ -78,17 +78,17 @@ enum Time {
     Local,
 }
 
-/// What has been understood so far, and what need not be.
+/// The state of decoding: the network, and the frames that need no decoding.
 struct Decoding {
     network: Network,
-    /// Where frames are chosen: those that are not, and that change nothing.
+    /// With a selection: remembers which frames are not selected and change no state, to skip frames like them.
     skipping: Option<Skipping>,
 }
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::text(color.on_stdout());
-        // A mistake in the options is reported before anything is read.
+        // Errors in the options are reported before any file is read.
         let network = self.view.network()?;
         let files = Files::new().reads(&self.files).describes(self.view.selection.descriptions());
         files.writes(self.input.quality_file())?;
@@ -98,12 +98,12 @@ impl Args {
 }
 
 impl View {
-    /// A network that knows the devices named.
+    /// Makes a network that knows the given devices.
     pub fn network(&self) -> Result<Network, Failure> {
         self.selection.network()
     }
 
-    /// Shows all that comes.
+    /// Prints all frames of the inputs.
     pub fn show(
         self,
         mut inputs: Inputs<'_>,
@@ -163,13 +163,16 @@ impl View {
         self.selection.warn_of_nothing(&inputs);
         if matches!(self.time, Time::Utc | Time::Local) && inputs.time_base() != TimeBase::Utc {
             let base = inputs.time_base();
-            diagnostic(&format!("canvass: the times of the capture count from {base}: they are no dates"));
+            diagnostic(&format!(
+                "canvass: the times of the capture count from {base}, not from 1970: no date can be shown"
+            ));
         }
         inputs.finish()?;
         Ok(Status::Good)
     }
 
-    /// Shows the frame, and before it the comment, if it is one that was asked for. A comment is shown once.
+    /// Prints a frame, after its comment if comments are selected. A comment that several frames share is printed
+    /// once.
     fn show_frame(
         &self,
         inputs: &Inputs<'_>,

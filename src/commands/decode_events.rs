@@ -1,4 +1,4 @@
-//! `canvass decode --events`: what happened, instead of frames.
+//! `canvass decode --events`: events instead of frames.
 
 use crate::inputs::Inputs;
 use crate::output::{Color, Output};
@@ -20,7 +20,7 @@ pub fn json() -> Box<dyn Events> {
     Box::new(JsonEvents::new())
 }
 
-/// Shows all events of the captures, and at the end the transfers that are still open.
+/// Prints all events of the captures, and at the end the transfers that did not end.
 pub fn show(
     inputs: &mut Inputs<'_>,
     network: &mut Network,
@@ -55,7 +55,7 @@ pub fn show(
             output.append(|buffer| events.event(&scene, event, buffer))?;
         }
     }
-    // A filter chooses frames, and here is none.
+    // Filters select frames; an event at the end of the capture has none.
     match last {
         Some(last) if !selection.has_filter() => show_open(inputs, network, last, selection, events, output),
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! `canvass diagnose`: what was wrong on a bus.
+//! `canvass diagnose`: problems of a bus.
 
 use crate::destination::refuse_existing;
 use crate::devices::DeviceArg;
@@ -12,13 +12,14 @@ use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
-use canvass_reports::diagnosis::{self, Advice, Diagnosed, Reading, Style, html};
+use canvass_reports::diagnosis::{Advice, Diagnosed, DiagnosisReport, Reading, html};
+use canvass_reports::document::{Form, Report as _, Style};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Diagnose captures: what was on the bus, what was wrong, and the frames that prove it
 ///
-/// `canvass list rules` shows what is looked for, `canvass explain RULE` what it means and what to do. Several captures
+/// `canvass list rules` lists the rules, `canvass explain RULE` explains one and says what to do. Several captures
 /// are merged by time.
 #[derive(clap::Args)]
 pub struct Args {
@@ -43,8 +44,7 @@ pub struct Args {
     /// Set a threshold of a rule, such as bus/load.percent=70; can be given several times
     #[arg(long, value_name = "RULE.NAME=VALUE")]
     threshold: Vec<String>,
-    /// The bit rate of the bus in bit/s, such as 250k; without it, the one that the capture names, or that its frames
-    /// let infer
+    /// The bit rate of the bus in bit/s, such as 250k (default: from the capture, or inferred from its frames)
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     bit_rate: Option<u32>,
     /// Which device a node is: a built-in model or an EDS or DCF file
@@ -75,12 +75,12 @@ enum DiagnoseFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
-    /// Errors
+    /// Exit status 1 with errors
     #[default]
     Error,
-    /// Warnings and errors
+    /// Exit status 1 with warnings and errors
     Warning,
-    /// Nothing: the status tells only whether the captures could be read
+    /// Never exit status 1 for findings; the status tells only whether the captures could be read
     Never,
 }
 
@@ -94,7 +94,7 @@ impl FailOn {
     }
 }
 
-/// A bit rate as it is typed: in bit/s, or with `k` or `M`.
+/// Parses a bit rate in bit/s, with an optional `k` or `M`.
 fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1_000),
@@ -104,9 +104,9 @@ fn parse_bit_rate(text: &str) -> Result<u32, String> {
     rate.filter(|rate| (1_000..=1_000_000).contains(rate)).ok_or_else(|| "expected 1k to 1M, such as 250k".to_owned())
 }
 
-/// The options that show what the table leaves out.
+/// The options that show what the table abbreviates.
 const ADVICE: Advice = Advice {
-    findings: ": --verbose shows all, and the page (--format html)",
+    findings: ": --verbose and the page (--format html) show all",
     rows: ": --verbose shows all",
     bit_rate: " (see --bit-rate)",
 };
@@ -123,7 +123,7 @@ impl Args {
         let hashes = Hashes::begin("capture", &self.files);
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
-        // A frame that contradicts itself proves nothing.
+        // A frame that contradicts itself is no evidence.
         while let Some(seen) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
@@ -150,7 +150,7 @@ impl Args {
         Ok(if self.fail_on.least().is_some_and(fails) { Status::Findings } else { Status::Good })
     }
 
-    /// What is known before the captures are read.
+    /// The provenance of the result, as far as it is known before the captures are read.
     fn provenance(&self, typed: &Typed) -> Result<Collected, Failure> {
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
         provenance.descriptions(None, self.device.iter().map(|device| &*device.device));
@@ -174,14 +174,17 @@ impl Args {
         Ok(diagnosis)
     }
 
-    /// Begins the file before anything is read: one that can't be written is known at once.
+    /// Creates the output file before the captures are read, so that an unwritable path is reported at once.
     fn destination(&self) -> Result<Option<WholeFile>, Failure> {
         let devices = self.device.iter().map(|device| &*device.device);
         let files = Files::new().reads(&self.files).describes(devices);
         files.writes(&self.output)?.writes(self.input.quality_file())?;
         let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
             if self.format == DiagnoseFormat::Html && is_terminal() {
-                return Err(anyhow!("the page is for a browser: use --output FILE, or redirect the output").into());
+                return Err(anyhow!(
+                    "the page is for a browser: write it with --output FILE, or redirect standard output"
+                )
+                .into());
             }
             return Ok(None);
         };
@@ -204,16 +207,15 @@ impl Args {
             None => Box::new(document(color.on_stdout())),
         };
         let mut out = io::BufWriter::new(sink);
+        let (is_verbose, fail_on) = (self.verbose, self.fail_on.least());
+        let report = DiagnosisReport { diagnosed, is_verbose, advice: ADVICE, fail_on };
+        let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
+        let style = Style { color: color.on_stdout() && !to_file, width };
         let written = match self.format {
-            DiagnoseFormat::Table => {
-                let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
-                let style =
-                    Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose, advice: ADVICE };
-                diagnosis::table(diagnosed, style, &mut out)
-            }
-            DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),
-            DiagnoseFormat::Markdown => diagnosis::markdown(diagnosed, &mut out),
-            DiagnoseFormat::Junit => diagnosis::junit(diagnosed, self.fail_on.least(), &mut out),
+            DiagnoseFormat::Table => report.write(Form::Text(style), &mut out),
+            DiagnoseFormat::Json => report.write(Form::Json, &mut out),
+            DiagnoseFormat::Markdown => report.write(Form::Markdown, &mut out),
+            DiagnoseFormat::Junit => report.write(Form::Junit, &mut out),
             DiagnoseFormat::Html => html::render(diagnosed, collector.unwrap_or_default(), &mut out),
         };
         let written = written.and_then(|()| out.flush());
@@ -222,7 +224,7 @@ impl Args {
                 written.with_context(|| format!("can't write {}", path.display()))?;
                 Ok(file.complete()?)
             }
-            // Whether there are findings does not depend on whether somebody reads them to the end.
+            // The exit status does not depend on a reader that closes the pipe early.
             _ => Ok(unless_closed(written)?),
         }
     }

@@ -1,4 +1,4 @@
-//! `canvass doctor`: what this machine can do, and what is missing.
+//! `canvass doctor`: capabilities of this machine.
 
 #[cfg(target_os = "linux")]
 mod kernel;
@@ -19,12 +19,12 @@ pub struct Args {
     /// How to print the findings
     #[arg(long, value_enum, default_value_t)]
     format: TextOrJson,
-    /// As --format json, which it was called before
+    /// Same as --format json (former name)
     #[arg(long, hide = true)]
     json: bool,
 }
 
-/// Something that was looked at.
+/// A checked capability of the machine.
 struct Finding {
     what: &'static str,
     good: bool,
@@ -99,10 +99,10 @@ fn socketcan() -> Vec<Finding> {
         });
     }
     if good && let Some(bytes) = read("/proc/sys/net/core/rmem_max").and_then(|text| text.parse::<u64>().ok()) {
-        // A frame takes about 1 KiB of the kernel's queue; root may go beyond the limit.
+        // A frame takes about 1 KiB of the kernel's queue, and root may exceed the limit.
         let enough = bytes >= 4 << 20;
         let remedy = if enough { "" } else { ": sysctl net.core.rmem_max=8388608 (not needed as root)" };
-        let text = format!("holds about {} frames while this program is not woken{remedy}", bytes / 1024);
+        let text = format!("holds about {} frames while this program does not run{remedy}", bytes / 1024);
         findings.push(Finding { what: "kernel queue", good: enough, text });
     }
     findings
@@ -113,11 +113,11 @@ fn socketcan() -> Vec<Finding> {
     vec![Finding {
         what: "SocketCAN",
         good: false,
-        text: "only Linux has it: use slcan:PORT or pcan:CHANNEL".to_owned(),
+        text: "only Linux has SocketCAN: use slcan:PORT or pcan:CHANNEL".to_owned(),
     }]
 }
 
-/// Adapters of PEAK, by PEAK's own library.
+/// Checks adapters of PEAK, through PEAK's own library.
 #[cfg(any(windows, target_os = "linux"))]
 fn pcan() -> Option<Finding> {
     use canvass_bus::pcan::{PcanError, installed};
@@ -128,7 +128,7 @@ fn pcan() -> Option<Finding> {
             let none = "no adapter is plugged in".to_owned();
             (true, version + &if channels.is_empty() { none } else { channels.join("; ") })
         }
-        // Most users have no such adapter, and on Linux those who have need it not.
+        // Most users have no such adapter, and on Linux the kernel's driver serves it without this library.
         Err(PcanError::NoLibrary { .. }) => (true, "not installed: only pcan:CHANNEL needs it".to_owned()),
         Err(error) => (false, error.to_string()),
     };
@@ -140,7 +140,7 @@ fn pcan() -> Option<Finding> {
     None
 }
 
-/// Serial ports: those of Windows, whatever is behind them.
+/// Lists all serial ports of Windows: the system does not tell which are CAN adapters.
 #[cfg(windows)]
 fn serial_ports() -> Finding {
     let ports = canvass_bus::slcan::ports();
@@ -150,7 +150,7 @@ fn serial_ports() -> Finding {
 
 const NO_PORTS: &str = "none (slcan:tcp://HOST:PORT works without them)";
 
-/// Serial ports that CAN adapters show as.
+/// Lists the serial ports under whose names CAN adapters appear.
 #[cfg(not(windows))]
 fn serial_ports() -> Finding {
     let entries = fs::read_dir("/dev").into_iter().flatten().flatten();
@@ -172,7 +172,7 @@ fn serial_ports() -> Finding {
     Finding { what: "serial ports", good, text }
 }
 
-/// How much later than asked for a program is woken: the tester's reaction times can't be better.
+/// Measures how late the system wakes the program: the tester can't measure reaction times more precisely.
 fn wake_up() -> Finding {
     let asked = Duration::from_millis(1);
     let mut delays: Vec<Duration> = (0..200)
@@ -186,7 +186,7 @@ fn wake_up() -> Finding {
     let at = |share: usize| delays.get(delays.len() * share / 100).copied().unwrap_or_default();
     let worst = delays.last().copied().unwrap_or_default();
     let text = format!(
-        "half of all waits end within {} of their time, 99 % within {}, all within {}",
+        "half of all waits end within {} of the requested time, 99 % within {}, all within {}",
         shown(at(50)),
         shown(at(99)),
         shown(worst)

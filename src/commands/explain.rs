@@ -40,7 +40,8 @@ impl Args {
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
                 anyhow!(
-                    "nothing is called \"{id}\": `canvass list cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` shows what there is"
+                    "nothing has the id \"{id}\": `canvass list \
+                     cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` lists all"
                 )
             })?;
         print(&Printable::document(&text))?;
@@ -48,7 +49,7 @@ impl Args {
     }
 }
 
-/// The rows that are not empty, in two columns.
+/// The non-empty rows in two columns.
 fn rows(head: &str, text: &str, rows: &[(&str, String)]) -> String {
     let mut shown = format!("{head}\n\n{text}\n\n");
     for (name, value) in rows.iter().filter(|row| !row.1.is_empty()) {
@@ -58,7 +59,7 @@ fn rows(head: &str, text: &str, rows: &[(&str, String)]) -> String {
     shown.trim_end().to_owned() + "\n"
 }
 
-/// A rule of the diagnosis, and how its thresholds are set.
+/// A diagnosis rule, and how to set its thresholds.
 fn rule_of_captures(rule: &findings::Metadata) -> String {
     let text = diagnosis::explain(rule);
     if rule.thresholds.is_empty() {
@@ -116,8 +117,8 @@ fn liberty(liberty: Liberty) -> String {
 
 fn fuzzer(fault: Fault) -> String {
     match (fault.unfuzzed(), fault.fuzz_needs()) {
-        (Some(why), _) => format!("does not claim to find it: {why}"),
-        (None, Some(touch)) => format!("finds it with --allow {touch}"),
+        (Some(why), _) => format!("not among the fuzzer's claims: {why}"),
+        (None, Some(touch)) => format!("found with --allow {touch}"),
         (None, None) => "finds it".to_owned(),
     }
 }

@@ -1,4 +1,4 @@
-//! `canvass fleet`: hands what was typed to `canvass-fleet`, which is a program of its own.
+//! `canvass fleet`: runs `canvass-fleet`, a separate program, with the typed arguments.
 
 use crate::status::{Failure, Status};
 use std::ffi::OsString;
@@ -6,9 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Ask thousands of captures and results of tests in SQL: runs canvass-fleet
+/// Query thousands of captures and test results in SQL: runs canvass-fleet
 ///
-/// canvass-fleet is a program of its own. It is taken from the folder that canvass is in, or from PATH.
+/// canvass-fleet is a separate program. canvass looks for it in its own folder, then in PATH.
 #[derive(clap::Args)]
 #[command(disable_help_flag = true, disable_version_flag = true)]
 pub struct Args {
@@ -21,7 +21,7 @@ pub struct Args {
 #[derive(Debug, thiserror::Error)]
 enum FleetError {
     #[error(
-        "{PROGRAM} is neither beside canvass nor in PATH: it is a program of its own. In the source of canvass `cargo \
+        "{PROGRAM}, a separate program, is neither in canvass's folder nor in PATH. In the source of canvass `cargo \
          build --release --manifest-path fleet/Cargo.toml` makes fleet/target/release/{PROGRAM}"
     )]
     Missing,
@@ -32,7 +32,7 @@ enum FleetError {
 const PROGRAM: &str = "canvass-fleet";
 
 impl Args {
-    /// Its exit status is that of canvass-fleet.
+    /// Runs canvass-fleet, whose exit status becomes that of canvass.
     pub fn run(self) -> Result<Status, Failure> {
         let program = beside().unwrap_or_else(|| PathBuf::from(PROGRAM));
         let mut command = Command::new(&program);
@@ -41,7 +41,7 @@ impl Args {
     }
 }
 
-/// The one in the folder that this program is in.
+/// The path of canvass-fleet in the folder of this program.
 fn beside() -> Option<PathBuf> {
     let name = format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX);
     let program = std::env::current_exe().ok()?.parent()?.join(name);
@@ -55,7 +55,7 @@ fn not_started(program: &Path, source: io::Error) -> FleetError {
     }
 }
 
-/// This process becomes that program: its signals and its status are those of the other one.
+/// Replaces this process by canvass-fleet, which then receives the signals and sets the exit status itself.
 #[cfg(unix)]
 fn ended(mut command: Command) -> io::Result<Status> {
     Err(std::os::unix::process::CommandExt::exec(&mut command))

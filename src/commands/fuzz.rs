@@ -1,28 +1,28 @@
-//! `canvass fuzz`: sequences of frames against one device, and what must hold whatever is sent.
+//! `canvass fuzz`: sends sequences of frames to a device and checks the properties.
 
 mod device;
 mod progress;
 mod regressions;
 mod reproducers;
 
-use super::test::reports::{ReportArg, ReportFormat, Shown};
+use super::test::reports::{ReportArg, ReportFormat, Shown, print, write_file};
 use crate::allow::{Allow, touches};
 use crate::devices::parse_node;
 use crate::files::Files;
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
-use crate::output::{diagnostic, document, unless_closed};
+use crate::output::diagnostic;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::reconnect::ReconnectArg;
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_fuzzer::campaign::{self, Outcome, Plan};
 use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
-use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
+use canvass_reports::fuzz::{Run, Words};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::identity;
 use canvass_suite::touch::Touch;
@@ -30,51 +30,50 @@ use canvass_traces::Duration;
 use device::Device;
 use progress::Progress;
 use regressions::Regressions;
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Fuzz a device: send it unexpected sequences of frames, and judge every frame that comes back
 ///
-/// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send. Each
-/// violation is repeated to confirm it, and its sequence of frames is shortened as far as possible. Nothing is done
-/// that writes the device's non-volatile memory, moves its zero point, changes its node-ID or bit rate or commands other
-/// nodes unless --allow names it, on a simulated bus as on a live one.
+/// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send.
+/// Each violation is repeated to confirm it, and its sequence of frames is shortened as far as possible. Without
+/// --allow, the fuzzer never writes the device's non-volatile memory, moves its zero point, changes its node-ID or
+/// bit rate, or commands other nodes, neither on a simulated bus nor on a live one.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The device's node-ID; without it the one that the model has as delivered
+    /// The device's node-ID (default: the model's node-ID as delivered)
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// The services: sdo, lss, nmt, pdo, sync-emcy or all, or several with commas between them
+    /// The services to fuzz: sdo, lss, nmt, pdo, sync-emcy or all; several with commas between them
     #[arg(long, value_name = "SERVICES", default_value_t)]
     target: Targets,
-    /// How long: 30s, 10m, 1h; without it and --runs 10s on a simulated bus, 60s on a live one
+    /// Time limit, such as 30s, 10m or 1h (default without --runs: 10s on a simulated bus, 60s on a live one)
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// How many sequences; the same number and the same seed give the same run
+    /// Number of sequences; the same number and the same seed give the same run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     runs: Option<u64>,
-    /// The seed of all random choices; without it one from the clock, which the result names
+    /// The seed of all random choices (default: from the clock; the result names it)
     #[arg(long)]
     seed: Option<u64>,
     /// End with the first violation
     #[arg(long)]
     stop_at_first: bool,
-    /// How many tries are spent on shortening a sequence; without it 2000 on a simulated bus, 100 on a live one
+    /// Number of tries for shortening a sequence (default: 2000 on a simulated bus, 100 on a live one)
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
-    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
+    /// What the sequences may change: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
-    /// Only send the frames of this log or reproducer again, and judge what comes back
+    /// Only send the frames of this log or reproducer again, and judge the answers
     #[arg(long, value_name = "FILE", conflicts_with_all = ["span", "runs", "regressions"])]
     replay: Option<PathBuf>,
-    /// A file of sequences that showed violations: they are tried first, and new ones are appended
+    /// A file of sequences that showed violations: it is replayed first, and new ones are appended
     #[arg(long, value_name = "FILE")]
     regressions: Option<PathBuf>,
     /// A folder for a candump log of each violation, for --replay and canplayer; it is created if it does not exist
@@ -120,7 +119,8 @@ impl Args {
             only_regressions: self.replay.is_some(),
         };
         self.resolve(&mut provenance, &mut device, &plan, span)?;
-        // What the device was asked before is not of the time of the run.
+        let before = device.zero_point();
+        // The time limit starts here, after the first questions to the device.
         plan.time.ends = self.ends(span, simulated);
         let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
         let kept = match &self.regressions {
@@ -129,17 +129,18 @@ impl Args {
         };
         let kept = kept
             .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
-        let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
-        let printed = render_of(of_stdout)(&run, &mut document(false));
-        // None depends on another: if one can't be written, the others are whole all the same.
-        let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
-        unless_closed(printed)?;
+        let moved = before.and_then(|before| before.moved(&device.zero_point()?));
+        let run = Run { zero_point: moved, ..self.result(&device, provenance.0, &plan, outcome, interrupt.came()) };
+        let printed = print(&run, of_stdout);
+        // All reports are written even if one of them fails.
+        let reported: Vec<_> = reports.into_iter().map(|(format, file)| write_file(&run, format, file)).collect();
+        printed?;
         kept?;
         reported.into_iter().collect::<Result<(), _>>()?;
         Ok(status(&run))
     }
 
-    /// What is known before the device is touched.
+    /// The provenance, as far as it is known before the first frame is sent.
     fn provenance(&self, typed: &Typed, seed: u64) -> Result<Collected, Failure> {
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::bus(&self.bus))?;
         provenance.seed(seed);
@@ -150,7 +151,7 @@ impl Args {
         Ok(provenance)
     }
 
-    /// What was not given and has shown.
+    /// Adds the values of the options that were not typed to the provenance.
     fn resolve(
         &self,
         provenance: &mut Collected,
@@ -167,12 +168,12 @@ impl Args {
         provenance.resolve("shrink-budget", vec![plan.shrink_budget.to_string()]);
         let endurance = self.reconnect.until(None, plan.time.cancelled.clone());
         let identity = device.on_bus(&self.bus, plan.seed, endurance, |bus| identity::ask(bus, node))?;
-        // A bus that fails ends the run, which has its report all the same.
+        // A bus failure ends the run; the report is written all the same.
         provenance.node(node, identity.unwrap_or_default());
         Ok(())
     }
 
-    /// How long the run takes, where it is not told by the number of sequences.
+    /// The time limit of the run; `None` if `--runs` limits it.
     fn span(&self, simulated: bool) -> Option<Duration> {
         let usual = if simulated { Duration::from_secs(10) } else { Duration::from_secs(60) };
         match (self.span, self.runs) {
@@ -181,13 +182,13 @@ impl Args {
         }
     }
 
-    /// When even making a sequence shorter ends. A simulated device is worth a moment more: each try takes next to nothing.
+    /// When shortening ends at the latest. On a simulated bus the limit is later, as each try costs almost no time.
     fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
         let more = if simulated { Duration::from_secs(3) } else { Duration::ZERO };
         Some(Instant::now() + std::time::Duration::from(span? + more))
     }
 
-    /// The run itself, with its progress on a terminal.
+    /// Runs the fuzzer, with progress on a terminal.
     fn fuzz(
         &self,
         device: &mut Device,
@@ -229,11 +230,12 @@ impl Args {
             sdo_reach: SdoReach::of(knowledge),
             reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
+            zero_point: None,
             words,
         }
     }
 
-    /// The command that repeats the run, to the last frame on a simulated bus.
+    /// The command that repeats the run; on a simulated bus the frames are then identical.
     fn repeat(&self, node: NodeId, seed: u64, sequences: u64) -> String {
         let mut command = format!("canvass fuzz {} --node {node}", self.bus);
         if let Some(device) = &self.device {
@@ -256,14 +258,14 @@ impl Args {
         command
     }
 
-    /// Begins all files before the device is touched: a report that can't be written is known at once.
-    fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
-        let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
+    /// Creates all report files before the first frame is sent, so that an unwritable path is reported at once.
+    fn open_reports(&self) -> Result<Vec<(ReportFormat, WholeFile)>, Failure> {
+        let open = |arg: &ReportArg| Ok((arg.format(), WholeFile::create(arg.file())?));
         self.shown.in_files().map(open).collect()
     }
 }
 
-/// What was found goes before what became of the bus.
+/// Violations precede a failure of the bus: they stay true.
 fn status(run: &Run) -> Status {
     match &run.outcome {
         outcome if !outcome.violations.is_empty() => Status::Findings,
@@ -273,29 +275,13 @@ fn status(run: &Run) -> Status {
     }
 }
 
-fn write_report(render: Render, run: &Run, file: WholeFile) -> anyhow::Result<()> {
-    let mut out = file.document()?;
-    render(run, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-    file.complete()
-}
-
-fn render_of(format: ReportFormat) -> Render {
-    match format {
-        ReportFormat::Table => text::render,
-        ReportFormat::Json => json::render,
-        ReportFormat::Junit => junit::render,
-        ReportFormat::Html => html::render,
-        ReportFormat::Markdown => markdown::render,
-    }
-}
-
-/// Short enough to be typed again.
+/// A seed from the clock, of few digits, so that it is easily typed again.
 fn from_the_clock() -> u64 {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     u64::from(now.subsec_nanos()) ^ now.as_secs() & 0xFFFF
 }
 
-/// What can't be replayed or tried first.
+/// The failure for a log or a file of regressions that can't be read.
 fn unreadable(path: &std::path::Path, error: impl std::fmt::Display) -> anyhow::Error {
     anyhow!("{}: {error}", path.display())
 }

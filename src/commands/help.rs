@@ -1,4 +1,4 @@
-//! `canvass help`: of a command, or of what several commands have in common.
+//! `canvass help`: help of a command or a topic.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
@@ -8,15 +8,15 @@ use canvass_reports::escape::Printable;
 /// Print the help of a command, or of a topic: filter
 #[derive(clap::Args)]
 pub struct Args {
-    /// A command, such as sdo read, or a topic; without it, canvass itself
+    /// A command, such as sdo read, or a topic (default: canvass itself)
     what: Vec<String>,
 }
 
-/// What several commands have in common: name and page.
+/// Topics that concern several commands: name and page.
 const TOPICS: [(&str, &str); 1] = [("filter", include_str!("help/filter.txt"))];
 
 impl Args {
-    /// `cli` is the whole command line.
+    /// Prints the help; `cli` is the whole command line.
     pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
         cli.build();
         if let [topic] = &self.what[..]

@@ -6,16 +6,15 @@ use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
-use canvass_reports::history::{History, Release, html, json, markdown, text};
-use std::io;
+use canvass_reports::history::{History, Release};
 use std::path::PathBuf;
 
 /// Show many results of `canvass test --format json`, over releases and samples
 ///
-/// Shows for each case its verdict in every release, the release since which it fails, and whether it is flaky; and for
-/// each release which cases it ran. Give the results in the order of the releases, oldest first. A result belongs to
-/// the release that is written before it (1.4=a.json), else to that of its --note release=1.4, else to one named like
-/// its file. Several results of one release are samples of it.
+/// For each case the history shows its verdict in every release, the release since which it fails, and whether it is
+/// flaky; for each release it shows which cases ran. Give the results in the order of the releases, oldest first. A
+/// result belongs to the release that is written before it (1.4=a.json), else to that of its --note release=1.4, else
+/// to one named like its file. Several results of one release are samples of it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The results, oldest first
@@ -31,7 +30,8 @@ impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         if self.shown.formats().any(|format| format == ReportFormat::Junit) {
             return Err(anyhow!(
-                "a history is no test: choose table, json, html or markdown (`canvass compare` has junit)"
+                "a history has no pass or fail, which JUnit needs: choose table, json, html or markdown (`canvass \
+                 compare` has junit)"
             )
             .into());
         }
@@ -51,16 +51,7 @@ impl Args {
         }
         let mut history = History::of(&releases);
         history.provenance = provenance.0;
-        self.shown.write(&|format, out| render(&history, format, out))?;
+        self.shown.write(&history)?;
         Ok(Status::Good)
-    }
-}
-
-fn render(history: &History, format: ReportFormat, out: &mut dyn io::Write) -> io::Result<()> {
-    match format {
-        ReportFormat::Json => json(history, out),
-        ReportFormat::Html => html(history, out),
-        ReportFormat::Markdown => markdown(history, out),
-        ReportFormat::Table | ReportFormat::Junit => text(history, out),
     }
 }

@@ -1,4 +1,4 @@
-//! `canvass list`: what there is.
+//! `canvass list`: cases, models, rules and so on, with their ids.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
@@ -41,9 +41,9 @@ enum What {
     Situations,
     /// Built-in device models
     Models,
-    /// Firmware faults that a simulated device can be given
+    /// Faults of the firmware of simulated devices
     Faults,
-    /// What the standard leaves free, and a simulated device can do
+    /// Liberties: unusual behaviour that the standard allows, as simulated devices show it
     Liberties,
     /// Rules of `canvass diagnose`
     Rules,
@@ -218,7 +218,7 @@ fn formats() -> Vec<Value> {
     Format::all().map(row).collect()
 }
 
-/// The ids and summaries in two columns.
+/// Ids and summaries in two columns.
 fn text(rows: &[Value]) -> String {
     let of = |row: &Value, key: &str| row[key].as_str().unwrap_or_default().to_owned();
     let width = rows.iter().map(|row| of(row, "id").len()).max().unwrap_or(0);

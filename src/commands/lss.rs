@@ -17,7 +17,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-/// Ask for and set node-ID and bit rate by LSS (CiA 305)
+/// Read and set node-ID and bit rate by LSS (CiA 305)
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -26,7 +26,7 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Ask a device for its LSS address and node-ID
+    /// Read a device's LSS address and node-ID
     Inquire {
         #[command(flatten)]
         bus: OnBus,
@@ -35,14 +35,14 @@ enum Action {
     },
     /// Give a device a node-ID, a bit rate, or both
     ///
-    /// Devices that have LMT (CiA DS-205) in place of LSS understand the same commands, and have another table of bit rates:
-    /// on a bus with such a device --bit-rate is refused, unless --address names one that has LSS.
+    /// Devices that have LMT (CiA DS-205) in place of LSS understand the same commands, but their table of bit rates
+    /// differs. On a bus with such a device --bit-rate is refused, unless --address names a device that has LSS.
     Configure {
         #[command(flatten)]
         bus: OnBus,
         #[command(flatten)]
         which: Which,
-        /// The node-ID; none takes it away
+        /// The node-ID, or none to remove it
         #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
         node_id: Option<u8>,
         /// The bit rate, such as 250k; it takes effect when it is activated
@@ -51,8 +51,8 @@ enum Action {
         /// Store both in non-volatile memory
         #[arg(long)]
         store: bool,
-        /// Make all devices change to the bit rate that was set for them, with a pause before and after of this length,
-        /// such as 100ms
+        /// Make all devices change to the bit rate that was set for them; the pause before and after the change has
+        /// this length, such as 100ms
         #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
         activate: Option<u16>,
     },
@@ -60,8 +60,8 @@ enum Action {
     Fastscan {
         #[command(flatten)]
         bus: OnBus,
-        /// Give it that node-ID, and further devices the node-IDs after it, until none is found; ends with status 1 if
-        /// a device is found again
+        /// Assign this node-ID to the device, and the following node-IDs to further devices until none is found; exit
+        /// status 1 if a device is found again
         #[arg(long, value_name = "NODE", value_parser = crate::devices::parse_node)]
         assign: Option<NodeId>,
         /// Store the node-IDs in non-volatile memory
@@ -74,14 +74,14 @@ enum Action {
 struct OnBus {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// How long to wait for each answer, such as 100ms; a Fastscan waits up to 68 times for every device,
-    /// and "store" at least 10 s
+    /// How long to wait for each answer, such as 100ms. Fastscan waits up to 68 times for each device, "store" waits
+    /// at least 10 s
     #[arg(long, value_name = "SPAN", value_parser = parse_span)]
     timeout: Option<Duration>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: TextOrJson,
-    /// As --format json, which it was called before
+    /// Same as --format json (former name)
     #[arg(long, hide = true)]
     json: bool,
     #[command(flatten)]
@@ -90,7 +90,7 @@ struct OnBus {
 
 #[derive(clap::Args)]
 struct Which {
-    /// The device's LSS address; without it all devices are switched to configuration, so there must be only one
+    /// The device's LSS address (default: all devices are switched to configuration, so there must be only one)
     #[arg(long, value_name = "VENDOR:PRODUCT:REVISION:SERIAL")]
     address: Option<Address>,
 }
@@ -118,7 +118,7 @@ fn parse_node_id(text: &str) -> Result<u8> {
     if text == "none" { Ok(NO_NODE_ID) } else { crate::devices::parse_node(text).map(NodeId::raw) }
 }
 
-/// The index in table 0 of CiA 305.
+/// Parses a bit rate into its index in table 0 of CiA 305.
 fn parse_bit_rate(text: &str) -> Result<u8> {
     let number = |digits: &str, factor: u32| digits.parse::<u32>().ok()?.checked_mul(factor);
     let rate = match text.char_indices().last() {
@@ -132,13 +132,13 @@ fn parse_bit_rate(text: &str) -> Result<u8> {
     })
 }
 
-/// The node-ID that says "not configured".
+/// The value of the node-ID that means "not configured".
 const NO_NODE_ID: u8 = 255;
-/// How long a slave may take to answer.
+/// Default timeout for an answer.
 const PATIENCE: Duration = Duration::from_millis(1_000);
-/// How long it may take to store: its memory is erased and written meanwhile.
+/// Timeout for "store": the slave erases and writes its memory before it answers.
 const STORE_PATIENCE: Duration = Duration::from_millis(10_000);
-/// How long a slave may take to answer a Fastscan: silence is an answer there, so it costs time each time.
+/// Default timeout for a Fastscan request: silence is one of its two answers, so most requests wait that long.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
 const WAITING: Request = Request::SwitchGlobal { mode: 0 };
 const CONFIGURATION: Request = Request::SwitchGlobal { mode: 1 };
@@ -167,7 +167,7 @@ struct Wish {
     activate: Option<u16>,
 }
 
-/// The delay of "activate bit timing": whole milliseconds in 16 bits.
+/// Parses the delay of "activate bit timing": whole milliseconds in 16 bits.
 fn parse_delay(text: &str) -> Result<u16> {
     let millis = parse_span(text)?.nanos() / 1_000_000;
     u16::try_from(millis)
@@ -190,7 +190,7 @@ impl OnBus {
         let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
         let mut master = Master { exchange, patience, json: self.json || matches!(self.format, TextOrJson::Json) };
         let acted = act(&mut master);
-        // Whatever happened: no device stays in configuration.
+        // Also after an error, no device may stay in configuration.
         let left = master.tell(&WAITING);
         let status = acted?;
         left?;
@@ -212,15 +212,15 @@ impl Master<'_> {
         response.ok_or_else(|| Failure::unreachable(anyhow!("no device answers to \"{request}\"")))
     }
 
-    /// Sends what is not answered.
+    /// Sends a request that slaves do not answer.
     fn tell(&mut self, request: &Request) -> Result<(), Failure> {
         self.exchange.bus.send(&request.to_frame(MASTER_CAN_ID)).map_err(Failure::unreachable)?;
-        // Slaves need not take the next message before they have understood this one.
+        // A slave needs time to process this request before it can take the next.
         self.exchange.wait_for(Duration::from_millis(5), |_| None::<()>).map_err(Failure::unreachable)?;
         Ok(())
     }
 
-    /// Switches the device to configuration.
+    /// Switches the device to the configuration state.
     fn select(&mut self, which: &Which) -> Result<(), Failure> {
         let Some(Address(address)) = which.address else { return self.tell(&CONFIGURATION) };
         self.tell(&WAITING)?;
@@ -261,7 +261,7 @@ impl Master<'_> {
 
     fn configure(&mut self, which: &Which, wish: Wish) -> Result<Status, Failure> {
         self.select(which)?;
-        // A slave that was selected by its LSS address has answered as LSS does; the others are not in configuration.
+        // With `--address` only the selected slave is in configuration, and it has answered as LSS does.
         if let (Some(index), None) = (wish.bit_rate, &which.address) {
             self.refuse_lmt(index)?;
         }
@@ -276,12 +276,14 @@ impl Master<'_> {
         }
         if let Some(delay) = wish.activate {
             self.tell(&Request::ActivateBitTiming { delay })?;
-            diagnostic(&format!("canvass: all devices change their bit rate in {delay} ms: this interface must too"));
+            diagnostic(&format!(
+                "canvass: all devices change their bit rate in {delay} ms: change that of this interface too"
+            ));
         }
         Ok(Status::Good)
     }
 
-    /// A configuration that has to succeed.
+    /// Sends a configuration command; every answer but success is an error.
     fn configured(&mut self, command: ConfigureCommand, request: &Request) -> Result<(), Failure> {
         let response = self.ask(request)?;
         let Response::Configured { command: found, error: 0, .. } = response else {
@@ -322,7 +324,7 @@ impl Master<'_> {
                     }
                 }
                 ScanStep::Lost(part) => {
-                    let why = format!("the {} of a device was not confirmed: wait longer with --timeout", part.name());
+                    let why = format!("no answer to the {} confirmed it: wait longer with --timeout", part.name());
                     return Err(Failure::unreachable(anyhow!(why)));
                 }
                 ScanStep::Nobody | ScanStep::Ask(_) => break,
@@ -352,14 +354,15 @@ impl Master<'_> {
     }
 }
 
-/// Why a Fastscan ends that finds a device which has a node-ID by now: it would be given one after the other, and store each.
+/// Why a Fastscan stops when it finds a configured device again: it would assign it one node-ID after the other, and
+/// store each.
 fn found_again(address: LssAddress, node: Option<NodeId>) -> String {
     let [vendor, product, revision, serial] = address;
     let given = node.map(|node| format!("was given node-ID {node} and ")).unwrap_or_default();
     format!(
-        "the device with vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h and serial \
-         number {serial:08X}h {given}answers Fastscan again: it takes part although it is configured, or two devices have the \
-         same LSS address; the scan ends here"
+        "the device with vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h and \
+         serial number {serial:08X}h {given}answers Fastscan again: either it takes part although it is configured, \
+         or two devices have the same LSS address; the scan ends here"
     )
 }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Print the manual page, or write those of all commands into a folder
 #[derive(clap::Args)]
 pub struct Args {
-    /// A command, such as sdo read; without it, canvass itself
+    /// A command, such as sdo read (default: canvass itself)
     command: Vec<String>,
     /// Write canvass.1, canvass-decode.1 and so on into this folder
     #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
@@ -17,7 +17,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// `cli` is the whole command line.
+    /// Prints or writes the pages; `cli` is the whole command line.
     pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
         cli.build();
         if let Some(folder) = self.out {

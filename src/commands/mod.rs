@@ -1,4 +1,4 @@
-//! One file per subcommand: what was typed becomes objects, the objects do the work.
+//! The subcommands, one file each: a command turns its options into objects and calls the libraries.
 
 pub mod compare;
 pub mod completions;

@@ -1,4 +1,4 @@
-//! `canvass monitor`: what is on a bus, in words, as it comes.
+//! `canvass monitor`: decodes a live bus.
 
 #[cfg(feature = "screen")]
 mod screen;
@@ -18,9 +18,9 @@ use canvass_traces::Timestamp;
 
 /// Decode a live bus: one annotated line per frame, or one per event
 ///
-/// With the options of `canvass decode`. Receiving does not wait for the terminal; lost frames are reported where they
-/// were lost, and their total at the end. A bus that is interrupted is shown again when it is back; the status is 3 if it was
-/// not back at the end. Ends by Ctrl-C or --for.
+/// Takes the options of `canvass decode`. Receiving does not wait for the terminal. Lost frames are reported at their
+/// place, and their total at the end. After an interruption of the bus, monitoring goes on when the bus is back; the
+/// exit status is 3 if it does not come back. Ends by Ctrl-C or --for.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -48,7 +48,7 @@ impl Args {
             let mut bus = bus;
             let end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
             let shown = screen::show(bus.as_mut(), &mut self.view.network()?, &self.bus, end, &interrupt);
-            // The screen is gone, and with it what it said.
+            // The screen has hidden the messages of the bus; they are repeated here.
             crate::live::report_health(bus.as_ref());
             shown?;
             let interruptions = crate::reconnect::interruptions(bus.as_ref());

@@ -1,4 +1,4 @@
-//! `canvass nmt`: commands of network management.
+//! `canvass nmt`: NMT commands.
 
 use super::send::send_and_show;
 use crate::devices::{DeviceArg, parse_node};
@@ -23,7 +23,7 @@ pub struct Args {
     /// The node, or `all`
     #[arg(value_name = "NODE|all", value_parser = parse_addressed)]
     node: Addressed,
-    /// How long to listen, such as 500ms
+    /// How long to listen for reactions, such as 500ms
     #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
     wait: Duration,
     /// Which device a node is: a built-in model or an EDS or DCF file
@@ -35,15 +35,15 @@ pub struct Args {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Command {
-    /// To operational
+    /// Start: enter the state operational
     Start,
-    /// To stopped
+    /// Stop: enter the state stopped
     Stop,
-    /// To pre-operational
+    /// Enter the state pre-operational
     PreOperational,
-    /// Restart the whole device
+    /// Reset node: restart the device
     ResetNode,
-    /// Restart its communication
+    /// Reset communication: restart the device's communication
     ResetCommunication,
 }
 
@@ -51,7 +51,7 @@ enum Command {
 struct Addressed(u8);
 
 impl Addressed {
-    /// Whether a frame tells of the state of such a node.
+    /// Whether a frame tells the state of an addressed node.
     fn concerns(self, frame: &Frame) -> bool {
         frame.cob_id().is_some_and(|cob_id| {
             let of_state = matches!(cob_id & 0x780, error_control::CAN_ID_BASE | emcy::CAN_ID_BASE);

@@ -1,4 +1,4 @@
-//! `canvass record`: what is on a bus, into files.
+//! `canvass record`: records a bus into files.
 
 mod outputs;
 
@@ -14,16 +14,16 @@ use canvass_traces::{Channels, Duration, Format, Timestamp};
 use outputs::{Outputs, Rotation};
 use std::path::PathBuf;
 
-/// Record what is on a bus into files of any format that canvass writes
+/// Record a bus into files of any format that canvass writes
 ///
-/// Receiving does not wait for the disk. Whatever ends the recorder, all that was recorded up to the last second is
-/// readable. A bus that is interrupted is recorded again when it is back. Ends by Ctrl-C, --for or --frames, with status 1 if
-/// frames were lost, and 3 if the bus was not back at the end.
+/// Receiving does not wait for the disk. Even if the recorder is killed, everything up to the last second is
+/// readable. After an interruption of the bus, recording goes on when the bus is back. Ends by Ctrl-C, --for or
+/// --frames, with exit status 1 if frames were lost, and 3 if the bus did not come back.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The files; the extensions give the formats, such as .pcapng, .mcap or .log; .log.gz is compressed
+    /// The files to write; their extensions give the formats, such as .pcapng, .mcap or .log; .log.gz is compressed
     #[arg(required = true, value_name = "OUT")]
     out: Vec<PathBuf>,
     /// The format to write, if the extension does not give it
@@ -49,10 +49,10 @@ pub struct Args {
     frames: Option<u64>,
 }
 
-/// How often what was recorded is handed to the system: all but that survives a killed recorder.
+/// Interval between two flushes: at most this much is lost when the recorder is killed.
 const FLUSH: Duration = Duration::from_millis(250);
 
-/// After how many frames the time is looked at, while they come without a pause.
+/// Number of frames between two looks at the clock while frames come without a pause.
 const CLOCK: u64 = 64;
 
 impl Args {
@@ -72,7 +72,7 @@ impl Args {
         diagnostic(&format!("canvass: recording {}", self.bus));
         let mut frames = 0;
         let recorded = self.record(bus.as_mut(), &channels, &mut outputs, &interrupt, &mut frames);
-        // Also after an error, so that what was written is a valid file.
+        // The files are completed also after an error, so that their frames can be read.
         let finished = outputs.finish();
         let status = report(&self.bus, bus.as_ref(), frames);
         recorded?;
@@ -99,12 +99,12 @@ impl Args {
                 Some(record) => {
                     outputs.write(&record, channels)?;
                     *frames += 1;
-                    // Asking for the time at every frame would cost more than writing it.
+                    // Reading the clock for every frame would cost more than writing the frame.
                     if !frames.is_multiple_of(CLOCK) {
                         continue;
                     }
                 }
-                // Not before all has been fetched that came until then.
+                // All frames received before the end are fetched first.
                 None if now >= end => break,
                 None => {}
             }
@@ -118,7 +118,7 @@ impl Args {
                     diagnostic(&format!("canvass: {} frames were lost here, at {now} s", since.lost));
                 }
                 if let Some(trouble) = since.trouble {
-                    diagnostic(&format!("canvass: {trouble}: recording goes on when it is back"));
+                    diagnostic(&format!("canvass: {trouble}: recording goes on when the bus is back"));
                 }
                 if told.interrupted_since.is_some() && health.interrupted_since.is_none() {
                     diagnostic(&format!("canvass: the bus is back, after {}", since.interrupted_for));
@@ -130,7 +130,7 @@ impl Args {
     }
 }
 
-/// Says what was recorded.
+/// Reports the number of frames recorded and lost.
 fn report(address: &str, bus: &dyn Bus, frames: u64) -> Status {
     let (lost, interruptions) = (bus.health().lost, interruptions(bus));
     let told = interruptions.as_ref().map(|interruptions| format!(", {interruptions}")).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `canvass restore`: what an interrupted run has left behind is put back.
+//! `canvass restore`: restores a device after an interrupted run.
 
 use super::test::named;
 use crate::live::{CLIENT, open_device_bus};
@@ -12,20 +12,20 @@ use std::sync::Arc;
 
 /// Restore a device that an interrupted run of `canvass test` has left changed
 ///
-/// A run that was killed, or whose machine lost power, leaves its journal: what it changed, with the values before. The
-/// journal is removed when all of them are restored. Status 1 if some could not be.
+/// A run that was killed, or whose machine lost power, leaves its journal: the changed objects with their former
+/// values. canvass removes the journal when all are restored. Exit status 1 if some could not be restored.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE] or pcan:CHANNEL@BITRATE
     bus: String,
-    /// The journal that `canvass test` has left
+    /// The journal of the interrupted run
     #[arg(long, value_name = "FILE")]
     journal: PathBuf,
-    /// What the device is: a built-in model or an EDS or DCF file; without it what the journal says
+    /// What the device is: a built-in model or an EDS or DCF file (default: the device that the journal names)
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://),
-    /// reconnect (until an interrupted bus is back; without it 2min)
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to
+    /// slcan:listen://), reconnect (until an interrupted bus is back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
 }

@@ -1,4 +1,4 @@
-//! `canvass scan`: which nodes are on a bus, and who they are.
+//! `canvass scan`: finds the nodes on a bus and reads their identities.
 
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
@@ -26,7 +26,7 @@ use std::time::Instant;
 
 /// Find the nodes on a bus: by their heartbeats, by SDO and, those without node-ID, by LSS Fastscan
 ///
-/// Nothing is changed in any device. Status 3 if nothing is found, or if not all was asked.
+/// canvass changes nothing in any device. Exit status 3 if no node is found, or if the scan was not completed.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -43,7 +43,7 @@ pub struct Args {
     /// How long to wait for answers
     #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_span)]
     timeout: Duration,
-    /// How long all of it may take
+    /// Time limit of the whole scan
     #[arg(long = "for", default_value = "2min", value_name = "SPAN", value_parser = parse_span)]
     span: Duration,
     /// How to print the nodes
@@ -55,12 +55,12 @@ pub struct Args {
     reconnect: ReconnectArg,
 }
 
-/// What is known of a node.
+/// The facts about a node.
 #[derive(Default)]
 struct Found {
     state: Option<State>,
     answers: bool,
-    /// The objects that tell what it is, as far as it has them.
+    /// The objects of its identity, as far as the node has them.
     shown: Shown,
 }
 
@@ -70,13 +70,13 @@ const NAMES: [(u16, &str); 3] = [
     (object::MANUFACTURER_HARDWARE_VERSION, "hardware"),
     (object::MANUFACTURER_SOFTWARE_VERSION, "software"),
 ];
-/// 1018h:01 to :04.
+/// Names of the sub-indexes 01 to 04 of 1018h.
 const PARTS: [&str; 4] = ["vendor-ID", "product code", "revision number", "serial number"];
-/// As many frames show what a bus is like on which a scan comes to no end.
+/// Number of last frames quoted when a scan can't be completed.
 const LAST: usize = 8;
-/// How long a slave may take to answer a Fastscan.
+/// Default timeout for a Fastscan request.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
-/// And how long any other question.
+/// Default timeout for any other LSS request.
 const LSS_PATIENCE: Duration = Duration::from_millis(1_000);
 
 impl Args {
@@ -85,22 +85,22 @@ impl Args {
         let interrupt = Interrupt::watch()?;
         let mut last = VecDeque::with_capacity(LAST);
         let ends = live.bus.now() + self.span;
-        // The simulated device's boot-up, which Live has waited for, was a sign too.
+        // `Live` has waited for the boot-up of the simulated device, which proves the node as a heartbeat would.
         let nodes = live.simulated_node().map(|node| (node, Found::default())).into_iter().collect();
         let mut scan = Scan { nodes, unconfigured: None, is_complete: false };
         let found = self.find(&mut live, &interrupt, ends, &mut last, &mut scan);
-        // What was found before the bus was lost is printed all the same.
+        // If the bus was lost, the nodes found before are printed all the same.
         match self.format {
             TextOrJson::Text => print(&Printable::document(&text(&scan)))?,
             TextOrJson::Json => print(&Printable::json(&json(&scan)))?,
         }
         live.report_health();
-        found.map_err(|error| Failure::unreachable(anyhow::Error::new(error).context("not all was asked")))?;
+        found.map_err(|error| Failure::unreachable(anyhow::Error::new(error).context("the scan was not completed")))?;
         if live.bus.now() >= ends {
             let frames: Vec<String> = last.iter().rev().map(|record| record.frame.to_string()).collect();
             return Err(Failure::unreachable(anyhow!(
-                "not all was asked within {} (--for): the devices, or the adapter before them, do not follow the protocol; \
-                 the last frames: {}",
+                "the scan was not completed within {} (--for): the devices, or the adapter, do not follow the \
+                 protocol; the last frames: {}",
                 self.span,
                 frames.join(", ")
             )));
@@ -148,10 +148,11 @@ impl Args {
     }
 }
 
-/// So often something is done on a bus that is interrupted each time.
+/// Number of tries for a request that interruptions of the bus spoil.
 const MOST_TRIES: u32 = 5;
 
-/// Does something on the bus, and anew if the way to the bus was interrupted meanwhile: what did not come then says nothing.
+/// Does something on the bus, and repeats it if the bus was interrupted meanwhile: a missing answer then says nothing
+/// about the device.
 fn undisturbed<T>(
     exchange: &mut Exchange<'_>,
     mut act: impl FnMut(&mut Exchange<'_>) -> Result<T, BusError>,
@@ -167,36 +168,36 @@ fn undisturbed<T>(
     act(exchange)
 }
 
-/// What a scan has found.
+/// The result of a scan.
 struct Scan {
     nodes: BTreeMap<NodeId, Found>,
-    /// By Fastscan.
+    /// The device that Fastscan found.
     unconfigured: Option<Scanned>,
-    /// All was asked.
+    /// Whether the scan was completed.
     is_complete: bool,
 }
 
-/// What Fastscan has found.
+/// A device that Fastscan found.
 #[derive(Clone, Copy)]
 struct Scanned {
     address: LssAddress,
-    /// The node-ID that it has: then it takes part in Fastscan though it is configured.
+    /// The node-ID of a device that takes part in Fastscan although it is configured.
     node: Option<NodeId>,
 }
 
-/// Finds a device without node-ID, or one that takes part in Fastscan all the same.
+/// Looks for a device by Fastscan: one without node-ID, or a configured one that wrongly takes part.
 fn fastscan(exchange: &mut Exchange<'_>, nodes: &BTreeMap<NodeId, Found>) -> Result<Option<Scanned>, BusError> {
     let scanned = match exchange.fastscan(SCAN_PATIENCE)? {
         ScanStep::Found(address) => Some(Scanned { address, node: configured(exchange, address, nodes)? }),
         _ => None,
     };
-    // One that was found stays in configuration otherwise.
+    // A found device would otherwise stay in the configuration state.
     exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
     Ok(scanned)
 }
 
-/// The node-ID of the device that Fastscan has found and left in configuration. One that can't be asked for it is a node
-/// with the same identity, if that names a single device.
+/// The node-ID of the device that Fastscan left in configuration. A device that does not answer the inquiry is the
+/// node with the same identity, if exactly one node has it.
 fn configured(
     exchange: &mut Exchange<'_>,
     address: LssAddress,
@@ -209,7 +210,7 @@ fn configured(
     Ok(nodes.iter().find(|(_, found)| is_it(found)).map(|(node, _)| *node))
 }
 
-/// Who sends heartbeats or boots.
+/// Collects the nodes that send heartbeats or boot-ups.
 fn listen(exchange: &mut Exchange<'_>, span: Duration, nodes: &mut BTreeMap<NodeId, Found>) -> Result<(), BusError> {
     exchange.wait_for(span, |record| {
         let cob_id = record.frame.cob_id()?;
@@ -224,7 +225,7 @@ fn listen(exchange: &mut Exchange<'_>, span: Duration, nodes: &mut BTreeMap<Node
     Ok(())
 }
 
-/// Asks all nodes for their device type, all at once: those that are there answer.
+/// Reads the device type of all node-IDs at once: existing nodes answer.
 fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<NodeId, Found>) -> Result<(), BusError> {
     for node in NodeId::all() {
         let request = sdo::Request::upload(DEVICE_TYPE);
@@ -238,7 +239,7 @@ fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<N
     Ok(())
 }
 
-/// Asks a node who it is.
+/// Reads the identity of a node.
 fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mut Found) -> Result<(), BusError> {
     for object in Candidates::OBJECTS {
         if let Outcome::Uploaded(value) = exchange.transfer(node, Transfer::upload(object), patience)? {
@@ -248,11 +249,11 @@ fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mu
     Ok(())
 }
 
-/// Which built-in models a node may be.
+/// Built-in models that a node may be.
 enum Models {
-    /// Those that all it has shown fits.
+    /// Models that match all objects read.
     Fitting(Vec<Arc<str>>),
-    /// One of the same vendor and profile.
+    /// A model of the same vendor and device profile.
     Similar(&'static Model),
     None,
 }
@@ -284,12 +285,12 @@ impl Found {
         self.number(DEVICE_TYPE)
     }
 
-    /// A part of the identity, by its sub-index.
+    /// A value of 1018h, by its sub-index.
     fn part(&self, sub: u8) -> Option<u32> {
         self.number(Multiplexer::new(object::IDENTITY, sub))
     }
 
-    /// The low word of 1000h.
+    /// The device profile: the low word of 1000h.
     fn profile(&self) -> Option<u16> {
         self.device_type().map(|device_type| device_type as u16).filter(|&profile| profile > 0)
     }
@@ -340,7 +341,7 @@ fn text(Scan { nodes, unconfigured: scanned, .. }: &Scan) -> String {
         );
     }
     if text.is_empty() {
-        text.push_str("nothing was found\n");
+        text.push_str("no node was found\n");
     }
     text
 }

@@ -1,4 +1,4 @@
-//! `canvass sdo`: single objects, read and written.
+//! `canvass sdo`: reads and writes single objects.
 
 pub mod object;
 mod value;
@@ -22,7 +22,7 @@ use serde_json::json;
 /// Read or write an object of a device
 ///
 /// Objects are INDEX:SUB in hexadecimal, such as 1018:01, or names of the device's description. The data type comes
-/// from the description or the standard; for other objects --type gives it.
+/// from the description or the standard; --type gives it for other objects.
 #[derive(clap::Args)]
 pub struct Args {
     /// What to do
@@ -39,14 +39,14 @@ enum Action {
         #[command(flatten)]
         limit: UploadLimitArgs,
     },
-    /// Write an object; the device keeps the value until it is reset, or longer if it is told to store
+    /// Write an object; the device keeps the value until a reset, or longer if it stores it
     Write {
         #[command(flatten)]
         target: Target,
         /// The value: a number, a text, or bytes in hexadecimal
         #[arg(allow_hyphen_values = true)]
         value: String,
-        /// In segments, even if it is short
+        /// Use a segmented transfer even if the value is short
         #[arg(long)]
         segmented: bool,
     },
@@ -56,7 +56,7 @@ enum Action {
 struct Target {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The node
+    /// The device's node-ID
     #[arg(value_parser = parse_node)]
     node: NodeId,
     /// The object: INDEX:SUB in hexadecimal, or a name
@@ -77,13 +77,13 @@ struct Target {
     client: ClientArg,
 }
 
-/// What is to be done with an object.
+/// The typed request: read, or write with a value.
 enum Wish {
     Read(UploadLimit),
     Write { value: String, segmented: bool },
 }
 
-/// What is shown of a transfer.
+/// The shown facts of a transfer.
 #[derive(Default)]
 struct Shown {
     object: String,
@@ -130,7 +130,8 @@ impl Target {
         transfer: (Transfer, canvass_analyzer::wire::sdo::Request),
     ) -> Result<(Outcome, Shown), Failure> {
         let node = u16::from(self.node.raw());
-        // Only the two directions of this server, however busy the bus is.
+        // The bus filter admits only the two COB-IDs of this SDO server, so that a busy bus does not overflow the
+        // queue.
         live.bus.only(&[(0x580 + node, 0x7FF), (0x600 + node, 0x7FF)]).map_err(Failure::unreachable)?;
         let (network, mut shown) = (&mut live.network, Shown::default());
         let mut observe = |record: &Record| see(network, record, &mut shown);
@@ -180,7 +181,7 @@ impl Target {
         if matches!(self.format, TextOrJson::Text) {
             return print(&Printable::document(&match read {
                 None => format!("{object} = {} written\n", shown.value),
-                // Where frames were lost on the way here, the bytes speak for themselves.
+                // If frames were lost, the decoder has no value; the client's bytes are printed instead.
                 Some((bytes, _)) if shown.value.is_empty() => format!("{object} = {}\n", Bytes(bytes)),
                 Some(_) => format!("{object} = {}\n", shown.value),
             }));
@@ -201,7 +202,7 @@ impl Target {
     }
 }
 
-/// Takes in a frame; remembers what a transfer that ends with it was.
+/// Decodes a frame; keeps the transfer that ends with it.
 fn see(network: &mut Network, record: &Record, shown: &mut Shown) {
     let decoded = network.handle(record);
     let Some(bus) = network.bus(record.channel) else { return };
@@ -213,7 +214,7 @@ fn see(network: &mut Network, record: &Record, shown: &mut Shown) {
     }
 }
 
-/// What the tests of the parts share.
+/// A description that several tests share.
 #[cfg(test)]
 fn encoder() -> DeviceDescription {
     canvass_device::models::Model::by_id("kuebler-sendix-58x8").unwrap().description().clone()

@@ -1,4 +1,4 @@
-//! `canvass selftest`: whether the cases detect what they are for.
+//! `canvass selftest`: checks that the cases detect the known faults.
 
 use crate::live::parse_span;
 use crate::output::{document, print, unless_closed};
@@ -18,28 +18,28 @@ use canvass_traces::Duration;
 
 /// Test the tester: run the cases against firmware with known faults
 ///
-/// Every fault is put into the firmware of a simulated device, and every case runs against it. A fault is detected if a
-/// case that names it fails. Every model without fault must pass, and so must every firmware that takes liberties,
-/// which the standard leaves free; faults must also be detected together with liberties. The fuzzer must find nothing
-/// on any firmware without faults.
+/// The selftest puts every fault into the firmware of a simulated device, and runs every case against it. A fault is
+/// detected if a case that names it fails. Every model without fault must pass; so must every firmware with
+/// liberties, which the standard leaves free. Faults must also be detected together with liberties. The fuzzer must
+/// find no violation on firmware without faults.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which cases, as for `canvass test`; without it all, and all faults
+    /// Cases to run, as for `canvass test` (default: all cases and all faults)
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<Selector>,
-    /// Which faults, with the cases that name them; without it those that the cases name
+    /// Faults to run, each with the cases that name it (default: all faults that the cases name)
     #[arg(long, value_name = "FAULT", value_delimiter = ',')]
     fault: Vec<Fault>,
-    /// The liberties that are combined at random
+    /// The seed by which liberties are combined at random
     #[arg(long, default_value_t = Chance::WHOLE.seed)]
     seed: u64,
-    /// Test the fuzzer instead: how fast it finds each fault that it claims to find, with five seeds
+    /// Test the fuzzer instead: how fast it finds each fault that it claims to find
     #[arg(long, conflicts_with = "select")]
     fuzz: bool,
-    /// With --fuzz: how many seeds
+    /// With --fuzz: number of seeds
     #[arg(long, value_name = "N", default_value_t = 5, requires = "fuzz")]
     seeds: u64,
-    /// With --fuzz: the time that each seed has to find a fault
+    /// With --fuzz: time limit of each seed for finding a fault
     #[arg(long = "within", value_name = "SPAN", default_value = "10s", value_parser = parse_span, requires = "fuzz")]
     within: Duration,
     /// How to print the matrix
@@ -57,7 +57,7 @@ enum MatrixFormat {
 }
 
 impl Args {
-    /// The cases and faults that belong together.
+    /// The selected cases and faults that belong together.
     fn chosen(&self) -> Result<(Vec<&'static Case>, Vec<Fault>), Failure> {
         let mut cases = select(&self.select)
             .map_err(|idle| Failure::unreachable(anyhow!("no case was executed: --select {idle} selects none")))?;
@@ -68,7 +68,7 @@ impl Args {
         cases.retain(|case| self.fault.iter().any(|fault| case.catches.contains(fault)));
         match self.fault.iter().find(|fault| !cases.iter().any(|case| case.catches.contains(fault))) {
             Some(idle) => {
-                Err(Failure::unreachable(anyhow!("no case was executed: none that is selected names the fault {idle}")))
+                Err(Failure::unreachable(anyhow!("no case was executed: no selected case names the fault {idle}")))
             }
             None => Ok((cases, self.fault.clone())),
         }
@@ -87,7 +87,7 @@ impl Args {
             models.retain(|model| faults.iter().any(|fault| fault.model() == model.id()));
         }
         let matrix = selftest::run(&cases, &faults, &models, Extent::Whole, chance);
-        // A part is asked for to be quick.
+        // With a selection, the parts that do not depend on it are left out, to be quick.
         let whole = self.select.is_empty() && !of_faults;
         let chance = if whole { liberties::Chance::WHOLE } else { liberties::Chance::NONE };
         let fuzzed = liberties::run(liberties::Chance { seed: self.seed, ..chance }).map_err(Failure::unreachable)?;
@@ -98,7 +98,7 @@ impl Args {
         Ok(if matrix.is_good() && fuzzed.is_good() { Status::Good } else { Status::Findings })
     }
 
-    /// Each claimed fault with each seed, one after the other: the times are those of one core.
+    /// Runs each claimed fault with each seed, one after the other: parallel runs would distort the times.
     fn fuzz(self) -> Result<Status, Failure> {
         let claimed = || Fault::ALL.iter().copied().filter(|fault| fault.unfuzzed().is_none()).collect();
         let faults: Vec<Fault> = if self.fault.is_empty() { claimed() } else { self.fault };

@@ -1,4 +1,4 @@
-//! `canvass send`: single frames, and what comes back.
+//! `canvass send`: sends single frames and prints the answers.
 
 use crate::devices::DeviceArg;
 use crate::live::{ClientArg, FrameLines, Live, parse_span};
@@ -42,7 +42,7 @@ impl Args {
     }
 }
 
-/// Sends the frames one after the other, and shows what is on the bus for a while after each, as far as it is wanted.
+/// Sends the frames one after the other. After each it prints the selected frames of the bus for a while.
 pub fn send_and_show(
     mut live: Live,
     frames: &[Frame],
@@ -58,7 +58,7 @@ pub fn send_and_show(
             if wanted(&record.frame) {
                 lines.show(&record, &mut live.network, &live.channels)?;
             }
-            // A bus that never falls silent must not turn a wait into a hang.
+            // On a bus that never falls silent, receiving alone would not reach the deadline.
             if record.timestamp > deadline {
                 break;
             }

@@ -1,4 +1,4 @@
-//! `canvass signals`: the values of PDOs as columns over time.
+//! `canvass signals`: values of PDOs as columns over time.
 
 use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs};
@@ -18,8 +18,8 @@ use tempfile::SpooledTempFile;
 /// Print the values of PDOs as columns over time, for plots and data frames
 ///
 /// One row for each PDO, with the latest value of every column; values that are not known yet are empty. A column is
-/// named CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known: from --device, or because the capture shows how it is
-/// read or written. Times are integer nanoseconds.
+/// named CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known, from --device or because it is read or written in the
+/// capture. Times are integer nanoseconds.
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input
@@ -41,14 +41,14 @@ pub struct Args {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum SignalFormat {
-    /// Comma-separated values; the header names all columns, so nothing is printed before everything was read
+    /// Comma-separated values; the header names all columns, so nothing is printed before the whole capture is read
     #[default]
     Csv,
-    /// JSON Lines, as they come
+    /// JSON Lines, printed while the capture is read
     Json,
 }
 
-/// Memory for the rows that wait for the header; more of them wait in a temporary file.
+/// Memory for rows that wait for the header; further rows wait in a temporary file.
 const IN_MEMORY: usize = 64 << 20;
 
 impl Args {
@@ -76,7 +76,7 @@ impl Args {
     }
 }
 
-/// What turns records into rows.
+/// Turns records into rows.
 struct Rows<'a> {
     selection: &'a Selection,
     network: Network,

@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 
 /// Simulate a device on a bus, in real time
 ///
-/// It takes part in the bus as the device would: boots, answers, sends heartbeats and PDOs, until Ctrl-C.
-/// slcan:listen://PORT waits for programs on this machine, slcan:listen://HOST:PORT also for those on other machines:
-/// the protocol has no passwords, so anyone who connects can read and send frames.
+/// The device takes part in the bus: it boots, answers, and sends heartbeats and PDOs, until Ctrl-C.
+/// slcan:listen://PORT waits for programs on this machine, slcan:listen://HOST:PORT also for those on other machines.
+/// The protocol has no passwords: anyone who connects can read and send frames.
 #[derive(clap::Args)]
 pub struct Args {
     /// The device: a built-in model, or a device description (EDS, DCF, XDD, XDC)
@@ -29,25 +29,26 @@ pub struct Args {
     device: String,
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// Its node-ID; without it that of the model or DCF; none: without node-ID, for LSS to set one
+    /// The device's node-ID, or none to start without node-ID, for LSS (default: that of the model or DCF)
     #[arg(long, value_name = "NODE|none", value_parser = parse_configured)]
     node: Option<Configured>,
-    /// What its firmware does wrong (`canvass list faults`)
+    /// Faults of the firmware (`canvass list faults`)
     #[arg(long, value_delimiter = ',', value_name = "FAULT")]
     fault: Vec<Fault>,
-    /// What it does differently, as the standard allows (`canvass list liberties`)
+    /// Liberties: unusual behaviour that the standard allows (`canvass list liberties`)
     #[arg(long, value_delimiter = ',', value_name = "LIBERTY")]
     liberty: Vec<Liberty>,
-    /// How its shaft moves: revolutions per minute, or still, mm/s=N, sine=AMPLITUDE,PERIOD, ramp=RPM,SECONDS, csv=FILE
+    /// Motion of the shaft: revolutions per minute, or still, mm/s=N, sine=AMPLITUDE,PERIOD, ramp=RPM,SECONDS,
+    /// csv=FILE
     #[arg(long, value_name = "MOTION", allow_hyphen_values = true, value_parser = parse_motion)]
     motion: Option<MotionSpec>,
-    /// The file that holds what it stores; read at the start if it exists
+    /// The file that holds the device's non-volatile memory; read at the start if it exists
     #[arg(long, value_name = "FILE")]
     memory: Option<PathBuf>,
     /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Switch it off after this time, such as 10, 500ms or 1h
+    /// Switch the device off after this time, such as 10, 500ms or 1h
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
 }
@@ -59,7 +60,7 @@ fn parse_configured(text: &str) -> Result<Configured> {
     if text == "none" { Ok(Configured(None)) } else { parse_node(text).map(Some).map(Configured) }
 }
 
-/// A number alone is revolutions per minute.
+/// Parses a motion; a plain number is revolutions per minute.
 fn parse_motion(text: &str) -> Result<MotionSpec> {
     let number = text.strip_suffix("rpm").unwrap_or(text).trim_end();
     match number.parse::<f64>() {
@@ -94,7 +95,7 @@ impl Args {
             None => Device::new(&model, node, firmware, self.seed),
         };
         let mut device = KeptDevice::new(device, self.memory.as_deref())?;
-        // A memory may hold another one.
+        // The stored node-ID may differ from the typed one.
         let node = device.node();
         let name = node.map_or_else(|| "without node-ID".to_owned(), |node| format!("as node {node}"));
         diagnostic(&format!("canvass: {} {name} on {}", model.id(), self.bus));
@@ -110,7 +111,7 @@ impl Args {
             Some(MotionSpec::File(path)) => {
                 let text =
                     small_file::read_text(Path::new(path), OF_HAND).with_context(|| format!("can't read {path}"))?;
-                Some(MotionSpec::from_csv(&text).with_context(|| format!("{path} is no motion"))?)
+                Some(MotionSpec::from_csv(&text).with_context(|| format!("{path} describes no motion"))?)
             }
         })
     }
@@ -133,7 +134,7 @@ impl Args {
         )
         .map_err(Failure::unreachable)?;
         let health = bus.health();
-        let unsent = if done.unsent > 0 { format!(", {} not taken by the bus", done.unsent) } else { String::new() };
+        let unsent = if done.unsent > 0 { format!(", {} not accepted by the bus", done.unsent) } else { String::new() };
         let lost = if health.lost > 0 { format!(", {} lost", health.lost) } else { String::new() };
         let plural = if done.sent == 1 { "" } else { "s" };
         diagnostic(&format!("canvass: {} frame{plural} sent{unsent}, {received} received{lost}", done.sent));
@@ -141,7 +142,7 @@ impl Args {
     }
 }
 
-/// A built-in model, or one made of a description alone.
+/// A built-in model, or a model made from a description alone.
 fn model(device: &str) -> Result<Model> {
     if let Some(model) = Model::by_id(device) {
         return Ok(model.clone());

@@ -1,4 +1,4 @@
-//! `canvass test`: the conformance cases against one device.
+//! `canvass test`: runs the conformance cases against one device.
 
 mod bundled;
 mod choice;
@@ -39,13 +39,13 @@ use std::time::Instant;
 
 /// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///
-/// The device is left as it was found, also after a failure or Ctrl-C. Nothing is done that writes its non-volatile
-/// memory, moves its zero point or changes its node-ID or bit rate unless --allow names it.
+/// The device is left as it was found, also after a failure or Ctrl-C. Without --allow, no case writes its
+/// non-volatile memory, moves its zero point, or changes its node-ID or bit rate.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The device's node-ID; without it the one that the model or DCF has as delivered
+    /// The device's node-ID (default: that of the model as delivered or of the DCF)
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
@@ -53,36 +53,39 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients, or all
+    /// What the cases may change: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients, or
+    /// all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/waivers.md`)
+    /// A file of accepted or quarantined failures, each with its reason (TOML, see `docs/waivers.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
-    /// Run each case this many times; a case that does not always end the same way is flaky
+    /// Run each case this many times; a case with different verdicts is flaky
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Repeat a case that fails, up to this many times; if it passes then, it counts as passed and is marked as flaky
+    /// Repeat a failed case up to this many times; if it passes then, it counts as passed and is marked as flaky
     #[arg(long, default_value_t = 0, value_name = "N", conflicts_with = "repeat", value_parser = clap::value_parser!(u32).range(0..=1000))]
     retries: u32,
-    /// End with the first case that fails
+    /// Stop after the first case that fails
     #[arg(long)]
     fail_fast: bool,
-    /// Record all frames in a capture, in which the cases are marked; its extension gives the format
+    /// Record all frames in a capture, with marks for the cases; the extension gives the format
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Mark the cases in the capture as CiA's test tool does, too: by frames of CAN-ID 7FFh, which were not on the bus
+    /// Add the marks of CiA's test tool to the capture: frames of CAN-ID 7FFh, which were not on the bus
     #[arg(long, requires = "record")]
     cct_markers: bool,
     /// Write everything about the run into one file, for `canvass verify`: report, result, recording, description,
     /// waivers
     #[arg(long, value_name = "FILE.zip")]
     bundle: Option<PathBuf>,
-    /// The journal in which a run on a live bus records each change beforehand, for `canvass restore`; none: no journal
+    /// The journal of a run on a live bus, for `canvass restore`: each change is recorded before it is made; none: no
+    /// journal
     ///
-    /// Without it, canvass-BUS-nodeN.journal in this folder. It is removed when the device is restored.
+    /// The default is canvass-BUS-nodeN.journal in this folder. canvass removes the journal when the device is
+    /// restored.
     #[arg(long, value_name = "FILE|none")]
     journal: Option<PathBuf>,
     /// If an earlier run was interrupted and has left its journal, restore the device first
@@ -91,30 +94,31 @@ pub struct Args {
     /// Overwrite the files of --record and --bundle if they exist
     #[arg(long)]
     force: bool,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://),
-    /// reconnect (until an interrupted bus is back; without it 2min)
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to
+    /// slcan:listen://), reconnect (until an interrupted bus is back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
-    /// By how many percent the mean of a period may differ
+    /// Permitted deviation of the mean of a period, in percent
     #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
     tolerance: u32,
-    /// A shell command that switches the supply of the device off and on; it is run when the device stops answering
+    /// A shell command that switches the supply of the device off and on; canvass runs it when the device stops
+    /// answering
     #[arg(long, value_name = "COMMAND")]
     power_cycle: Option<String>,
-    /// The zero point of the encoder is stored, so that a reset does not lose it; without it, an encoder whose 6509h is not 0 is
-    /// not tested
+    /// The zero point of the encoder is stored, so that a reset does not lose it (default: an encoder whose 6509h is
+    /// not 0 is not tested)
     #[arg(long)]
     zero_point_stored: bool,
     /// The seed of all random choices
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Try everything where cases try samples: every index, every restricted CAN-ID (takes minutes on a live bus)
+    /// Try all values where cases try samples: every index, every restricted CAN-ID (takes minutes on a live bus)
     #[arg(long)]
     exhaustive: bool,
-    /// End after this time, such as 10min; without it, on a live bus, after a minute and five seconds for each case
+    /// End after this time, such as 10min (default on a live bus: one minute, and five seconds for each case)
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// Only print which cases would run, and how long that would take
+    /// Only print which cases would run, and for how long
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -168,7 +172,7 @@ impl Args {
         }
     }
 
-    /// None that is written is read, and none is written twice.
+    /// Checks that no output file is also an input or another output.
     fn name_files(&self) -> Result<(), Failure> {
         for (option, path) in [("record", &self.record), ("bundle", &self.bundle), ("journal", &self.journal)] {
             if path.as_deref().is_some_and(|path| path.as_os_str() == "-") {
@@ -182,7 +186,7 @@ impl Args {
         Ok(())
     }
 
-    /// What is known before the device is touched.
+    /// The provenance, as far as it is known before the device is touched.
     fn provenance(&self, typed: &Typed, options: &Options) -> Result<Collected, Failure> {
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::bus(&self.bus))?;
         provenance.seed(self.seed);
@@ -194,7 +198,7 @@ impl Args {
         Ok(provenance)
     }
 
-    /// What was not given and has shown.
+    /// Adds the values of the options that were not typed to the provenance.
     fn resolve(&self, provenance: &mut Collected, target: &Target, options: &Options, bit_rate: Option<u32>) {
         provenance.bit_rate(bit_rate);
         provenance.resolve("node", vec![target.node.to_string()]);
@@ -212,7 +216,8 @@ impl Args {
         Ok(opened)
     }
 
-    /// Several times what the cases take on a device that needs 10 s to start, as some do: only what never ends is ended.
+    /// The default time limit: several times the duration of the cases on a device that needs 10 s to start, as some
+    /// do. It ends only runs that would never end.
     fn usual_limit(&self, cases: usize) -> Duration {
         let each = if self.exhaustive { 120 } else { 60 };
         Duration::from_secs(60 + each * cases as u64 * u64::from(self.repeat))
@@ -268,19 +273,19 @@ impl Args {
         let node = self.node.or_else(|| opened.node()).or_else(usual).or_else(commissioned);
         let node = node.ok_or_else(|| which_node(&self.bus, opened.model))?;
         let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
-        // What the user says goes before what the manual says: it is the more specific of the two.
+        // A waiver precedes the manual's sheet: the user's statement is about this very device.
         let deviations = waived.into_iter().chain(manual).collect();
         let described_alone = self.device.is_none() && opened.model.is_some_and(Model::is_described_alone);
         Ok(Target { deviations, described_alone, ..Target::known(node, model, device) })
     }
 }
 
-/// `MODEL`, `FILE` or `NODE=FILE`.
+/// The model or file in `MODEL`, `FILE` or `NODE=FILE`.
 pub fn named(device: &str) -> &str {
     device.split_once('=').map_or(device, |(_, device)| device)
 }
 
-/// The question after the device's node-ID, and where the answer comes from.
+/// The error that asks for the device's node-ID and says how to find it.
 pub fn which_node(bus: &str, model: Option<&Model>) -> anyhow::Error {
     match model {
         Some(model) => anyhow!(

@@ -1,4 +1,4 @@
-//! `canvass verify`: whether a bundle is what it was, and what its recording proves.
+//! `canvass verify`: checks that a bundle is unchanged, and that its verdicts follow from its recording.
 
 use crate::bundle::setup::{self, Setup};
 use crate::bundle::zip::{self, Entry};
@@ -32,8 +32,8 @@ use std::sync::atomic::AtomicBool;
 
 /// Verify a bundle of `canvass test --bundle`
 ///
-/// Checks that no byte was changed, and repeats the run with the recording as its bus: the cases must send the recorded
-/// frames, and get the recorded answers. Status 1 if a byte was changed or a verdict differs.
+/// Checks that no byte was changed, and repeats the run with the recording as its bus: the cases must send the
+/// recorded frames, and get the recorded answers. Exit status 1 if a byte was changed or a verdict differs.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bundle
@@ -43,18 +43,18 @@ pub struct Args {
     format: TextOrJson,
 }
 
-/// A verdict that is another one when it is judged again.
+/// A verdict that differs from the one in the bundle.
 struct Difference {
     case: String,
     told: Option<Kind>,
     found: Option<Kind>,
 }
 
-/// What came of it.
+/// The result of the verification.
 struct Verified {
     cases: usize,
     differences: Vec<Difference>,
-    /// Where the cases did something else than was recorded.
+    /// The place at which the cases sent something else than was recorded.
     divergence: Option<String>,
 }
 
@@ -86,7 +86,7 @@ impl Args {
     }
 }
 
-/// All of a file that begins as archives do; of any other no more is read than its beginning.
+/// Reads a file that begins as archives do. Of any other file only the beginning is read.
 fn archive(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
     const BEGINNING: &[u8] = b"PK\x03\x04";
     let mut begun = Vec::new();
@@ -94,7 +94,7 @@ fn archive(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
     if begun == BEGINNING { small_file::read(path, OF_BUNDLE).map(Some) } else { Ok(None) }
 }
 
-/// The files of a bundle of which no byte was changed.
+/// The files of an unchanged bundle.
 fn unpacked(archive: &[u8]) -> Result<Vec<Entry>> {
     let mut entries = zip::read(archive)?;
     let at = entries.iter().position(|entry| entry.name == manifest::NAME).context("manifest.json is missing")?;
@@ -102,7 +102,7 @@ fn unpacked(archive: &[u8]) -> Result<Vec<Entry>> {
     manifest::check(&listed, &entries)?;
     entries.insert(at, listed);
     match zip::changed(archive, &entries)? {
-        Some(name) => bail!("{name} was changed: its header is not as it was written"),
+        Some(name) => bail!("{name} was changed: its header differs from the one that canvass writes"),
         None => Ok(entries),
     }
 }
@@ -113,14 +113,15 @@ fn content<'a>(entries: &'a [Entry], name: &str) -> Result<&'a [u8]> {
 }
 
 fn text<'a>(entries: &'a [Entry], name: &str) -> Result<&'a str> {
-    std::str::from_utf8(content(entries, name)?).with_context(|| format!("{name} is no text"))
+    std::str::from_utf8(content(entries, name)?).with_context(|| format!("{name} is no UTF-8 text"))
 }
 
 /// Runs the cases against the recording.
 fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
-    let told: TestResult = results::read(text(entries, RESULT)?).context("result.json is not that of a bundle")?;
+    let told: TestResult =
+        results::read(text(entries, RESULT)?).context("result.json is not the result of a bundle")?;
     let transcript: Transcript =
-        text(entries, TRANSCRIPT)?.parse().context("transcript.txt is not that of a bundle")?;
+        text(entries, TRANSCRIPT)?.parse().context("transcript.txt is not the transcript of a bundle")?;
     let folder = tempfile::tempdir().context("can't make a temporary folder")?;
     let target = target(entries, setup, folder.path())?;
     let mut replay = Replay::new(records(entries, folder.path())?, transcript);
@@ -131,7 +132,7 @@ fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
     let mut found: Vec<(&str, Kind)> = Vec::new();
     let mut bench = Bench::new(&mut replay, &target, options, &mut annotate, &cancel);
-    // A run that judges nothing has its verdicts all the same, and they are compared.
+    // The verdicts are compared even if the run as a whole judged nothing.
     let _ = run(&mut bench, &plan, &mut |event| {
         if let RunEvent::CaseFinished(report) = event {
             found.push((report.case.id, report.verdict.kind()));
@@ -159,7 +160,7 @@ fn records(entries: &[Entry], folder: &Path) -> Result<Vec<Record>> {
     capture.map(|record| record.map_err(|damage| anyhow!("{RECORDING} is damaged: {damage}"))).collect()
 }
 
-/// The device as the run knew it: from the files in the bundle, never from others of the same name.
+/// The device as the run knew it: from the files in the bundle, never from files of the same name on this machine.
 fn target(entries: &[Entry], setup: &Setup, folder: &Path) -> Result<Target> {
     let file = setup.description.as_ref().map(|name| -> Result<PathBuf> {
         let path = folder.join(name);
@@ -206,10 +207,14 @@ impl Verified {
         for Difference { case, told, found } in &self.differences {
             let name = |kind: &Option<Kind>| kind.map_or("-", Kind::name);
             let case = printable(case);
-            lines.push(format!("{case}: the result has {}, the recording gives {}", name(told), name(found)));
+            lines.push(format!(
+                "{case}: expected the verdict {}, which the result has; the recording gives {}",
+                name(told),
+                name(found)
+            ));
         }
         if let Some(divergence) = &self.divergence {
-            lines.push(format!("the cases and the recording go different ways {}", printable(divergence)));
+            lines.push(format!("the cases and the recording diverge {}", printable(divergence)));
         }
         let count = self.cases;
         lines.push(match self.is_good() {

@@ -1,4 +1,4 @@
-//! What connects this computer to a bus, as far as the operating system tells.
+//! The adapter between this computer and a bus, as far as the operating system tells.
 
 use canvass_bus::pcan::Channel;
 use canvass_device::address::BusAddress;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const PCAN: &str = "PCAN-Basic";
 
-/// In a few words: `simulated`, `SocketCAN, driver peak_usb, PEAK-System PCAN-USB FD`.
+/// The adapter in a few words: `simulated`, `SocketCAN, driver peak_usb, PEAK-System PCAN-USB FD`.
 pub fn of(address: &str) -> String {
     match address.parse() {
         Ok(BusAddress::Simulated(_)) => "simulated".to_owned(),
@@ -28,7 +28,7 @@ pub fn of(address: &str) -> String {
     }
 }
 
-/// With the versions that PEAK's library tells: another one may behave in another way.
+/// A PEAK adapter, with the versions of its driver and firmware: behaviour depends on them.
 #[cfg(any(windows, target_os = "linux"))]
 fn pcan(channel: Channel) -> String {
     let Ok(installed) = canvass_bus::pcan::installed() else { return PCAN.to_owned() };
@@ -42,7 +42,7 @@ fn pcan(_: Channel) -> String {
     PCAN.to_owned()
 }
 
-/// With what a USB device says of itself: in its own folder, or in one of those above the interface's.
+/// Adds the names that a USB device gives itself, in its own folder of sysfs or one above the interface's.
 fn described(kind: &str, driver: Option<String>, device: &Path) -> String {
     let device = std::fs::canonicalize(device).unwrap_or_default();
     let of_usb = device.ancestors().take(4).find_map(|folder| {

@@ -1,4 +1,4 @@
-//! The date of a report: that of the clock, or, where no live bus is used, one that is given.
+//! The date of a report: from the clock or, without a live bus, a given date.
 
 use super::Subject;
 use anyhow::{Result, anyhow, bail};
@@ -8,7 +8,7 @@ use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 use std::str::FromStr;
 
-/// `--date`: with its zone, or in UTC.
+/// The value of `--date`, with its zone, or in UTC.
 #[derive(Clone, Debug)]
 pub struct GivenDate(Zoned);
 
@@ -30,14 +30,15 @@ impl FromStr for GivenDate {
     }
 }
 
-/// What reproducible builds take the date from: seconds since 1970.
+/// The environment variable for reproducible builds: seconds since 1970.
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
 
-/// The date of a report about that; none of a simulated run to which none is given.
+/// The date of a report on `subject`; `None` for a simulated run without a given date, so that its report is
+/// reproducible.
 pub fn of(given: Option<&GivenDate>, subject: Subject<'_>) -> Result<Option<Date>> {
     match (subject, given) {
         (Subject::LiveBus(_), Some(_)) => {
-            bail!("--date is for simulated buses and files: what a live bus showed has the date of the clock")
+            bail!("--date is for simulated buses and files: reports on a live bus have the date of the clock")
         }
         (Subject::LiveBus(_), None) => Ok(Some(told(&Zoned::now()))),
         (_, Some(GivenDate(date))) => Ok(Some(told(date))),
@@ -46,7 +47,7 @@ pub fn of(given: Option<&GivenDate>, subject: Subject<'_>) -> Result<Option<Date
     }
 }
 
-/// The date of a file that is written now.
+/// The current date, or that of `SOURCE_DATE_EPOCH`.
 pub fn of_file() -> Result<Zoned> {
     Ok(of_environment()?.unwrap_or_else(Zoned::now))
 }
@@ -59,7 +60,7 @@ fn of_environment() -> Result<Option<Zoned>> {
     Ok(Some(at.to_zoned(TimeZone::UTC)))
 }
 
-/// To the second: nobody starts a run more exactly.
+/// A date in whole seconds.
 fn told(at: &Zoned) -> Date {
     let zone = at.time_zone();
     let name = zone.iana_name().map_or_else(|| at.offset().to_string(), str::to_owned);

@@ -1,4 +1,4 @@
-//! The files that a result depends on, with the hash of what they hold.
+//! The input files of a result, with their hashes.
 
 use canvass_device::MotionSpec;
 use canvass_device::address::{BusAddress, DeviceName, SimulatedDevice};
@@ -10,15 +10,15 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
-/// The file as it is now. What can't be read twice, a pipe or standard input, has no hash; nor has what can't be read, which
-/// is reported where it is opened.
+/// The file with its hash. Pipes and standard input have no hash, as they can't be read twice; nor has an unreadable
+/// file, which is reported when it is opened.
 pub fn used(role: &'static str, path: &Path) -> FileUsed {
     let is_file = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
     let content = is_file.then(|| File::open(path).and_then(hash).ok()).flatten();
     FileUsed { role, path: path.display().to_string(), content }
 }
 
-/// Files that are hashed while somebody else reads them: captures are large.
+/// Hashes large files in a thread while the command reads them.
 pub struct Hashes {
     thread: Option<JoinHandle<Vec<FileUsed>>>,
     role: &'static str,
@@ -26,7 +26,7 @@ pub struct Hashes {
 }
 
 impl Hashes {
-    /// Begins.
+    /// Starts hashing.
     pub fn begin(role: &'static str, paths: &[PathBuf]) -> Self {
         let (paths, own) = (paths.to_vec(), paths.to_vec());
         let hash = move || own.iter().map(|path| used(role, path)).collect();
@@ -34,14 +34,14 @@ impl Hashes {
         Self { thread, role, paths }
     }
 
-    /// What came of it.
+    /// Waits for the hashes.
     pub fn finish(self) -> Vec<FileUsed> {
         let hashed = self.thread.and_then(|thread| thread.join().ok());
         hashed.unwrap_or_else(|| self.paths.iter().map(|path| used(self.role, path)).collect())
     }
 }
 
-/// The length of what can be read, and its SHA-256 in hexadecimal.
+/// The length of the data, and its SHA-256 in hexadecimal.
 pub fn hash(mut file: impl Read) -> io::Result<(u64, String)> {
     let (mut hasher, mut length) = (Sha256::new(), 0);
     let mut buffer = vec![0; 64 * 1024];
@@ -56,7 +56,7 @@ pub fn hash(mut file: impl Read) -> io::Result<(u64, String)> {
     Ok((length, hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()))
 }
 
-/// The file that describes a device; none where it is a built-in model.
+/// The file that describes a device; `None` for a built-in model.
 pub fn of_device(device: &str) -> Option<&str> {
     let named = device.split_once('=').map_or(device, |(_, named)| named);
     Model::by_id(named).is_none().then_some(named)

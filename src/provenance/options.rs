@@ -1,21 +1,21 @@
-//! The options of a command and what they stand at: read from the command line as clap knows it, so that none is forgotten.
+//! The options of a command with their values: read from clap's command line, so that none is forgotten.
 
 use canvass_reports::provenance::{Choice, ChosenBy};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command};
 use std::path::PathBuf;
 
-/// What was typed.
+/// The typed command.
 #[derive(Clone, Debug, Default)]
 pub struct Typed {
-    /// The options and arguments that have to do with the result.
+    /// Options and arguments that affect the result.
     pub options: Vec<Choice>,
-    /// The file of settings, where it says something for the command.
+    /// The settings file, if it sets something for the command.
     pub settings: Option<PathBuf>,
 }
 
-/// What only says where a result goes and how it looks, or stands elsewhere in a provenance: two runs that differ in nothing
-/// else have the same result.
+/// Options that do not affect the result: they concern outputs, or the provenance holds their values elsewhere. Runs
+/// that differ only in them have the same result.
 const OF_NO_CONSEQUENCE: [&str; 20] = [
     "help",
     "bus",
@@ -40,7 +40,7 @@ const OF_NO_CONSEQUENCE: [&str; 20] = [
 ];
 
 impl Typed {
-    /// What was typed for the subcommand of a command line; the defaults of the arguments in `set` are settings.
+    /// Reads the options of the subcommand; arguments in `set` have their default from the settings file.
     pub fn of(command: &Command, matches: &ArgMatches, set: &[&str], settings: Option<PathBuf>) -> Self {
         let Some((name, matches)) = matches.subcommand() else { return Self::default() };
         let Some(command) = command.find_subcommand(name) else { return Self::default() };
@@ -75,7 +75,7 @@ fn choice(argument: &Arg, matches: &ArgMatches, set: &[&str]) -> Choice {
     Choice { name, value, default, by }
 }
 
-/// Replaces the value of an option by what it stands at.
+/// Replaces the value of an option by the value in force.
 pub fn resolve(options: &mut [Choice], name: &str, value: Vec<String>) {
     if let Some(choice) = options.iter_mut().find(|choice| choice.name == name) {
         if choice.by == ChosenBy::Default {

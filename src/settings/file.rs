@@ -52,10 +52,10 @@ impl Scalar {
     }
 }
 
-/// What the file of that path says.
+/// Reads the settings in the text of the file.
 ///
 /// # Errors
-/// What is wrong, with path and line.
+/// The first error, with path and line.
 pub fn read(path: &Path, text: &str) -> Result<Vec<Setting>> {
     let line = |at: usize| 1 + text.bytes().take(at).filter(|&byte| byte == b'\n').count();
     let wrong = |line: usize, problem: &str| anyhow!("{}:{line}: {problem}", path.display());
@@ -99,7 +99,7 @@ fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// A device is a model or a file; a file's path is one from the folder of the settings.
+/// Resolves a device: a model stays as it is, a file's path is relative to the folder of the settings.
 fn beside(path: &Path, device: &str) -> String {
     let (node, name) = device.split_once('=').map_or((None, device), |(node, name)| (Some(node), name));
     let file = folder(path).join(name);

@@ -7,7 +7,7 @@ use canvass_webdriver::{Browser, Screen};
 fn it_renders_and_filters() {
     let page = Page::of_test("sim:kuebler-sendix-58x8");
     let browser = Browser::open(&page.path, Screen::Desk);
-    let visible = || browser.number("return document.querySelectorAll('.case:not([hidden])').length");
+    let visible = || browser.number("return document.querySelectorAll('.finding:not([hidden])').length");
     let status = || browser.text("return document.getElementById('shown').textContent");
     let all = visible();
     assert!(all > 50.0 && status().is_empty());
@@ -15,7 +15,7 @@ fn it_renders_and_filters() {
     assert!(visible() >= 1.0 && visible() < 10.0);
     assert_eq!(status(), format!("{} of {all}", visible()));
     // What is filtered out is shown again when a link leads to it.
-    let hidden = browser.text("return document.querySelector('.case[hidden]').id");
+    let hidden = browser.text("return document.querySelector('.finding[hidden]').id");
     browser.click(&format!(".cell[href='#{hidden}']"));
     browser.wait(&format!("document.getElementById('{hidden}').open && !document.getElementById('{hidden}').hidden"));
     browser.run(
@@ -23,7 +23,7 @@ fn it_renders_and_filters() {
     );
     assert_eq!(visible(), all);
     browser.click(".tile.not_applicable");
-    let kinds = "return document.querySelectorAll('.case:not([hidden]):not([data-kind=not_applicable])').length";
+    let kinds = "return document.querySelectorAll('.finding:not([hidden]):not([data-kind=not_applicable])').length";
     assert_eq!(browser.number(kinds), 0.0);
     assert_eq!(
         visible(),
@@ -42,16 +42,16 @@ fn it_renders_and_filters() {
 fn a_click_on_the_failures_shows_them() {
     let page = Page::of_test("sim:kuebler-sendix-58x8+boot-up-twice");
     let browser = Browser::open(&page.path, Screen::Desk);
-    let visible = || browser.number("return document.querySelectorAll('.case:not([hidden])').length");
+    let visible = || browser.number("return document.querySelectorAll('.finding:not([hidden])').length");
     let count: f64 = browser.text("return document.querySelector('.tile.fail .count').textContent").parse().unwrap();
     assert!(count >= 2.0, "{count}");
     browser.click(".tile.fail");
     assert_eq!(visible(), count);
-    let failed = "return document.querySelectorAll('.case[data-kind=fail]:not([hidden])[open]').length";
+    let failed = "return document.querySelectorAll('.finding[data-kind=fail]:not([hidden])[open]').length";
     assert_eq!(browser.number(failed), count);
-    let pictures = "return document.querySelectorAll('.case[data-kind=fail] svg.strip').length";
+    let pictures = "return document.querySelectorAll('.finding[data-kind=fail] svg.strip').length";
     assert_eq!(browser.number(pictures), count);
-    let bars = "return document.querySelector('.case svg.delays .delay').getTotalLength()";
+    let bars = "return document.querySelector('.finding svg.delays .delay').getTotalLength()";
     assert!(browser.number(bars) > 0.0);
     browser.is_quiet();
 }

@@ -22,7 +22,7 @@ fn the_extension_tells_the_format_and_to_wins() {
     assert_eq!((status, out.as_str()), (0, LOG));
     let (status, _, errors) = folder.run("convert in.log --to minimon -");
     assert_eq!(status, 2);
-    assert!(errors.contains("minimon is read, but not written; choose another format with --to"), "{errors}");
+    assert!(errors.contains("minimon can be read, but not written; choose another format with --to"), "{errors}");
     assert_eq!(folder.run("convert in.log --to xlsx -").0, 2);
     assert_eq!(folder.run("convert in.log --to csv --to asc -").0, 2);
     assert_eq!(folder.run("convert in.log").0, 2);

@@ -109,7 +109,7 @@ fn mistakes_have_their_status() {
         (&["test", "sim:kuebler-sendix-58x8:63", "--node", "5"], 3, "node 5 does not answer"),
         (&["test", ENCODER, "--report", "html=/no/such/folder/x.html"], 2, "can't write"),
         (&["send", ENCODER, "63F#4"], 2, "position"),
-        (&["explain", "nonsense"], 2, "nothing is called"),
+        (&["explain", "nonsense"], 2, "nothing has the id"),
     ] {
         let ended = run(args);
         assert_eq!(ended.status, status, "{args:?}: {}", ended.stderr);
@@ -273,7 +273,7 @@ fn two_results_are_compared() {
     assert!(got_worse.contains("\"verdict\" \"301/heartbeat/period\""), "{got_worse:?}");
     assert_eq!((subjects(&changes, "better"), subjects(&changes, "worse")), (got_worse, BTreeSet::new()));
     assert_eq!(changes["summary"]["better"], there["summary"]["worse"]);
-    assert!(run(&["compare", &old, &old]).stdout.starts_with("no difference\n"));
+    assert!(run(&["compare", &old, &old]).stdout.ends_with("\nno difference\n"));
     assert_eq!(run(&["compare", &old, "/no/such/file"]).status, 2);
 }
 

@@ -274,7 +274,7 @@ fn a_story_begins_with_what_must_be_known() {
     assert_eq!(rule(&story["consequences"][0]["findings"][0]), "nodes/boot-up-without-command");
     assert_eq!(story["consequences"][0]["of"], story["findings"][0]);
     let markdown = run_with_input(&["diagnose", "-", "--format", "markdown"], &log).stdout;
-    assert!(markdown.contains("This follows from: node 5, a node drops out"), "{markdown}");
+    assert!(markdown.contains("This follows from: node 5: a node drops out"), "{markdown}");
     let page = run_with_input(&["diagnose", "-", "--format", "html"], &log).stdout;
     assert!(page.contains("follows from"), "no story in the page");
 }

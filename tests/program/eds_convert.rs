@@ -38,7 +38,7 @@ fn what_is_lost_is_said() {
     let text = format!("[FileInfo]\n{many}[2000]\nParameterName=a\nDataType=5\nAccessType=ro\n");
     let few = run_with_input(&["eds", "convert", "-", "-", "--to", "eds"], &text);
     assert_eq!(few.stderr.lines().count(), 21, "{}", few.stderr);
-    assert!(few.stderr.ends_with("-: 10 more things are lost: --all-losses lists all\n"), "{}", few.stderr);
+    assert!(few.stderr.ends_with("-: 10 more items are lost: --all-losses lists all\n"), "{}", few.stderr);
     let all = run_with_input(&["eds", "convert", "-", "-", "--to", "eds", "--all-losses"], &text);
     assert_eq!((all.stderr.lines().count(), all.stdout), (30, few.stdout));
 }
@@ -64,7 +64,7 @@ fn nothing_is_overwritten_unasked() {
 fn what_can_not_be_written_is_refused_with_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let dcf = run(&["eds", "convert", MODEL, &path(folder.path(), "a.dcf")]);
-    let expected = "it describes a type of device, and DCF is for one that is configured: write EDS or XDD\n";
+    let expected = "it describes a type of device, but DCF is for a configured device: write EDS or XDD\n";
     assert!(dcf.status == 2 && dcf.stderr.ends_with(expected), "{}", dcf.stderr);
     let unknown = run(&["eds", "convert", MODEL, &path(folder.path(), "a.txt")]);
     assert!(
@@ -92,7 +92,7 @@ fn the_pdos_become_a_can_database() {
     let folder = tempfile::tempdir().unwrap();
     let dbc = path(folder.path(), "encoder.dbc");
     let nobody = run(&["eds", "convert", MODEL, &dbc]);
-    assert!(nobody.status == 2 && nobody.stderr.contains("is for every node-ID: use --node N"), "{}", nobody.stderr);
+    assert!(nobody.status == 2 && nobody.stderr.contains("names no node-ID: use --node N"), "{}", nobody.stderr);
     assert_eq!(run(&["eds", "convert", MODEL, &dbc, "--node", "0x3F"]).status, 0);
     // The unit is not ASCII, and tools expect the character set of Windows.
     let bytes = fs::read(&dbc).unwrap();

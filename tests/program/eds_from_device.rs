@@ -113,5 +113,5 @@ fn ranges_and_outputs_are_chosen() {
     let silent = run(&["eds", "from-device", "sim:reference-406:5", "--node", "9", "--timeout", "20ms"]);
     assert!(silent.status == 3 && silent.stderr.contains("node 9 does not answer"), "{}", silent.stderr);
     let waits = run(&["eds", "from-device", "sim:reference-406+sdo-no-object-silent", "--timeout", "20ms"]);
-    assert!(waits.status == 3 && waits.stderr.contains("--range tells where to look"), "{}", waits.stderr);
+    assert!(waits.status == 3 && waits.stderr.contains("name the indexes with --range"), "{}", waits.stderr);
 }

@@ -1,5 +1,6 @@
 //! `canvass fuzz` as a user meets it.
 
+use crate::live::Device;
 use crate::running::{Run, run};
 use serde_json::Value;
 
@@ -169,4 +170,24 @@ fn all_can_be_allowed_at_once() {
     let named = would_run("nvm,node-id,bit-rate,other-nodes,factory-defaults,preset");
     assert_eq!(would_run("all"), named);
     assert!(named > would_run("node-id"), "some of them need leave");
+}
+
+/// The position was 19642 steps, and the preset makes it 19949, which is stored: a reset does not bring back what was before.
+#[test]
+fn a_zero_point_that_a_sequence_has_moved_is_told_with_how_to_set_it_right() {
+    let device = Device::of("kuebler-sendix-58x8", &[]);
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("preset.log");
+    std::fs::write(&log, "(0.000000) can0 63F#23036000ED4D0000\n(0.100000) can0 63F#2310100173617665\n").unwrap();
+    let replay = log.to_str().unwrap();
+    let fuzz = |more: &[&str]| {
+        let args = ["fuzz", &*device.bus, "--node", "63", "--device", "kuebler-sendix-58x8", "--replay", replay];
+        run(&[&args[..], more].concat())
+    };
+    let told = json(&fuzz(&["--allow", "preset,nvm", "--format", "json"]));
+    assert_eq!(told["zero_point"]["steps"], 307, "{told:#}");
+    let text = told["zero_point"]["text"].as_str().unwrap();
+    assert!(text.contains("give 6003h:00 that value minus 307"), "{text}");
+    std::fs::write(&log, "(0.000000) can0 63F#4000100000000000\n").unwrap();
+    assert_eq!(json(&fuzz(&["--format", "json"]))["zero_point"], Value::Null);
 }

@@ -186,7 +186,7 @@ fn answered(args: &[&str], answer: &str) -> (i32, String) {
 #[cfg(unix)] // the question is asked on a pseudo-terminal
 #[test]
 fn at_a_terminal_the_next_run_asks_whether_to_put_the_device_back() {
-    const QUESTION: &str = "Put the device back first? [Y/n]";
+    const QUESTION: &str = "Restore the device first? [Y/n]";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("journal");
     let device = Device::of("reference-301", &[]);

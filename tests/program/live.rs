@@ -157,15 +157,13 @@ fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
     const LMT: &str = "sim:tr-lmp30";
     let inquired = run(&["lss", "inquire", LMT]);
     assert_eq!((inquired.status, &*inquired.stdout), (3, ""), "{}", inquired.stderr);
-    let says =
-        "no device answers to LSS, and one does to LMT (CiA DS-205): manufacturer name \"TR-ELEC\", product name";
+    let says = "no device answers to LSS, but a device answers to LMT (CiA DS-205): manufacturer name \"TR-ELEC\", product name";
     assert!(inquired.stderr.contains(says), "{}", inquired.stderr);
     let refused = run(&["lss", "configure", LMT, "--node-id", "5", "--bit-rate", "50k", "--store"]);
     assert_eq!((refused.status, &*refused.stdout), (2, ""), "{}", refused.stderr);
-    for says in [
-        "manufacturer name \"TR-ELEC\"",
-        "row 6 is 50 kbit/s in that of LSS and 20 kbit/s in that of LMT; nothing was configured",
-    ] {
+    for says in
+        ["manufacturer name \"TR-ELEC\"", "row 6 means 50 kbit/s in LSS and 20 kbit/s in LMT; nothing was configured"]
+    {
         assert!(refused.stderr.contains(says), "{}", refused.stderr);
     }
     // The node-ID has one meaning in both, and a device with LSS, or none of either, is as it was.

@@ -285,7 +285,7 @@ fn record_goes_on() {
         assert!(interrupt(&record));
         let recorded = ended(record);
         assert_eq!(recorded.status, 0, "{}", recorded.stderr);
-        assert!(recorded.stderr.contains("recording goes on when it is back"), "{}", recorded.stderr);
+        assert!(recorded.stderr.contains("recording goes on when the bus is back"), "{}", recorded.stderr);
         assert!(recorded.stderr.contains(" 0 lost, 1 interruption of the bus, for "), "{}", recorded.stderr);
         let times = heartbeats(&std::fs::read_to_string(&log).unwrap());
         let gap = times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
@@ -338,7 +338,7 @@ fn scan_prints_what_it_has_found_when_the_bus_does_not_come_back() {
     let found = json(&scanned);
     assert_eq!((scanned.status, &found["complete"]), (3, &false.into()), "{}", scanned.stderr);
     assert_eq!(found["nodes"][0]["node"], 10, "{found:#}");
-    assert!(scanned.stderr.contains("not all was asked"), "{}", scanned.stderr);
+    assert!(scanned.stderr.contains("the scan was not completed"), "{}", scanned.stderr);
 }
 
 const AREA: [&str; 2] = ["--range", "1000-20FF"];
@@ -372,7 +372,7 @@ fn from_device_writes_what_it_has_read_when_the_bus_does_not_come_back() {
     let read = ended(read);
     assert_eq!(read.status, 3, "{}", read.stderr);
     assert!(
-        read.stderr.contains(" on nothing was read: the description holds what was read before"),
+        read.stderr.contains(" on nothing was read: the description holds the objects read until then"),
         "{}",
         read.stderr
     );

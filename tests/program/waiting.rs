@@ -28,7 +28,7 @@ fn a_pipe_without_a_writer() {
     for signal in ["-INT", "-TERM"] {
         for args in [vec!["decode", pipe], vec!["diagnose", pipe], vec!["convert", pipe, out.to_str().unwrap()]] {
             let (status, errors) = signalled(&args, signal);
-            assert_eq!((status, &*errors), (2, "canvass: interrupted before there was anything to read\n"), "{args:?}");
+            assert_eq!((status, &*errors), (2, "canvass: interrupted before any input arrived\n"), "{args:?}");
         }
     }
     assert!(!out.exists());

@@ -9,7 +9,7 @@
 //! After five equal bits the sender inserts a complementary one, which itself counts as the first of the next run.
 //! Where the last five bits of the CRC are equal, a stuff bit follows them too. Stuff bits are no input of the CRC.
 //!
-//! Exact, and fast enough to be asked for every frame: the CRC and the stuff bits are computed by bytes, from tables.
+//! The result is exact. Tables give CRC and stuff bits byte by byte, which is fast enough for every frame.
 
 use crate::{Frame, FrameKind};
 
@@ -53,37 +53,37 @@ fn control(frame: &Frame) -> u32 {
     u32::from(frame.kind() == FrameKind::Remote) << 6 | u32::from(frame.dlc() & 0xF)
 }
 
-/// The bits of a frame with that header of `len` bits; `filled` is the data with zeros after it.
+/// The bits of a frame with the given header of `len` bits; `filled` is the data, filled up with zeros.
 #[inline]
 fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [u8; 8]) -> u32 {
-    // Nearly all frames have eight bytes: with their number known, each step is a look-up without a test.
+    // Nearly all frames have eight bytes; a constant number of bytes lets the compiler unroll the loops.
     match data.len() {
         8 => filled_up(header, len, &filled, crc15(header, 8, filled)),
         other => filled_up(header, len, data, crc15(header, other, filled)),
     }
 }
 
-/// The bits of a frame with that header of `len` bits, that data, and that CRC.
+/// The bits of a frame with the given header of `len` bits, data and CRC.
 #[inline(always)]
 fn filled_up<const N: usize>(header: [u8; N], len: u32, data: &[u8], crc: u16) -> u32 {
     let [first, rest @ ..] = &header[..] else { return 0 };
-    // Stuff bits are looked up by whole bytes: what fills up the first one alternates, gets no stuff bits, and ends with
-    // another bit than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
+    // Stuff bits are looked up by whole bytes. The bits that fill up the first byte alternate, so they get no stuff
+    // bits; the last of them differs from the dominant SOF, so the counted run begins with SOF, as on the bus.
     const ALTERNATING: u8 = 0b0101_0101;
     let mut stuffing = Stuffing::default();
     stuffing.byte(first | ALTERNATING << (len % 8));
     rest.iter().for_each(|byte| stuffing.byte(*byte));
     data.iter().for_each(|byte| stuffing.byte(*byte));
-    // What fills up the last byte is the complement of the last bit: with a stuff bit before it, it has only that one to
-    // be equal to.
+    // The bits that fill up the last byte are the complement of its last bit, so they end its run and add no stuff
+    // bit.
     let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();
     stuffing.byte(upper);
     stuffing.byte(lower);
     len + 8 * data.len() as u32 + 15 + stuffing.stuffed() + FIXED_FORM
 }
 
-/// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change it, so it is that of whole bytes;
-/// and it is linear, so each byte adds what it alone would leave: no byte waits for the one before.
+/// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change the CRC, so it can be computed
+/// over whole bytes. It is linear: the contributions of the bytes are looked up independently of each other.
 #[inline(always)]
 fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
     let shift = 64 - 8 * len as u32;
@@ -101,16 +101,17 @@ fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
 /// Counts stuff bits, byte by byte.
 #[derive(Default)]
 struct Stuffing {
-    /// The run after the last byte, and the stuff bits in it: [`STUFF_TABLE`].
+    /// Entry of [`STUFF_TABLE`] for the last byte: the run after it, and its number of stuff bits.
     last: u16,
-    /// The sum of all of them: the runs of 15 bytes do not reach the upper half.
+    /// Sum of all entries. Its lower half holds runs, which can't overflow in 15 bytes; its upper half counts the
+    /// stuff bits.
     sum: u32,
 }
 
 impl Stuffing {
     #[inline]
     fn byte(&mut self, byte: u8) {
-        // Each byte waits for the one before, so that nothing but this look-up is to be on the way.
+        // The only step that waits for the byte before: the look-up.
         self.last = STUFF_TABLE[usize::from(byte)][usize::from(self.last & 0xF)];
         self.sum += u32::from(self.last);
     }
@@ -120,11 +121,11 @@ impl Stuffing {
     }
 }
 
-/// The equal bits at the end of what was sent.
+/// The run of equal bits at the end of the sent bits.
 #[derive(Clone, Copy)]
 struct Run {
     bit: bool,
-    /// 0 to 4: after the fifth equal bit a stuff bit begins a new run.
+    /// Length of the run, 0 to 4: the fifth equal bit is followed by a stuff bit, which begins a new run.
     len: u8,
 }
 
@@ -147,7 +148,8 @@ impl Run {
 /// Generator polynomial of CAN: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 const CRC_POLYNOMIAL: u16 = 0x4599;
 
-/// By the number of bytes that follow, and by byte: the CRC that a byte leaves. The longest header and data have 103 bits.
+/// The CRC that a byte contributes, by the number of bytes after it and by its value. The longest header and data
+/// have 103 bits.
 const CRC_TABLES: [[u16; 256]; 13] = {
     let mut tables = [[0; 256]; 13];
     let mut following = 0;
@@ -168,13 +170,14 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By byte and the run before it: the run after it in the lower byte, the stuff bits in it in the upper one.
+/// By byte and by the run before it: the run after the byte in the lower byte, its number of stuff bits in the upper
+/// one.
 static STUFF_TABLE: [[u16; 16]; 256] = {
     let mut table = [[0; 16]; 256];
     let mut at = 0;
     while at < 16 * 256 {
         let (byte, number) = (at >> 4, at & 0xF);
-        // Runs of 5 to 7 don't occur; their rows only make the table square.
+        // Runs of 5 to 7 bits don't occur; their rows make the index a power of two.
         let mut run = Run::of_number(if number & 7 > 4 { 0 } else { number as u8 });
         let mut stuffed = 0;
         let mut bit = 8;

@@ -1,4 +1,4 @@
-//! Opening a capture, whatever its format.
+//! Opening a capture of any format.
 
 use crate::compression;
 use crate::{Channels, Damage, Format, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase};
@@ -16,7 +16,7 @@ pub struct Capture {
 /// Why a capture can't be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// The file is not there or not readable.
+    /// The file does not exist or is not readable.
     #[error("can't open {path}: {source}", path = path.display())]
     Io {
         /// The file.
@@ -32,11 +32,11 @@ pub enum OpenError {
         /// The reason.
         source: SourceError,
     },
-    /// There is nothing in it.
+    /// The source has no bytes.
     #[error("{0} is empty: expected a capture")]
     Empty(String),
-    /// No format matches.
-    #[error("{name} is of no known format: expected one of {known}", known = known_formats())]
+    /// The content matches no format.
+    #[error("{name} has no known format: expected one of {known}", known = known_formats())]
     Unknown {
         /// The file or `-`.
         name: String,
@@ -60,8 +60,8 @@ impl Capture {
         Self::from_source(&path.display().to_string(), Source::new(file), options)
     }
 
-    /// Reads a source under that name. One that is compressed by gzip or zstd is decompressed on the way; offsets
-    /// are those in the decompressed content.
+    /// Reads a source under that name. A source compressed by gzip or zstd is decompressed; offsets are those in the
+    /// decompressed content.
     ///
     /// # Errors
     /// [`OpenError`] if nothing can be read, it is empty, or no format matches.
@@ -75,7 +75,8 @@ impl Capture {
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
-    /// What a reader of another kind gives, such as that of a live bus, under that name, as if it came in that format.
+    /// Makes a capture of another kind of reader, such as that of a live bus; it gets this name and counts as this
+    /// format.
     pub fn from_reader(name: &str, format: Format, reader: Box<dyn Reader>) -> Self {
         Self { name: name.to_owned(), format, reader }
     }
@@ -85,13 +86,13 @@ impl Capture {
         &self.name
     }
 
-    /// The format that was recognised or said.
+    /// The recognised format, or the one given in the options.
     pub fn format(&self) -> Format {
         self.format
     }
 }
 
-/// Looks at the head of a source. Only as much is read as is needed, because a pipe may be slow.
+/// Recognises the format from the head of a source. It reads only as much as needed, because a pipe may be slow.
 fn recognise(name: &str, source: &mut Source) -> Result<Format, OpenError> {
     loop {
         if let Some(format) = Format::sniff(source.window()) {

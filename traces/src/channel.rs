@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 
-/// A channel of a capture, by its place in its [`Channels`].
+/// A channel of a capture: its index in the [`Channels`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub struct ChannelId(pub u16);
 
@@ -11,20 +11,20 @@ pub struct ChannelId(pub u16);
 #[derive(Clone, Debug, Default)]
 pub struct Channels {
     names: Vec<Box<str>>,
-    /// The place of each name, once there are more than a few.
+    /// The index of each name; used when there are more than [`Channels::FEW`].
     places: HashMap<Box<str>, u16>,
     last: usize,
 }
 
 impl Channels {
-    /// How many channels can be distinguished.
+    /// Maximum number of channels.
     pub const MAX: usize = 4096;
-    /// So many are found faster one by one.
+    /// Up to this number of channels a linear search is faster than the map.
     const FEW: usize = 16;
     /// The name under which all further channels go once [`Channels::MAX`] are known.
     pub const OVERFLOW: &'static str = "(more)";
 
-    /// No channel yet.
+    /// Makes an empty set of channels.
     pub fn new() -> Self {
         Self::default()
     }
@@ -34,7 +34,7 @@ impl Channels {
     /// A hostile file can name a new channel in every line; beyond [`Channels::MAX`] they all become one, named
     /// [`Channels::OVERFLOW`].
     pub fn intern(&mut self, name: &str) -> ChannelId {
-        // Captures name the same channel again and again.
+        // Captures mostly repeat the channel of the frame before.
         if self.names.get(self.last).is_some_and(|known| **known == *name) {
             return ChannelId(self.last as u16);
         }

@@ -1,4 +1,4 @@
-//! Numbers for channels, for formats that know no names.
+//! Numbers for channels, for formats without channel names.
 
 use crate::{ChannelId, Loss, Losses};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,13 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct ChannelNumbers {
     numbers: BTreeMap<ChannelId, u16>,
     taken: BTreeSet<u16>,
-    /// No number below it is free.
+    /// All numbers below this one are taken.
     free_from: u16,
 }
 
 impl ChannelNumbers {
-    /// The number of a channel, from 1: its name if that is a number, else the next free one, with the loss of the
-    /// name counted.
+    /// The number of a channel, from 1: its name if that is a number, else the next free one; the loss of the name is
+    /// counted.
     pub(crate) fn number(&mut self, channel: ChannelId, name: &str, losses: &mut Losses) -> u16 {
         let number = match self.numbers.get(&channel) {
             Some(number) => *number,
@@ -28,7 +28,7 @@ impl ChannelNumbers {
 
     fn assign(&mut self, channel: ChannelId, name: &str) -> u16 {
         let own = name.parse().ok().filter(|&n| n > 0 && is_number(name, n) && !self.taken.contains(&n));
-        // There are at most 4096 channels, so a number is free.
+        // There are at most 4096 channels and 65535 numbers, so a number is free.
         let number = own.unwrap_or_else(|| {
             self.free_from = (self.free_from.max(1)..=u16::MAX).find(|n| !self.taken.contains(n)).unwrap_or(u16::MAX);
             self.free_from

@@ -1,7 +1,7 @@
 //! Captures compressed by gzip or zstd, recognised by their content.
 //!
-//! A stream may consist of several members (gzip) or frames (zstd), one after the other. Where it ends early,
-//! what stood before is read, and the source then reports an unexpected end. Memory is bounded: a zstd window
+//! A stream may consist of several members (gzip) or frames (zstd), one after the other. If the stream ends early,
+//! the part before the end is read, and the source then reports an unexpected end. Memory is bounded: a zstd window
 //! of more than 128 MiB is refused.
 
 use crate::{Source, SourceError, packed};
@@ -16,7 +16,7 @@ const ZSTD: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];
 /// # Errors
 /// [`SourceError`] if the first bytes can't be read.
 pub(crate) fn decompressed(mut source: Source) -> Result<Source, SourceError> {
-    // A pipe may be slow: no more is waited for than is needed to tell that it is not compressed.
+    // A pipe may be slow, so only the bytes that tell compressed from plain data are awaited.
     while begins(source.window()) && source.window().len() < ZSTD.len() {
         if !source.fill()? {
             break;
@@ -31,12 +31,12 @@ pub(crate) fn decompressed(mut source: Source) -> Result<Source, SourceError> {
     }
 }
 
-/// Whether the bytes so far may be the begin of a compressed stream.
+/// Whether a compressed stream may begin with these bytes.
 fn begins(head: &[u8]) -> bool {
     [GZIP, ZSTD].iter().any(|magic| head.starts_with(magic) || magic.starts_with(head))
 }
 
-/// A decompressor whose errors say what failed.
+/// A decompressor that adds the name of the compression to its errors.
 struct Named<R> {
     name: &'static str,
     inner: R,

@@ -1,4 +1,4 @@
-//! What could not be read, and where.
+//! Damage: a part of a source that can't be read, and its place.
 
 use crate::{Place, Record, SourceError};
 use std::borrow::Cow;
@@ -8,45 +8,44 @@ use std::fmt;
 /// [fatal](DamageKind::is_fatal).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Damage {
-    /// What kind of damage it is; damages are counted by it.
+    /// The kind of damage; totals are counted by kind.
     pub kind: DamageKind,
     /// The line or packet, and its offset.
     pub place: Place,
     /// The column in that line, from 1, where the line's format has columns; counted in bytes.
     pub column: Option<u32>,
-    /// What should have stood there.
+    /// The text or value expected at this place.
     pub expected: Cow<'static, str>,
-    /// What stood there instead, cut to a readable length and without control characters.
+    /// The bytes found instead, cut to a readable length and without control characters.
     pub found: String,
-    /// The frame as far as it makes sense, where it does: it contradicts itself, and is no part of the capture's
-    /// records.
+    /// The readable part of a frame that contradicts itself; it does not count as a record of the capture.
     pub salvaged: Option<Box<Record>>,
 }
 
 /// The kinds of damage.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum DamageKind {
-    /// Breaks the rules of its format.
+    /// The line or packet breaks the rules of its format.
     Malformed,
-    /// Ends before it is complete, or was cut by the recorder.
+    /// The line or packet ends before it is complete, or the recorder cut it.
     Truncated,
-    /// Well-formed, but of a kind that is not read.
+    /// The line or packet is well-formed, but canvass does not read its kind.
     Unsupported,
-    /// The recorder's own word that it lost this many frames.
+    /// The recorder reports that it lost this many frames.
     Dropped(u64),
-    /// The file has no proper end: the recorder was interrupted. What stood before it was read.
+    /// The file has no proper end, because the recorder was interrupted. The part before was read.
     Unfinished,
-    /// The source itself failed or the rest of it can't be made sense of: nothing follows.
+    /// The source failed, or the rest of it is unreadable: no record follows.
     Fatal,
 }
 
 impl DamageKind {
-    /// Whether nothing can be read after it.
+    /// Whether no record can follow.
     pub const fn is_fatal(self) -> bool {
         matches!(self, Self::Fatal)
     }
 
-    /// The kind in a word, as in summaries.
+    /// The name of the kind, for summaries.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Malformed => "malformed",
@@ -60,7 +59,7 @@ impl DamageKind {
 }
 
 impl Damage {
-    /// How much of what was found is kept, in characters.
+    /// Maximum length of the found text that is kept, in characters.
     pub const EXCERPT: usize = 60;
 
     /// A damage at a place, with what was expected and the bytes found.
@@ -68,33 +67,33 @@ impl Damage {
         Self { kind, place, column: None, expected: expected.into(), found: excerpt(found), salvaged: None }
     }
 
-    /// The recorder's own word that it lost that many frames.
+    /// The damage for frames that the recorder reports as lost.
     pub(crate) fn dropped(frames: u64, place: Place) -> Self {
         Self::new(DamageKind::Dropped(frames), place, "no lost frames", b"")
     }
 
-    /// The source gives no more bytes: unfinished where a compressed stream just ends, else fatal. Either way
-    /// nothing follows.
+    /// The damage for a source that fails: unfinished if a compressed stream ends early, else fatal. No record
+    /// follows in either case.
     pub(crate) fn source(error: &SourceError, place: Place) -> Self {
         let cut = matches!(error, SourceError::Io(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
         let kind = if cut { DamageKind::Unfinished } else { DamageKind::Fatal };
         Self::new(kind, place, format!("more of the file, but {error}"), b"")
     }
 
-    /// The same damage with the frame as far as it makes sense.
+    /// Adds the readable part of the frame.
     pub fn with_salvaged(mut self, record: Record) -> Self {
         self.salvaged = Some(Box::new(record));
         self
     }
 
-    /// The same damage at a column of its line, from 1.
+    /// Adds the column in the line, from 1.
     pub fn at_column(mut self, column: usize) -> Self {
         self.column = Some(column.min(u32::MAX as usize) as u32);
         self
     }
 }
 
-/// Why bytes are no readable frame; a damage whose place is not known yet.
+/// Why bytes are no readable frame; becomes a [`Damage`] when its place is known.
 #[derive(Debug)]
 pub(crate) struct Flaw {
     kind: DamageKind,
@@ -116,7 +115,7 @@ impl Flaw {
     }
 }
 
-/// The first characters of hostile bytes, fit for a terminal.
+/// The first characters of untrusted bytes, with control characters made visible.
 fn excerpt(bytes: &[u8]) -> String {
     let head = &bytes[..bytes.len().min(4 * Damage::EXCERPT)];
     let text = String::from_utf8_lossy(head);
@@ -128,8 +127,7 @@ fn excerpt(bytes: &[u8]) -> String {
     shown
 }
 
-/// `line 12, column 27: malformed: expected …, found "…"`, without the file's name, which the reader of the
-/// message knows.
+/// `line 12, column 27: malformed: expected …, found "…"`; the caller adds the file's name.
 impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {

@@ -1,5 +1,5 @@
-//! Digits of a text, several at once in one machine word: every character is a byte of the word, and arithmetic on
-//! the word is arithmetic on all of them, as long as no byte overflows into the next.
+//! Parses several digits at once in one machine word: every character is a byte of the word, and arithmetic on the
+//! word works on all bytes, as long as no byte overflows into the next.
 
 use crate::grammar::nibble;
 
@@ -8,7 +8,7 @@ const fn each(byte: u8) -> u64 {
     u64::from_ne_bytes([byte; 8])
 }
 
-/// As [`each`], of sixteen bytes.
+/// As [`each`], for sixteen bytes.
 const fn each_of_16(byte: u8) -> u128 {
     u128::from_ne_bytes([byte; 16])
 }
@@ -51,24 +51,23 @@ pub(crate) fn three_hex(text: [u8; 3]) -> Option<u32> {
     Some(u32::from(a?) << 8 | u32::from(b?) << 4 | u32::from(c?))
 }
 
-/// How many of these characters, from the first on, are hexadecimal digits.
+/// Number of leading hexadecimal digits.
 #[inline]
 pub(crate) const fn hex_count(text: [u8; 16]) -> usize {
     hex_values(u128::from_le_bytes(text)).0
 }
 
-/// How many of these characters, from the first on, are hexadecimal digits, and the bytes that each two of them are.
-/// What no digit belongs to is zero.
+/// Number of leading hexadecimal digits, and the bytes that pairs of them spell; the other bytes are zero.
 #[inline]
 pub(crate) const fn hex_prefix(text: [u8; 16]) -> (usize, [u8; 8]) {
     let word = u128::from_le_bytes(text);
     let (count, nibbles) = hex_values(word);
-    // The first digit of two is the upper half of its byte.
+    // The first digit of a pair is the upper half of the byte.
     let pairs = (nibbles << 4 | nibbles >> 8) & 0x00FF_00FF_00FF_00FF_00FF_00FF_00FF_00FF;
     let low = packed(pairs as u64);
     let high = packed((pairs >> 64) as u64);
     let bytes = low as u64 | (high as u64) << 32;
-    // Half a byte at the end does not count.
+    // An odd last digit is not used.
     let kept = if count >= 16 { u64::MAX } else { (1 << (8 * (count / 2))) - 1 };
     (count, (bytes & kept).to_le_bytes())
 }
@@ -89,13 +88,14 @@ const fn hex_values(word: u128) -> (usize, u128) {
     (count, (word & each_of_16(0x0F)).wrapping_add(nine) & each_of_16(0x0F))
 }
 
-/// The upper bit of each byte that is at least `least`, as the sum reaches 80h there; all bytes are below 80h.
+/// Sets the upper bit of each byte that is at least `least`: adding the difference to 80h carries into that bit. All
+/// bytes are below 80h.
 #[inline]
 const fn at_least(seven: u128, least: u8) -> u128 {
     seven.wrapping_add(each_of_16(0x80 - least))
 }
 
-/// Every other byte, pushed together.
+/// Packs every other byte into 32 bits.
 #[inline]
 const fn packed(pairs: u64) -> u32 {
     let fours = (pairs | pairs >> 8) & 0x0000_FFFF_0000_FFFF;

@@ -1,4 +1,4 @@
-//! What the capture formats are called. How each is recognised, read and written stands in `formats`.
+//! The names of the capture formats. `formats` has their detection, readers and writers.
 
 use std::fmt;
 

@@ -5,8 +5,8 @@ use std::fmt;
 
 /// A CAN frame in 24 bytes.
 ///
-/// Classical frames, and CAN FD frames of up to 16 bytes, are held whole. Of a longer CAN FD or CAN XL frame the
-/// first 16 bytes are held; all of it is in its [`crate::Record`].
+/// It holds the whole payload of classical frames and of CAN FD frames of up to 16 bytes. Of a longer CAN FD or CAN
+/// XL frame it holds the first 16 bytes; the whole payload is in the [`crate::Record`].
 ///
 /// ```
 /// use canvass_traces::{CanId, Frame};
@@ -22,22 +22,22 @@ use std::fmt;
 pub struct Frame {
     id: CanId,
     kind: FrameKind,
-    /// Lower half: [`Flags`]. Upper half: the raw DLC of a classical frame where it is 9 to 15.
+    /// Lower half: [`Flags`]. Upper half: the raw DLC of a classical frame, if it is 9 to 15.
     flags: u8,
-    /// The payload's length, up to 2048; of a remote frame the length it asks for.
+    /// Length of the payload, up to 2048; for a remote frame the requested length.
     len: u16,
-    /// Bytes beyond the payload are zero.
+    /// The payload; bytes beyond it are zero.
     data: [u8; Frame::INLINE],
 }
 
-/// What kind of frame it is.
+/// The kind of a frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum FrameKind {
-    /// Carries data.
+    /// A frame with data.
     Data,
-    /// Asks for data (RTR).
+    /// A remote frame, which requests data (RTR).
     Remote,
-    /// Was not on the bus: the controller's report of an error on it. The identifier holds the [`ErrorClass`].
+    /// The controller's report of a bus error; no frame of the bus. The identifier holds the [`ErrorClass`].
     Error,
 }
 
@@ -57,7 +57,7 @@ impl Flags {
     /// CAN XL format.
     pub const XLF: Self = Self(8);
 
-    /// All flags of both.
+    /// The union of both sets of flags.
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
@@ -72,7 +72,7 @@ impl Flags {
         self.0
     }
 
-    /// From [`Flags::bits`]; the upper half is ignored.
+    /// The flags for [`Flags::bits`]; the upper half is ignored.
     pub const fn from_bits(bits: u8) -> Self {
         Self(bits & 0x0F)
     }
@@ -99,7 +99,7 @@ impl ErrorClass {
 }
 
 impl Frame {
-    /// How many payload bytes a frame holds by itself.
+    /// Maximum number of payload bytes inside a frame.
     pub const INLINE: usize = 16;
     /// The lengths that a CAN FD frame can have, by DLC.
     pub const FD_LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
@@ -124,7 +124,7 @@ impl Frame {
         Self { id, kind: FrameKind::Data, flags: 0, len: 8, data: [a, b, c, d, e, f, g, h, 0, 0, 0, 0, 0, 0, 0, 0] }
     }
 
-    /// A classical data frame of up to 8 bytes; those of `data` beyond its length, which is cut to 8, must be zero.
+    /// A classical data frame of `len` bytes, at most 8; the rest of `data` must be zero.
     #[inline]
     pub(crate) const fn short(id: CanId, data: [u8; 8], len: usize) -> Self {
         let frame = Self::full(id, data);
@@ -142,8 +142,8 @@ impl Frame {
         Some(Self { kind: FrameKind::Error, ..frame })
     }
 
-    /// The whole of a CAN FD frame, or its head where `data` has more than 16 bytes; `None` if the length is not
-    /// one of [`Frame::FD_LENGTHS`].
+    /// A complete CAN FD frame, or its head if `data` has more than 16 bytes; `None` if the length is not one of
+    /// [`Frame::FD_LENGTHS`].
     pub fn fd(id: CanId, flags: Flags, data: &[u8]) -> Option<Self> {
         Self::FD_LENGTHS.iter().any(|&l| usize::from(l) == data.len()).then(|| {
             let flags = Flags(flags.0 & 3).with(Flags::FDF);
@@ -163,8 +163,8 @@ impl Frame {
         frame
     }
 
-    /// The same classical frame of 8 bytes with a raw DLC of 9 to 15 (`len8_dlc` of SocketCAN); unchanged where
-    /// the frame or the DLC is not of that kind.
+    /// Sets a raw DLC of 9 to 15 (`len8_dlc` of SocketCAN) in a classical frame of 8 bytes; leaves any other frame
+    /// unchanged.
     pub fn with_raw_dlc(mut self, dlc: u8) -> Self {
         if self.len == 8 && (9..=15).contains(&dlc) && self.flags & 0x0F == 0 {
             self.flags = dlc << 4;
@@ -172,13 +172,13 @@ impl Frame {
         self
     }
 
-    /// The identifier. Of an error frame: its class bits, see [`Frame::error_class`].
+    /// The identifier; for an error frame its class bits, see [`Frame::error_class`].
     #[inline]
     pub const fn id(&self) -> CanId {
         self.id
     }
 
-    /// The identifier of a classical data frame of 11 bits, which is what CANopen sends; else `None`.
+    /// The identifier of a classical data frame with 11 bits, the kind that CANopen uses; else `None`.
     #[inline]
     pub const fn cob_id(&self) -> Option<u16> {
         match self.kind {
@@ -193,7 +193,7 @@ impl Frame {
         self.kind
     }
 
-    /// The payload, as far as the frame holds it: all of it up to 16 bytes. Empty for a remote frame.
+    /// The payload, up to 16 bytes of it; empty for a remote frame.
     #[inline]
     pub fn data(&self) -> &[u8] {
         match self.kind {
@@ -208,7 +208,7 @@ impl Frame {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// The payload's length in bytes; of a remote frame the length that it asks for.
+    /// Length of the payload in bytes; for a remote frame the requested length.
     #[inline]
     pub const fn len(&self) -> usize {
         self.len as usize
@@ -219,12 +219,12 @@ impl Frame {
         self.len == 0
     }
 
-    /// Whether the payload is longer than what the frame holds.
+    /// Whether the payload is longer than the bytes in the frame.
     pub const fn is_head(&self) -> bool {
         self.len as usize > Self::INLINE
     }
 
-    /// The data length code as on the wire; CAN XL has none and gives its length less one, cut to 8 bits.
+    /// The data length code as on the wire; CAN XL has none and returns its length minus one, cut to 8 bits.
     #[inline]
     pub fn dlc(&self) -> u8 {
         if self.flags & 0xF0 != 0 {
@@ -278,7 +278,7 @@ impl fmt::Debug for Frame {
     }
 }
 
-/// Classical frames only: the traits know no other.
+/// The traits support only classical frames.
 impl embedded_can::Frame for Frame {
     fn new(id: impl Into<embedded_can::Id>, data: &[u8]) -> Option<Self> {
         Frame::new(id.into().into(), data)

@@ -1,29 +1,29 @@
-//! The leaves of the text formats' grammars: numbers, bytes, words; and what is said when one is missing.
+//! The lowest parsers of the text formats: numbers, bytes, words; with the expected text for errors.
 //!
-//! They are nom parsers written by hand, because these few loops see every byte of a capture. The structure of the
-//! lines is put together from them with nom's combinators where each format is described.
+//! They are nom parsers written by hand, because these few loops see every byte of a capture. Each format combines
+//! them with nom's combinators.
 
 use crate::digits::{four_decimal, hex_prefix};
 use nom::IResult;
 use nom::error::{ErrorKind, ParseError};
 
-/// What was expected, and the input where it was expected.
+/// The expected text, and the input at that place.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Expected<'a> {
     pub(crate) at: &'a [u8],
     pub(crate) what: &'static str,
 }
 
-/// What is left of the input, and the value.
+/// The rest of the input, and the value.
 pub(crate) type Parsed<'a, T> = IResult<&'a [u8], T, Expected<'a>>;
 
 impl<'a> ParseError<&'a [u8]> for Expected<'a> {
-    /// Nom's own parsers, which these grammars use for structure only, have no better word.
+    /// Nom's own parsers serve only the structure here and have no better text.
     fn from_error_kind(at: &'a [u8], _: ErrorKind) -> Self {
         Self { at, what: "something else" }
     }
 
-    /// The innermost parser knows best what was missing.
+    /// The innermost parser knows best what is missing.
     fn append(_: &'a [u8], _: ErrorKind, inner: Self) -> Self {
         inner
     }
@@ -34,13 +34,13 @@ impl<'a> Expected<'a> {
         Self { at, what }
     }
 
-    /// As nom wants it: another alternative may fit.
+    /// The recoverable error of nom: another alternative may fit.
     pub(crate) fn fail<T>(at: &'a [u8], what: &'static str) -> Parsed<'a, T> {
         Err(nom::Err::Error(Self { at, what }))
     }
 }
 
-/// These parsers never ask for more input.
+/// These parsers never return nom's `Incomplete`.
 impl<'a> From<nom::Err<Self>> for Expected<'a> {
     fn from(error: nom::Err<Self>) -> Self {
         match error {
@@ -50,7 +50,7 @@ impl<'a> From<nom::Err<Self>> for Expected<'a> {
     }
 }
 
-/// A value that a parser must find to the last byte of its input.
+/// Requires that a parser consumed its whole input.
 pub(crate) fn whole<'a, T>(parsed: Parsed<'a, T>, what: &'static str) -> Result<T, Expected<'a>> {
     match parsed {
         Ok(([], value)) => Ok(value),
@@ -59,7 +59,7 @@ pub(crate) fn whole<'a, T>(parsed: Parsed<'a, T>, what: &'static str) -> Result<
     }
 }
 
-/// These bytes as they are.
+/// Parses exactly these bytes.
 #[inline]
 pub(crate) fn tag<'a>(text: &'static [u8], what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, ()> {
     move |input| match input.strip_prefix(text) {
@@ -72,7 +72,7 @@ const fn is_blank(byte: u8) -> bool {
     byte == b' ' || byte == b'\t'
 }
 
-/// What follows the spaces and tabs.
+/// Skips spaces and tabs.
 #[inline]
 pub(crate) fn skip_blanks(input: &[u8]) -> &[u8] {
     let count = input.iter().take_while(|&&b| is_blank(b)).count();
@@ -100,13 +100,13 @@ pub(crate) fn word<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, &'
     }
 }
 
-/// The length of the run of decimal digits at the input's start, and their number, which is right for up to
-/// [`SAFE_DIGITS`] of them.
+/// Length of the run of decimal digits at the input's start, and its value, which is right for up to [`SAFE_DIGITS`]
+/// digits.
 #[inline]
 fn digits(input: &[u8]) -> (usize, u64) {
     let mut value = 0_u64;
     let mut rest = input;
-    // A digit after the other is a chain of multiplications; four at once make it short.
+    // Single digits form a chain of multiplications; groups of four shorten it.
     while let Some((four, tail)) = rest.split_first_chunk::<4>()
         && let Some(next) = four_decimal(*four)
     {
@@ -118,7 +118,7 @@ fn digits(input: &[u8]) -> (usize, u64) {
     (input.len() - rest.len(), value)
 }
 
-/// So many decimal digits always fit into 64 bits.
+/// Number of decimal digits that always fit into 64 bits.
 const SAFE_DIGITS: usize = 19;
 
 /// A decimal number of at most 19 digits.
@@ -181,7 +181,7 @@ pub(crate) const fn nibble(digit: u8) -> Option<u8> {
     }
 }
 
-/// A run of hexadecimal digits: their number (0 to 8; a ninth is left) and value.
+/// A run of hexadecimal digits: the rest, their number (at most 8; a ninth is left) and value.
 #[inline]
 pub(crate) fn hex_run(input: &[u8]) -> (&[u8], usize, u32) {
     let mut value = 0;
@@ -229,7 +229,7 @@ pub(crate) fn hex_byte(input: &[u8]) -> Parsed<'_, u8> {
     }
 }
 
-/// Eight bytes of two hexadecimal digits each, without anything between: what nearly every line has.
+/// Eight bytes of two hexadecimal digits each without separators, as in nearly every line.
 #[inline]
 pub(crate) fn eight_bytes(input: &[u8]) -> Option<([u8; 8], &[u8])> {
     let (digits, rest) = input.split_first_chunk::<16>()?;

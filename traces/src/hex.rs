@@ -3,7 +3,7 @@
 use crate::grammar::nibble;
 use std::fmt;
 
-/// As people read a payload: `01 7F`.
+/// Bytes with spaces between them: `01 7F`.
 ///
 /// ```
 /// assert_eq!(canvass_traces::hex::spaced(&[1, 0x7F]).to_string(), "01 7F");
@@ -19,7 +19,7 @@ pub fn spaced(bytes: &[u8]) -> impl fmt::Display + '_ {
     })
 }
 
-/// As files and command lines hold bytes: `017F`.
+/// Bytes without spaces, as in files and command lines: `017F`.
 ///
 /// ```
 /// assert_eq!(canvass_traces::hex::compact(&[1, 0x7F]).to_string(), "017F");
@@ -28,7 +28,7 @@ pub fn compact(bytes: &[u8]) -> impl fmt::Display + '_ {
     fmt::from_fn(move |f| bytes.iter().try_for_each(|&byte| write_hex(f, byte)))
 }
 
-/// The bytes of [`compact`] digits, upper or lower case; `None` where something else stands among them, or half a byte.
+/// The bytes of [`compact`] digits, upper or lower case; `None` for any other character or an odd number of digits.
 ///
 /// ```
 /// assert_eq!(canvass_traces::hex::parse("017f"), Some(vec![1, 0x7F]));
@@ -42,7 +42,7 @@ pub fn parse(digits: impl AsRef<[u8]>) -> Option<Vec<u8>> {
     digits.as_ref().chunks(2).map(byte).collect()
 }
 
-/// A byte as two digits, without the detour through the formatter.
+/// Writes a byte as two digits, without the slower formatter.
 pub(crate) fn write_hex(out: &mut impl fmt::Write, byte: u8) -> fmt::Result {
     const DIGITS: &[u8; 16] = b"0123456789ABCDEF";
     out.write_char(char::from(DIGITS[usize::from(byte >> 4)]))?;

@@ -4,8 +4,8 @@ use std::fmt;
 
 /// A CAN identifier: 11 bits (standard) or 29 bits (extended).
 ///
-/// Ordered as arbitration orders: the lower value wins the bus, and of two identifiers whose first eleven bits
-/// are equal the standard one wins (ISO 11898-1).
+/// The order is that of arbitration: the lower value wins the bus; if the first eleven bits are equal, the standard
+/// identifier wins (ISO 11898-1).
 ///
 /// ```
 /// use canvass_traces::CanId;
@@ -35,12 +35,12 @@ impl CanId {
         if raw <= Self::MAX_EXTENDED { Some(Self(raw | Self::EXTENDED)) } else { None }
     }
 
-    /// A standard identifier from the lower 11 bits of `raw`; the others are cut.
+    /// A standard identifier from the lower 11 bits of `raw`; the other bits are ignored.
     pub const fn standard_masked(raw: u32) -> Self {
         Self(raw & Self::MAX_STANDARD)
     }
 
-    /// An extended identifier from the lower 29 bits of `raw`; the others are cut.
+    /// An extended identifier from the lower 29 bits of `raw`; the other bits are ignored.
     pub const fn extended_masked(raw: u32) -> Self {
         Self(raw & Self::MAX_EXTENDED | Self::EXTENDED)
     }
@@ -60,7 +60,7 @@ impl CanId {
         if self.is_extended() { None } else { Some(self.0 as u16) }
     }
 
-    /// The bits in the order in which they meet on the wire.
+    /// The bits in the order of arbitration.
     const fn arbitration(self) -> (u32, bool, u32) {
         if self.is_extended() { (self.raw() >> 18, true, self.raw() & 0x3_FFFF) } else { (self.raw(), false, 0) }
     }

@@ -1,8 +1,7 @@
 //! CAN frames and capture files, in and out.
 //!
-//! A capture file, whatever its format, becomes a stream of [`Record`]s: a [`Frame`], when it was seen, on
-//! which channel, in which direction, and where in the file it stands. What can't be read becomes a located
-//! [`Damage`], and reading goes on.
+//! A capture file of any format becomes a stream of [`Record`]s: a [`Frame`] with its time, channel, direction and
+//! place in the file. An unreadable part becomes a located [`Damage`], and reading goes on.
 //!
 //! ```
 //! use canvass_traces::{Capture, ReadOptions, Reader, Source};
@@ -21,7 +20,7 @@
 //! # Ok::<(), canvass_traces::OpenError>(())
 //! ```
 //!
-//! A [`Writer`] writes records in another format; what that can't hold is counted:
+//! A [`Writer`] writes records in another format, and counts the properties that the format can't hold:
 //!
 //! ```
 //! use canvass_traces::{Channels, Format, WriteOptions, parse_frame};
@@ -36,7 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! One file per format; each describes its grammar and what is easily got wrong in its module's docs.
+//! Each format is one file, whose module docs describe its grammar and its pitfalls.
 
 #![warn(clippy::disallowed_methods)]
 

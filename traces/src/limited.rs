@@ -10,15 +10,15 @@ pub(crate) struct Limited<'a> {
     cut: bool,
 }
 
-/// How unpacking such a part ended.
+/// The end of unpacking such a part.
 #[derive(Debug)]
 pub(crate) enum Unpacked {
     Whole,
-    /// The source ended before the part: what was there is unpacked.
+    /// The source ended before the part; the bytes before its end are unpacked.
     Cut,
-    /// All is unpacked, but the part is said to have so many more bytes: they may be others'.
+    /// Everything is unpacked, but the stated length has this many more bytes, which may belong to other records.
     Overlong(u64),
-    /// Nothing of what was unpacked can be trusted.
+    /// The unpacked bytes can't be trusted.
     Damaged {
         expected: String,
         found: String,
@@ -36,7 +36,7 @@ impl<'a> Limited<'a> {
         self.cut
     }
 
-    /// How many bytes were not read yet.
+    /// Number of bytes not read yet.
     pub(crate) fn left(&self) -> u64 {
         self.left
     }

@@ -1,7 +1,7 @@
 //! Lines of a text capture, each with its number and offset.
 //!
-//! A line is given as soon as it is complete in the source's window. Lines longer than [`Lines::LONGEST`] are
-//! passed over as one damage, in bounded memory. A byte order mark (UTF-8) before the first line is no part of it.
+//! A line is returned as soon as it is complete in the source's window. A line longer than [`Lines::LONGEST`] is
+//! skipped as one damage, in bounded memory. A byte order mark (UTF-8) before the first line is not part of it.
 
 use crate::grammar::Expected;
 use crate::{Channels, Damage, DamageKind, Place, Reader, Record, SkipSet, Source, SourceError, TimeBase, Timestamp};
@@ -14,11 +14,11 @@ const BOM: &[u8] = b"\xEF\xBB\xBF";
 /// The lines of a source.
 pub(crate) struct Lines {
     source: Source,
-    /// Length of the line given last with its end: it is consumed when the next one is asked for.
+    /// Length of the last returned line with its end; the next call consumes it.
     given: usize,
     number: u64,
     done: bool,
-    /// Why the source could not be read when its head was asked for.
+    /// The error that occurred when the head was read.
     failed: Option<SourceError>,
 }
 
@@ -27,31 +27,31 @@ pub(crate) struct Lines {
 pub(crate) struct Line<'a> {
     /// Its bytes without the line end.
     pub(crate) bytes: &'a [u8],
-    /// Its number and offset.
+    /// Number and offset of the line.
     pub(crate) place: Place,
-    /// Whether a line end follows; without one the source ended here, perhaps in the middle of the line.
+    /// Whether the line has an end; without one the source ended here, perhaps inside the line.
     pub(crate) ended: bool,
 }
 
-/// Where the line that begins at the window's start ends.
+/// The end of the line at the window's start.
 enum End {
-    /// After that many bytes comes a line feed.
+    /// A line feed after this many bytes.
     Feed(usize),
-    /// After that many bytes the source ends.
+    /// The end of the source after this many bytes.
     Source(usize),
     TooLong,
 }
 
 impl Lines {
-    /// The longest line that is looked at, in bytes: a CAN XL frame of 2048 bytes as bits on candump's console
-    /// has 18 KiB.
+    /// Maximum length of a parsed line in bytes: a CAN XL frame of 2048 bytes as bits on candump's console has 18
+    /// KiB.
     pub(crate) const LONGEST: usize = 64 * 1024;
 
     pub(crate) fn new(source: Source) -> Self {
         Self { source, given: 0, number: 0, done: false, failed: None }
     }
 
-    /// What is at hand before the first line is asked for: at least the source's first bytes, unless it has none.
+    /// The buffered bytes before the first line; at least one unless the source is empty.
     fn head(&mut self) -> &[u8] {
         if self.source.window().is_empty() {
             self.failed = self.source.fill().err();
@@ -59,7 +59,8 @@ impl Lines {
         self.source.window()
     }
 
-    /// The next line, if `usual` knows it by what is at hand: `usual` gives what it holds and its length with its end.
+    /// The next line, if `usual` recognises it in the buffered bytes: `usual` returns its content and its length with
+    /// its end.
     #[inline]
     pub(crate) fn next_usual<T>(&mut self, usual: impl FnOnce(&[u8], Place) -> Option<(T, usize)>) -> Option<T> {
         self.source.consume(std::mem::take(&mut self.given));
@@ -69,7 +70,7 @@ impl Lines {
         Some(content)
     }
 
-    /// Passes over lines that `pass` skips, but not over too many, up to one that it keeps, or that is not usual.
+    /// Skips lines that `pass` skips, but only a limited number, up to a kept or unusual line.
     #[inline]
     fn pass<F>(
         &mut self,
@@ -148,7 +149,7 @@ impl Lines {
         }
     }
 
-    /// Passes over a line that is too long.
+    /// Skips a line that is too long.
     fn skip(&mut self, place: Place) -> Damage {
         let damage = Damage::new(
             DamageKind::Malformed,
@@ -176,7 +177,7 @@ impl Lines {
 }
 
 impl<'a> Line<'a> {
-    /// A line end of two bytes shows already by its first one that the line is whole.
+    /// The first byte of a two-byte line end already proves that the line is complete.
     fn new(bytes: &'a [u8], place: Place, ended: bool) -> Self {
         let bytes = if place.number == 1 { bytes.strip_prefix(BOM).unwrap_or(bytes) } else { bytes };
         match bytes.strip_suffix(b"\r") {
@@ -185,9 +186,9 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// What is missing in this line: truncated if the source ended just there, else malformed.
+    /// The damage for missing text in this line: truncated if the source ended there, else malformed.
     pub(crate) fn damage(&self, missing: Expected<'_>) -> Damage {
-        // The position is a part of this line, so its address tells the column.
+        // The position points into this line, so the difference of the addresses is the column.
         let start = self.bytes.as_ptr() as usize;
         let column = (missing.at.as_ptr() as usize).saturating_sub(start).min(self.bytes.len());
         let found = self.bytes.get(column..).unwrap_or_default();
@@ -202,24 +203,24 @@ impl<'a> Line<'a> {
         damage.at_column(column + 1)
     }
 
-    /// The source ended in this line.
+    /// The damage for a line in which the source ended.
     pub(crate) fn cut(&self, what: &'static str) -> Damage {
         let what = format!("{what} before the file ends");
         Damage::new(DamageKind::Truncated, self.place, what, self.bytes).at_column(self.bytes.len() + 1)
     }
 
-    /// What the line says contradicts the lines before it, or can't be.
+    /// The damage for a line that contradicts the lines before it, or itself.
     pub(crate) fn malformed(&self, expected: impl Into<Cow<'static, str>>) -> Damage {
         Damage::new(DamageKind::Malformed, self.place, expected, self.bytes)
     }
 
-    /// A damage of another kind that is this whole line.
+    /// A damage of another kind, covering the whole line.
     pub(crate) fn as_damage(&self, kind: DamageKind, expected: &'static str) -> Damage {
         Damage::new(kind, self.place, expected, self.bytes)
     }
 }
 
-/// The lines at a source's head, to recognise its format: each with whether its end is in sight.
+/// The lines at a source's head, for detection; each with whether its end is visible.
 pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     let head = head.strip_prefix(BOM).unwrap_or(head);
     head.split_inclusive(|&b| b == b'\n').map(|line| match line.strip_suffix(b"\n") {
@@ -228,67 +229,68 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     })
 }
 
-/// What a comment begins with that is given with the frame after it: others are a person's, or the format's own.
+/// The beginning of comments that canvass has written and attaches to the next frame; other comments are a person's,
+/// or the format's own.
 pub(crate) const NOTE: &str = "canvass: ";
 
-/// The text of a line that is such a comment.
+/// The text of such a comment.
 fn note(line: &[u8]) -> Option<&str> {
     let line = line.trim_ascii();
     let text = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b";")).or_else(|| line.strip_prefix(b"//"))?;
     std::str::from_utf8(text.trim_ascii_start().strip_prefix(NOTE.as_bytes())?).ok()
 }
 
-/// A usual line of a capture of which some frames are skipped.
+/// The result for a usual line, while some frames are skipped.
 #[derive(PartialEq, Debug)]
 pub(crate) enum Passed {
-    /// Its frame is skipped; its length with its end.
+    /// The frame is skipped; length of the line with its end.
     Skipped(usize),
-    /// What it holds, and its length with its end.
+    /// The record of the line, and its length with its end.
     Kept(Record, usize),
 }
 
-/// What was passed over, and what came then.
+/// The skipped lines, and the line after them.
 struct PassedLines {
     skipped: usize,
-    /// The time of the last one that was skipped, where none is kept.
+    /// The time of the last skipped line, if no line is kept.
     last: Option<Timestamp>,
-    /// `None`: the next line is to be read as all are.
+    /// The record of a kept line; `None` if the next line must be parsed in full.
     kept: Option<Record>,
 }
 
-/// How one text format understands its lines.
+/// The parser of one text format's lines.
 pub(crate) trait LineFormat {
-    /// Looks at what is at hand before the first line is read, perhaps only a part of it.
+    /// Examines the buffered bytes, perhaps only a part of the file, before the first line is read.
     fn begin(&mut self, _head: &[u8]) {}
 
-    /// What the line that begins here holds, and its length with its end, if it is one of those that nearly all lines
-    /// are like: so it need not be searched for its end, nor taken apart word by word. Never anything else than
-    /// [`LineFormat::line`] says of it, which is asked where this gives `None`.
+    /// The record of the line at the window's start, and its length with its end, if it has the usual form; that
+    /// saves the search for its end and the full parser. Must agree with [`LineFormat::line`], which is called after
+    /// `None`.
     #[inline]
     fn usual_line(&mut self, _window: &[u8], _place: Place) -> Option<(Record, usize)> {
         None
     }
 
-    /// The same where some frames are skipped. A format that has this owes no damages.
+    /// As [`LineFormat::usual_line`], while some frames are skipped. A format with this method never owes damages.
     #[inline]
     fn pass_line(&mut self, _window: &[u8], _skip: &SkipSet, _place: Place) -> Option<Passed> {
         None
     }
 
-    /// The time of a line that was skipped.
+    /// The time of a skipped line.
     fn skipped_time(&self, _window: &[u8]) -> Option<Timestamp> {
         None
     }
 
-    /// What a line holds; `None` for lines that are known to be no frames. A line that is neither is a damage.
+    /// The content of a line; `None` for a known line without frame. Any other line is a damage.
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
 
-    /// A damage that the lines so far have brought to light, beside what each of them holds; asked for after each line.
+    /// A damage that the lines so far have revealed besides their own; called after each line.
     fn owed(&mut self) -> Option<Damage> {
         None
     }
 
-    /// The same at the end of the source.
+    /// As [`LineFormat::owed`], at the end of the source.
     fn end(&mut self) -> Option<Damage> {
         None
     }
@@ -309,7 +311,7 @@ pub(crate) struct TextReader<F> {
     format: F,
     begun: bool,
     ended: bool,
-    /// Of the comments before the next frame.
+    /// The comments before the next frame.
     notes: String,
 }
 
@@ -394,7 +396,7 @@ impl<F: LineFormat> Reader for TextReader<F> {
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
         let mut skipped = 0;
         while skipped < SkipSet::IN_A_ROW {
-            // What stands before a frame is given with it.
+            // A line with a comment before it is read in full, so that the comment is attached to its frame.
             if self.begun && self.notes.is_empty() && !skip.is_empty() {
                 let passed = self.lines.pass(
                     &mut self.format,

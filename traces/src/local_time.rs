@@ -1,4 +1,4 @@
-//! Dates in local time whose zone a capture does not tell.
+//! Dates in local time of an unknown zone.
 //!
 //! They become nanoseconds since 1970 as if they were UTC, see [`crate::TimeBase::Local`].
 
@@ -11,11 +11,11 @@ pub(crate) fn nanos(date: DateTime) -> Option<u64> {
     u64::try_from(EPOCH.duration_until(date).as_nanos()).ok()
 }
 
-/// The date of so many nanoseconds since 1970.
+/// The date of a time in nanoseconds since 1970.
 pub(crate) fn date_of(nanos: u64) -> DateTime {
     let seconds = i64::try_from(nanos / 1_000_000_000).unwrap_or(i64::MAX);
     let fraction = (nanos % 1_000_000_000) as i32;
-    // 2^64 ns are 584 years, far within what a date can hold.
+    // 2^64 ns are 584 years, well within the range of dates.
     EPOCH.checked_add(jiff::SignedDuration::new(seconds, fraction)).unwrap_or(EPOCH)
 }
 

@@ -1,27 +1,27 @@
 //! Several captures as one, by time.
 //!
-//! - One record of each source is looked ahead, and only while more than one source is left; nothing is sorted.
-//!   Where a source's own clock steps back, its records keep the order of their source.
+//! - It reads one record ahead in each source, and only while more than one source is left. It does not sort:
+//! Where a source's own clock steps back, its records keep the order of their source.
 //! - Of records of the same time, those of the source named first come first.
 //! - A damage comes out as soon as it is found: after the record before it in its own source. One with a salvaged
-//!   record takes that record's place in time.
+//! record takes that record's place in time.
 //! - Channels of different sources are different channels, even if their names are equal: with more than one source
-//!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
-//!   rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
-//!   or several recorders on the same bus: equal names are then one channel.
+//! every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
+//! rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
+//! or several recorders on the same bus: equal names are then one channel.
 
 use crate::{Capture, ChannelId, Channels, Damage, Reader, Record, SkipSet, TimeBase, Timestamp};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::path::Path;
 
-/// What the channels of several captures are called.
+/// The names of the channels of several captures.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Naming {
     /// `FILE:CHANNEL`, if there is more than one source.
     #[default]
     BySource,
-    /// As in the sources; equal names are one channel.
+    /// The names of the sources; equal names are one channel.
     SameBus,
 }
 
@@ -45,31 +45,31 @@ pub enum Naming {
 pub struct Merge {
     sources: Vec<MergedSource>,
     channels: Channels,
-    /// By the merged channel: its name in its own source.
+    /// By merged channel: its name in its own source.
     own_names: Vec<Box<str>>,
     /// The times of the heads, the earliest first.
     heap: BinaryHeap<Reverse<(Timestamp, usize)>>,
-    /// Sources whose next item is not known yet, the last one next.
+    /// Sources whose next item is unknown yet, in reverse order.
     wanted: Vec<usize>,
-    /// A channel of a source has another number here.
+    /// Whether a channel has another number here than in its source.
     renumbered: bool,
 }
 
 /// One of the captures.
 struct MergedSource {
     capture: Capture,
-    /// What its channels are prefixed with.
+    /// The prefix of its channels' names.
     prefix: Option<String>,
-    /// Its channels, by their own ids.
+    /// The merged channels, by the source's own ids.
     channels: Vec<ChannelId>,
-    /// Its next item, which has a time.
+    /// The next item, if it has a time.
     head: Option<Item>,
 }
 
 type Item = Result<Record, Damage>;
 
 impl Merge {
-    /// Merges captures in that order.
+    /// Merges the captures; of equal times the first capture's record comes first.
     pub fn new(captures: Vec<Capture>, naming: Naming) -> Self {
         let prefixes = match naming {
             Naming::BySource if captures.len() > 1 => labels(&captures).into_iter().map(Some).collect(),
@@ -91,7 +91,7 @@ impl Merge {
         self.sources.iter().map(|source| &source.capture)
     }
 
-    /// The name of a source; empty for one that is none.
+    /// The name of a source; empty for an unknown source.
     pub fn name(&self, source: usize) -> &str {
         self.sources.get(source).map_or("", |source| source.capture.name())
     }
@@ -106,28 +106,28 @@ impl Merge {
         self.own_names.get(usize::from(channel.0)).map_or("?", |name| name)
     }
 
-    /// The bit rate of a channel's bus in bit/s, where its source says it. To be asked once a record of it was seen.
+    /// The bit rate of a channel's bus in bit/s, if its source gives it. Known after the first record of the channel.
     pub fn bit_rate(&self, channel: ChannelId) -> Option<u32> {
         let of_channel = |source: &&MergedSource| source.channels.contains(&channel);
         self.sources.iter().filter(of_channel).find_map(|source| source.capture.bit_rate())
     }
 
-    /// What the timestamps count from: that of the first source, as far as it has shown.
+    /// The time base of the first source, as far as it is known.
     pub fn time_base(&self) -> TimeBase {
         self.sources.first().map_or(TimeBase::None, |source| source.capture.time_base())
     }
 
-    /// The first source whose times count from something else than those of the first one: they can't be brought
-    /// together and are merged as numbers. To be asked once all sources have shown a record.
+    /// The first source with another time base than the first one: their times have no common origin and are merged
+    /// as numbers. Known after one record of each source.
     pub fn odd_source(&self) -> Option<usize> {
         self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
     }
 
-    /// The next item, without the records that are skipped; one that comes is written into `record`. So that whoever waits can do
-    /// something else, one of many comes all the same.
+    /// Writes the next item that is not skipped into `record`. One of many skipped records is returned all the same,
+    /// so that the caller gets control from time to time.
     #[inline]
     pub fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<(usize, Result<(), Damage>)> {
-        // A reader knows its own channels.
+        // A single source numbers its channels itself.
         let [source] = &mut self.sources[..] else { return self.next_kept_of_many(skip, record) };
         if self.renumbered {
             return self.next_kept_of_many(skip, record);
@@ -151,7 +151,7 @@ impl Merge {
         self.next().map(|(source, item)| (source, item.map(|next| *record = next)))
     }
 
-    /// Looks at the next item of a source: an item without a time is given back at once.
+    /// Reads ahead in a source; an item without a time is returned at once.
     fn look_ahead(&mut self, at: usize) -> Option<Item> {
         let item = self.take(at)?;
         let time = match &item {
@@ -167,7 +167,7 @@ impl Merge {
         None
     }
 
-    /// The next item of a source, with its channel as it is called here.
+    /// The next item of a source, with its merged channel.
     #[inline]
     fn take(&mut self, at: usize) -> Option<Item> {
         Some(match self.sources.get_mut(at)?.capture.next()? {
@@ -179,7 +179,7 @@ impl Merge {
         })
     }
 
-    /// The damage with the channel of what makes sense of it as it is called here.
+    /// Replaces the channel of a damage's salvaged record by the merged channel.
     #[cold]
     fn renumber(&mut self, at: usize, mut damage: Damage) -> Damage {
         if let Some(record) = damage.salvaged.as_deref_mut() {
@@ -188,14 +188,14 @@ impl Merge {
         damage
     }
 
-    /// A channel of a source, as it is called here.
+    /// The merged channel of a source's channel.
     #[inline]
     fn channel(&mut self, at: usize, channel: ChannelId) -> ChannelId {
         let known = self.sources.get(at).and_then(|source| source.channels.get(usize::from(channel.0)));
         known.copied().unwrap_or_else(|| self.intern(at, channel))
     }
 
-    /// Makes the channels of a source known up to that one.
+    /// Registers the channels of a source up to this one.
     #[cold]
     fn intern(&mut self, at: usize, channel: ChannelId) -> ChannelId {
         let Some(source) = self.sources.get_mut(at) else { return channel };
@@ -221,7 +221,7 @@ impl Iterator for Merge {
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         if self.sources.len() == 1 {
-            // Nothing to wait for: a live frame comes out as soon as it came in.
+            // A single source needs no reading ahead: a live frame is returned at once.
             return Some((0, self.take(0)?));
         }
         while let Some(at) = self.wanted.pop() {
@@ -236,8 +236,8 @@ impl Iterator for Merge {
     }
 }
 
-/// A name for each capture that no other has: the file's name, the path where others have the same file name, and a
-/// number where the same path was given before.
+/// A unique name for each capture: the file's name; the path if others have the same file name; with a number if the
+/// same path occurred before.
 fn labels(captures: &[Capture]) -> Vec<String> {
     let file_name = |capture: &Capture| match Path::new(capture.name()).file_name() {
         Some(name) => name.to_string_lossy().into_owned(),

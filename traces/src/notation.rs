@@ -33,16 +33,16 @@ const XL_RRS: u8 = 0x02;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("at position {}: expected {expected}{}", position + 1, after(found))]
 pub struct FrameSyntax {
-    /// Where the mistake stands, in bytes from 0; the text's length if it ends too early.
+    /// Offset of the error in bytes; the text's length if it ends too early.
     pub position: usize,
-    /// What should have stood there.
+    /// The expected text.
     pub expected: &'static str,
-    /// What stands there instead: the rest of the text, cut to a readable length.
+    /// The text found instead, cut to a readable length.
     pub found: String,
 }
 
 fn after(found: &str) -> String {
-    if found.is_empty() { ", but there is no more".to_owned() } else { format!(", found \"{found}\"") }
+    if found.is_empty() { ", but the text ends".to_owned() } else { format!(", found \"{found}\"") }
 }
 
 /// The frame in candump's notation, such as `63F#4000600000000000`, `701#R`, `123##5AABB`; as a record of
@@ -63,7 +63,7 @@ fn after(found: &str) -> String {
 /// ```
 pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     let bytes = text.as_bytes();
-    whole(frame(bytes), "nothing more after the frame").map_err(|missing| {
+    whole(frame(bytes), "the end of the text after the frame").map_err(|missing| {
         let position = bytes.len().saturating_sub(missing.at.len());
         let rest = text.get(position..).unwrap_or_default();
         let found = rest.chars().take(40).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
@@ -71,17 +71,17 @@ pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     })
 }
 
-/// An identifier as candump writes it: the number of digits tells its kind.
+/// An identifier in candump's notation; the number of digits tells its kind.
 pub(crate) enum Identifier {
     /// Three or eight digits.
     Frame(CanId),
-    /// Eight digits with bit 29: an error frame's class.
+    /// Eight digits with bit 29 set: the class of an error frame.
     Error(ErrorClass),
-    /// Five digits: network and priority of CAN XL.
+    /// Five digits: the network and priority of CAN XL.
     Xl(u32),
 }
 
-/// An identifier, and what follows it.
+/// Parses an identifier.
 #[inline(always)]
 pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
     let (rest, digits, id) = hex_run(input);
@@ -99,7 +99,7 @@ pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
         8 if id & ERROR != 0 => Identifier::Error(ErrorClass(id & !ERROR)),
         8 => Identifier::Frame(CanId::extended_masked(id)),
         5 => Identifier::Xl(id),
-        // What is no digit, or the end, is where the mistake is, unless the number of digits is.
+        // The error is at the first wrong character, or at the beginning if the number of digits is wrong.
         _ if !matches!(rest, [b'#' | b' ', ..]) && digits < 8 => {
             return Expected::fail(rest, "a hex digit of the id or '#'");
         }
@@ -108,7 +108,7 @@ pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
     Ok((rest, identifier))
 }
 
-/// A frame, and what follows it.
+/// Parses a frame.
 #[inline(always)]
 pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
     let (rest, id) = identifier(input)?;
@@ -208,14 +208,14 @@ fn xl(id: u32, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-/// Priority and header of CAN XL; `id` has the virtual network above 12 bits of priority.
+/// Priority and header of CAN XL; `id` has the virtual network in the bits above the 12 of the priority.
 pub(crate) fn xl_header(id: u32, flags: u8, sdt: u8, af: u32) -> Option<(CanId, XlHeader)> {
     let priority = CanId::standard(id & 0xFFF)?;
     let header = XlHeader { vcid: (id >> 12) as u8, sec: flags & XL_SEC != 0, rrs: flags & XL_RRS != 0, sdt, af };
     (flags & XL_FLAG != 0).then_some((priority, header))
 }
 
-/// Up to `MAX` bytes in hex, with or without a point before each, and their number.
+/// Parses up to `MAX` bytes in hex, with or without a point before each; returns also their number.
 #[inline(never)]
 fn payload<'a, const MAX: usize>(input: &'a [u8], limit: &'static str) -> Parsed<'a, ([u8; MAX], usize)> {
     let mut data = [0; MAX];
@@ -233,12 +233,12 @@ fn payload<'a, const MAX: usize>(input: &'a [u8], limit: &'static str) -> Parsed
     }
 }
 
-/// A record's frame in candump's notation, whole: [`parse_frame`] reads it back.
+/// A record's complete frame in candump's notation; [`parse_frame`] reads it back.
 #[derive(Clone, Copy, Debug)]
 pub struct Notation<'a>(&'a Record);
 
 impl Record {
-    /// The frame in candump's notation, with all of its payload.
+    /// The frame in candump's notation, with its whole payload.
     pub fn notation(&self) -> Notation<'_> {
         Notation(self)
     }
@@ -250,10 +250,10 @@ impl fmt::Display for Notation<'_> {
     }
 }
 
-/// In the notation of candump's log and of `cansend`: `63F#4000600000000000`, `701#R`, `123##5AABB`.
+/// The notation of candump's log and of `cansend`: `63F#4000600000000000`, `701#R`, `123##5AABB`.
 ///
-/// Of a frame that is only a [head](Frame::is_head) the bytes it holds, then `…`; [`Record::notation`] writes
-/// it whole.
+/// For the [head](Frame::is_head) of a longer frame the bytes in it, then `…`; [`Record::notation`] writes the whole
+/// frame.
 impl fmt::Display for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_frame(f, self, None, self.data())?;

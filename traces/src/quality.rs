@@ -1,14 +1,14 @@
-//! The quality of a capture: what it holds, what is missing, and how far its clock can be trusted.
+//! The quality of a capture: its content, its losses, and the reliability of its clock.
 //!
-//! Every frame and damage is counted as it comes, in constant memory and in the order of its source.
+//! Frames and damages are counted in the order of their source, in constant memory.
 //!
 //! - **Time resolution**: the largest power of ten, of at most one second, that divides all times seen. A clock of
-//!   10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
+//! 10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
 //! - **Clock steps**: a frame that is older than the one before it in the same source.
 //! - **Gaps**: an interval of more than [`Gaps::FACTOR`] times the usual one. *Usual* is the interval that about 99
-//!   of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
-//!   1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
-//!   never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
+//! of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
+//! 1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
+//! never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
 
 mod clock;
 mod gaps;
@@ -18,7 +18,7 @@ pub use gaps::{Gap, Gaps};
 
 use crate::{ChannelId, Damage, DamageKind, Duration, Frame, Place, Record, Timestamp};
 
-/// What was seen of one source, or of all together.
+/// The quality of one source, or of all together.
 ///
 /// ```
 /// use canvass_traces::{Capture, Quality, ReadOptions, Reader, Source};
@@ -42,20 +42,20 @@ pub struct Quality {
     pub frames: FrameCounts,
     /// The frames by channel: the index is the [`ChannelId`].
     pub channels: Vec<u64>,
-    /// What could not be read.
+    /// Unreadable parts of the source.
     pub damages: DamageCounts,
     /// The time of the first frame.
     pub first: Option<Timestamp>,
     /// The time of the last frame.
     pub last: Option<Timestamp>,
-    /// Where the clock stepped back.
+    /// Backward steps of the clock.
     pub steps: ClockSteps,
-    /// How fine the times are.
+    /// Resolution of the times.
     pub resolution: Resolution,
-    /// Where nothing was recorded.
+    /// Times without recorded frames.
     pub gaps: Gaps,
-    /// Frames with the very time of the frame before them on the same channel: on a bus they follow each other, so
-    /// that many of them show a coarse clock.
+    /// Number of frames with exactly the time of the frame before on the same channel. Frames follow each other on a
+    /// bus, so many of these show a coarse clock.
     pub simultaneous: u64,
     /// The channel of the last frame.
     last_channel: ChannelId,
@@ -83,20 +83,20 @@ pub struct FrameCounts {
 pub struct DamageCounts {
     /// Lines, packets or messages that break the rules of their format.
     pub malformed: u64,
-    /// Those that end early or were cut.
+    /// Lines, packets or messages that end early or were cut.
     pub truncated: u64,
-    /// Those of a kind that is not read.
+    /// Lines, packets or messages of an unsupported kind.
     pub unsupported: u64,
-    /// Frames that the recorder says it lost.
+    /// Frames that the recorder reports as lost.
     pub dropped: u64,
     /// Files without their proper end.
     pub unfinished: u64,
-    /// Files of which the rest can't be read.
+    /// Files whose rest can't be read.
     pub unreadable: u64,
 }
 
 impl Quality {
-    /// Counts a record: the next one of its source.
+    /// Counts the next record of the source.
     #[inline]
     pub fn record(&mut self, record: &Record) {
         let time = record.timestamp;
@@ -127,7 +127,7 @@ impl Quality {
         self.damages.count(damage.kind);
     }
 
-    /// From the first frame to the last one; zero where the clock stepped back after its begin.
+    /// Time from the first frame to the last one; zero if the clock stepped back before its start.
     pub fn duration(&self) -> Duration {
         match (self.first, self.last) {
             (Some(first), Some(last)) => last.since(first),
@@ -135,7 +135,7 @@ impl Quality {
         }
     }
 
-    /// Takes in what was seen of another source. The places are those of the largest step and gap of all.
+    /// Adds the counts of another source. The largest step and gap are those of both.
     pub fn add(&mut self, other: &Self) {
         self.frames.add(other.frames);
         if self.channels.len() < other.channels.len() {
@@ -203,7 +203,7 @@ impl DamageCounts {
         ]
     }
 
-    /// Whether everything could be read and the recorder lost nothing.
+    /// Whether everything could be read and the recorder lost no frame.
     pub fn is_empty(&self) -> bool {
         self.by_kind().iter().all(|(_, count)| *count == 0)
     }
@@ -213,7 +213,7 @@ impl DamageCounts {
             DamageKind::Malformed => self.malformed += 1,
             DamageKind::Truncated => self.truncated += 1,
             DamageKind::Unsupported => self.unsupported += 1,
-            // The number comes out of the file.
+            // The number comes from the file, so it may be huge.
             DamageKind::Dropped(frames) => self.dropped = self.dropped.saturating_add(frames),
             DamageKind::Unfinished => self.unfinished += 1,
             DamageKind::Fatal => self.unreadable += 1,
@@ -230,12 +230,12 @@ impl DamageCounts {
     }
 }
 
-/// Where and when something was seen.
+/// Time and place of an observation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sighting {
-    /// The time of the frame at whose place it was seen.
+    /// The time of the frame there.
     pub time: Timestamp,
-    /// That frame's place in its source.
+    /// The place of that frame in its source.
     pub place: Place,
 }
 

@@ -1,4 +1,4 @@
-//! What every capture reader does.
+//! The interface of all capture readers.
 
 use crate::{Channels, Damage, Format, Record, SkipSet};
 
@@ -9,16 +9,16 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
     /// The channels seen so far; every record's channel is among them.
     fn channels(&self) -> &Channels;
 
-    /// What the timestamps count from, as far as the source has shown.
+    /// The origin of the timestamps, as far as it is known.
     fn time_base(&self) -> TimeBase;
 
-    /// The bit rate of the bus in bit/s, where the source says it.
+    /// The bit rate of the bus in bit/s, if the source gives it.
     fn bit_rate(&self) -> Option<u32> {
         None
     }
 
-    /// What comes next, written into `record`, which saves moving it from reader to reader. Records that are skipped are not
-    /// given, but one of many, so that whoever waits can do something else.
+    /// Writes the next item that is not skipped into `record`; this saves moving it from reader to reader. One of
+    /// many skipped records is returned all the same, so that the caller gets control from time to time.
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
         for _ in 0..SkipSet::IN_A_ROW {
             match self.next()? {
@@ -30,26 +30,26 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
     }
 }
 
-/// How to read a capture.
+/// Options for reading a capture.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// The format, where the user says it; else it is recognised by the content.
+    /// The format; `None` to recognise it by the content.
     pub format: Option<Format>,
-    /// The topics to read, where the format has topics (MCAP); empty for all that carry CAN frames.
+    /// The topics to read, in formats with topics (MCAP); empty for all with CAN frames.
     pub topics: Vec<String>,
 }
 
-/// What the timestamps of a capture count from.
+/// The origin of a capture's timestamps.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum TimeBase {
     /// 1970-01-01 00:00:00 UTC.
     #[default]
     Utc,
-    /// 1970-01-01 00:00:00 in the recorder's local time, whose zone the source does not tell.
+    /// 1970-01-01 00:00:00 in the recorder's local time, of an unknown zone.
     Local,
-    /// The start of the recording, at a date that the source does not tell.
+    /// The start of the recording, at an unknown date.
     Start,
-    /// Nothing: the source has no times, and all are zero.
+    /// No origin: the source has no times, and all are zero.
     None,
 }
 

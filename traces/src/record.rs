@@ -1,4 +1,4 @@
-//! A frame as it was seen: when, where, and where it stands in its source.
+//! A frame with its time, channel, direction and place in the source.
 
 use crate::{CanId, ChannelId, Flags, Frame, Timestamp};
 use std::fmt;
@@ -6,21 +6,21 @@ use std::fmt;
 /// One frame of a capture.
 #[derive(PartialEq, Eq, Debug)]
 pub struct Record {
-    /// When the frame was seen (its end on the bus, as most interfaces stamp it).
+    /// The time of the frame (its end on the bus, as most interfaces stamp it).
     pub timestamp: Timestamp,
     /// The frame, or the head of a long one: [`Record::data`] has all of its payload.
     pub frame: Frame,
-    /// The channel it was seen on.
+    /// The channel of the frame.
     pub channel: ChannelId,
-    /// Whether the recorder sent or received it, where it says so.
+    /// Whether the recorder sent or received the frame, if known.
     pub direction: Direction,
-    /// Where it stands in its source.
+    /// The place of the frame in its source.
     pub place: Place,
-    /// Boxed, because nearly no frame has any of it.
+    /// Boxed, because few frames have any of these.
     beside: Option<Box<Beside>>,
 }
 
-/// What few records have.
+/// Properties that few records have.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 struct Beside {
     long: Option<Long>,
@@ -39,17 +39,17 @@ pub enum Direction {
     Tx,
 }
 
-/// A place in a source: what a person would look for in the file.
+/// A place in a source, as a person would look it up in the file.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Place {
-    /// The line of a text file, the packet, block or message of a binary one; the first is 1. 0 is no place in a
-    /// file: a live frame.
+    /// The line of a text file, or the packet, block or message of a binary one, from 1. 0 marks a live frame, which
+    /// has no place in a file.
     pub number: u64,
-    /// The offset in bytes of that line or packet in the (uncompressed) source.
+    /// The offset of that line or packet in the (uncompressed) source, in bytes.
     pub offset: u64,
 }
 
-/// What does not fit into a [`Frame`]: the payload of a long CAN FD or a CAN XL frame.
+/// The parts of a long frame that a [`Frame`] can't hold: the payload of a long CAN FD or a CAN XL frame.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Long {
     /// The whole payload.
@@ -58,7 +58,7 @@ pub struct Long {
     pub xl: Option<XlHeader>,
 }
 
-/// The header of a CAN XL frame, beside its priority identifier (CiA 610-1).
+/// The header of a CAN XL frame, besides its priority identifier (CiA 610-1).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct XlHeader {
     /// Virtual CAN network.
@@ -86,7 +86,7 @@ impl Clone for Record {
         Self { timestamp, frame, channel, direction, place, beside: beside.clone() }
     }
 
-    /// Nearly no frame is a long one or has a comment: then nothing is to be given up or allocated.
+    /// Few frames are long or have a comment; otherwise nothing is freed or allocated.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
         (self.timestamp, self.frame, self.channel) = (other.timestamp, other.frame, other.channel);
@@ -103,7 +103,7 @@ impl Record {
         Self { timestamp, frame, channel, direction: Direction::Unknown, place: Place::default(), beside: None }
     }
 
-    /// The same on another channel.
+    /// Moves the record to another channel.
     #[inline]
     pub(crate) fn on(self, channel: ChannelId) -> Self {
         Self { channel, ..self }
@@ -124,19 +124,19 @@ impl Record {
         Some(Self { beside, ..Self::new(timestamp, channel, frame) })
     }
 
-    /// The same record with its direction.
+    /// Sets the direction.
     pub fn with_direction(mut self, direction: Direction) -> Self {
         self.direction = direction;
         self
     }
 
-    /// The same record with its place in the source.
+    /// Sets the place in the source.
     pub fn at(mut self, number: u64, offset: u64) -> Self {
         self.place = Place { number, offset };
         self
     }
 
-    /// The same frame as it was seen.
+    /// Sets time, channel and direction.
     #[inline]
     pub(crate) fn seen(self, timestamp: Timestamp, channel: ChannelId, direction: Direction, place: Place) -> Self {
         Self { timestamp, channel, direction, place, ..self }
@@ -160,13 +160,14 @@ impl Record {
         self.beside.as_ref().and_then(|beside| beside.long.as_ref())
     }
 
-    /// What the capture says before this frame, such as where a case of a test begins: one or several lines.
+    /// The comment of the capture before this frame, such as the mark where a case of a test begins: one or several
+    /// lines.
     #[inline]
     pub fn comment(&self) -> Option<&str> {
         self.beside.as_ref().and_then(|beside| beside.comment.as_deref())
     }
 
-    /// The same record with a comment; of one that is longer than [`Record::LONGEST_COMMENT`] the beginning.
+    /// Adds a comment, cut to [`Record::LONGEST_COMMENT`].
     pub fn with_comment(mut self, comment: &str) -> Self {
         let comment = &comment[..comment.floor_char_boundary(Self::LONGEST_COMMENT)];
         self.beside.get_or_insert_default().comment = Some(comment.to_owned());

@@ -1,4 +1,4 @@
-//! Writing a capture file, compressed where its name says so.
+//! Writing a capture file, compressed if its name says so.
 
 use crate::packed::ZstdWriter;
 use crate::{Channels, Format, Losses, Record, WriteError, WriteOptions, Writer};
@@ -8,10 +8,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::rc::Rc;
 
-/// How a whole file is compressed.
+/// The compression of a whole file.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Compression {
-    /// Not at all.
+    /// No compression.
     #[default]
     None,
     /// gzip, `.gz`.
@@ -21,7 +21,7 @@ pub enum Compression {
 }
 
 impl Compression {
-    /// What a file's name says of its compression and its format: `x.log.gz` is a compressed candump log.
+    /// Compression and format from a file's name: `x.log.gz` is a compressed candump log.
     pub fn and_format_of(path: &Path) -> (Self, Option<Format>) {
         let extension = |path: &Path| path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_owned();
         let compression = match extension(path).to_ascii_lowercase().as_str() {
@@ -35,7 +35,7 @@ impl Compression {
 
 /// A capture file that is being written.
 ///
-/// Dropped without [`Writer::finish`], it is left as far as it was written, without its format's end.
+/// Dropped without [`Writer::finish`], the file stays incomplete, without its format's end.
 pub struct Recording {
     writer: Box<dyn Writer>,
     sink: Shared,
@@ -81,8 +81,8 @@ impl Writer for Recording {
     }
 }
 
-/// The writer has the sink for its own; the recording must still finish it, because an error that shows up only then
-/// (a full disk) would get lost in a destructor.
+/// The writer owns the sink, but the recording must finish it itself: a destructor would lose an error that occurs
+/// only then (a full disk).
 #[derive(Clone)]
 struct Shared(Rc<RefCell<Sink>>);
 

@@ -1,12 +1,11 @@
-//! Frames that whoever reads a capture does not want to see.
+//! Frames that the reader of a capture does not need.
 
 use crate::{ChannelId, Frame, FrameKind, Record, Timestamp};
 
-/// Which frames of a capture need not be given, by channel and CAN-ID: [`crate::Merge::next_kept`] passes over them, where
-/// possible before it parses them.
+/// Frames of a capture to skip, by channel and CAN-ID: [`crate::Merge::next_kept`] skips them, if possible before
+/// it parses them.
 ///
-/// Only classical data frames without a comment are skipped, never damages. What is to be skipped may change with each
-/// frame.
+/// It skips only classical data frames without a comment, and no damages. The set may change with each frame.
 ///
 /// ```
 /// use canvass_traces::{Capture, ChannelId, Merge, Naming, ReadOptions, SkipSet, Source};
@@ -24,35 +23,36 @@ use crate::{ChannelId, Frame, FrameKind, Record, Timestamp};
 #[derive(Default)]
 pub struct SkipSet {
     channels: Vec<Option<Box<Skipped>>>,
-    /// How many CAN-IDs are skipped.
+    /// Number of skipped CAN-IDs.
     len: usize,
-    /// How many frames were skipped since somebody asked, and when the last of them was seen, where none was given after it.
+    /// Number of frames skipped since the last [`SkipSet::take`], and the time of the last one, if no kept frame
+    /// followed.
     skipped: (usize, Option<Timestamp>),
 }
 
-/// What is skipped on a channel.
+/// The skipped CAN-IDs of a channel.
 struct Skipped {
     standard: [Which; 2048],
     extended: Which,
 }
 
-/// Which frames with a CAN-ID are skipped.
+/// The skipped frames of a CAN-ID.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Which {
     None,
-    /// Those with this byte and no other.
+    /// Frames of one byte with this value.
     Byte(u8),
     All,
 }
 
 impl Which {
-    /// Whether there are any.
+    /// Whether any frame is skipped.
     #[inline]
     pub(crate) fn may_have(self) -> bool {
         self != Self::None
     }
 
-    /// Whether a classical data frame with so many bytes is one; what they are is asked only where it counts.
+    /// Whether a classical data frame of `len` bytes is skipped; `data` is called only if the bytes matter.
     #[inline]
     pub(crate) fn has(self, data: impl FnOnce() -> [u8; 8], len: usize) -> bool {
         match self {
@@ -64,9 +64,9 @@ impl Which {
 }
 
 impl SkipSet {
-    /// Of further channels all frames are given.
+    /// Number of channels on which frames can be skipped.
     const CHANNELS: usize = 64;
-    /// After so many skipped frames one is given all the same: whoever waits for frames can do something else.
+    /// After this many skipped frames in a row one is returned all the same, so that the caller gets control.
     pub(crate) const IN_A_ROW: usize = 1 << 16;
 
     /// Skips all frames with an 11-bit CAN-ID.
@@ -74,7 +74,7 @@ impl SkipSet {
         self.set(channel, can_id, Which::All);
     }
 
-    /// Skips the frames with an 11-bit CAN-ID that have this byte and no other.
+    /// Skips the frames of one byte with this value and CAN-ID (11 bits).
     pub fn byte(&mut self, channel: ChannelId, can_id: u16, byte: u8) {
         self.set(channel, can_id, Which::Byte(byte));
     }
@@ -96,7 +96,7 @@ impl SkipSet {
         }
     }
 
-    /// Skips nothing on a channel any more.
+    /// Stops skipping on a channel.
     pub fn forget(&mut self, channel: ChannelId) {
         if let Some(skipped) = self.channels.get_mut(usize::from(channel.0)).and_then(Option::take) {
             let all = skipped.standard.iter().chain([&skipped.extended]);
@@ -104,19 +104,20 @@ impl SkipSet {
         }
     }
 
-    /// Whether nothing is skipped.
+    /// Whether the set is empty.
     #[inline]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// How many frames were skipped since somebody asked, and when the last of them was seen, where none was given after it.
+    /// Takes the number of frames skipped since the last call, and the time of the last one, if no kept frame
+    /// followed.
     #[inline]
     pub fn take(&mut self) -> (usize, Option<Timestamp>) {
         std::mem::take(&mut self.skipped)
     }
 
-    /// Whether the record is skipped; notes it then.
+    /// Whether the record is skipped; if so, counts it.
     #[inline]
     pub fn skips(&mut self, record: &Record) -> bool {
         let skips = !self.is_empty() && record.comment().is_none() && self.has(record.channel, &record.frame);
@@ -126,7 +127,7 @@ impl SkipSet {
         skips
     }
 
-    /// Notes that so many frames were skipped, the last one of that time, if nothing was given after it.
+    /// Counts skipped frames; `time` is that of the last one, if no kept frame followed.
     #[inline]
     pub(crate) const fn skipped_at(&mut self, time: Option<Timestamp>, frames: usize) {
         self.skipped = (self.skipped.0 + frames, time);
@@ -138,7 +139,7 @@ impl SkipSet {
         is_classical_data && self.of(channel, frame.id()).has(|| frame.bytes(), frame.len())
     }
 
-    /// Which frames with that CAN-ID are skipped.
+    /// The skipped frames with that CAN-ID.
     #[inline]
     pub(crate) fn of(&self, channel: ChannelId, id: crate::CanId) -> Which {
         let Some(Some(skipped)) = self.channels.get(usize::from(channel.0)) else { return Which::None };

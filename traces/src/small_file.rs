@@ -1,35 +1,35 @@
-//! Files that are held in memory as a whole: descriptions, waivers, results, journals. Of `/dev/zero`, or of a capture that
-//! was named by mistake, no more is read than such a file may have.
+//! Files that are read into memory as a whole: descriptions, waivers, results, journals. A limit stops the reading of
+//! `/dev/zero`, or of a capture named by mistake.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Bytes of a file that somebody writes by hand, or a configuration tool for them: 16 MiB.
+/// Limit for files that a person or a configuration tool writes, in bytes: 16 MiB.
 pub const OF_HAND: u64 = 16 << 20;
-/// Bytes of a file that a program has written, such as a result with its frames: 128 MiB.
+/// Limit for files that a program writes, such as a result with its frames, in bytes: 128 MiB.
 pub const OF_PROGRAM: u64 = 128 << 20;
-/// Bytes of a bundle, which holds all frames of a run: 1 GiB.
+/// Limit for a bundle, which holds all frames of a run, in bytes: 1 GiB.
 pub const OF_BUNDLE: u64 = 1 << 30;
 
-/// All of a file.
+/// Reads a whole file.
 ///
 /// # Errors
-/// What the system reports; [`io::ErrorKind::FileTooLarge`] for a file of more than `most` bytes, once so many were read.
+/// The system's error; [`io::ErrorKind::FileTooLarge`] for a file of more than `most` bytes.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let reason = format!("it is larger than {} MiB", most >> 20);
+        let reason = format!("the file is larger than {} MiB", most >> 20);
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
     }
     Ok(bytes)
 }
 
-/// All of a file that is text.
+/// Reads a whole text file.
 ///
 /// # Errors
-/// The same, and [`io::ErrorKind::InvalidData`] for what is not UTF-8.
+/// As [`read`], and [`io::ErrorKind::InvalidData`] for text that is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
@@ -53,6 +53,6 @@ mod tests {
     #[test]
     fn a_file_without_end() {
         let error = read(Path::new("/dev/zero"), 1 << 20).unwrap_err();
-        assert_eq!(error.to_string(), "it is larger than 1 MiB");
+        assert_eq!(error.to_string(), "the file is larger than 1 MiB");
     }
 }

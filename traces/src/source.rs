@@ -4,9 +4,9 @@ use std::io::{self, BufRead, Read};
 
 /// Bytes from a file, a pipe or a decompressor.
 ///
-/// A reader looks at the [`window`](Source::window), [consumes](Source::consume) what it has understood, and asks
-/// for [more](Source::fill) where a line or packet is not complete. Memory is bounded: the window never grows
-/// beyond its limit, however long the source is.
+/// A reader looks at the [`window`](Source::window), [consumes](Source::consume) the parsed bytes, and calls
+/// [`fill`](Source::fill) if a line or packet is incomplete. Memory is bounded: the window never exceeds its limit,
+/// for a source of any length.
 pub struct Source {
     reader: Box<dyn Read + Send>,
     buffer: Vec<u8>,
@@ -30,9 +30,9 @@ pub enum SourceError {
 }
 
 impl Source {
-    /// How much is read at once.
+    /// Number of bytes requested from the system at once.
     const CHUNK: usize = 256 * 1024;
-    /// The window's limit unless another is asked for.
+    /// The default limit of the window.
     pub const LIMIT: usize = 1024 * 1024;
 
     /// A source with the usual limit.
@@ -58,7 +58,7 @@ impl Source {
         Self::new(io::Cursor::new(bytes.into()))
     }
 
-    /// The bytes at hand: not consumed yet, maybe followed by more.
+    /// The buffered bytes; more may follow.
     #[inline]
     pub fn window(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
@@ -70,12 +70,12 @@ impl Source {
         self.offset
     }
 
-    /// Whether the source has ended: the window is all that is left.
+    /// Whether the source has ended, so that the window is all that is left.
     pub fn ended(&self) -> bool {
         self.ended
     }
 
-    /// Moves the window past its first `n` bytes (at most all of them).
+    /// Moves the window forward by `n` bytes, at most to its end.
     #[inline]
     pub fn consume(&mut self, n: usize) {
         let n = n.min(self.end - self.start);
@@ -83,9 +83,9 @@ impl Source {
         self.offset += n as u64;
     }
 
-    /// Reads what the source has next, at least one byte unless it has ended; returns whether there was any.
+    /// Reads more bytes, at least one unless the source has ended; returns whether there were any.
     ///
-    /// Returns as soon as something came: of a pipe a line can be shown while the next is still under way.
+    /// It returns as soon as bytes arrive, so that a line from a pipe can be shown before the next one is complete.
     ///
     /// # Errors
     /// [`SourceError::Full`] if the window is at its limit, [`SourceError::Io`] if reading fails.
@@ -127,7 +127,7 @@ impl Source {
         Ok(true)
     }
 
-    /// Passes over the next `n` bytes without holding them; returns how many there were.
+    /// Skips the next `n` bytes without buffering them; returns the number of bytes skipped.
     ///
     /// # Errors
     /// [`SourceError::Io`] if reading fails.
@@ -160,7 +160,7 @@ impl Source {
     }
 }
 
-/// What the window holds, then what follows: for a decompressor on top of a source.
+/// Reads the window's bytes, then the source's: for a decompressor on top of a source.
 impl Read for Source {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let held = self.fill_buf()?;

@@ -4,25 +4,25 @@ use crate::lines::NOTE;
 use crate::{Channels, Loss, Losses, Record, WriteError, Writer};
 use std::io::{BufWriter, Write};
 
-/// How one text format writes its lines. A `String` takes all that is written, so nothing can fail.
+/// The formatter of one text format's lines. Writing to a `String` can't fail.
 pub(crate) trait LineWriter {
-    /// The lines before the first record, written with it, or at the end of an empty capture.
+    /// Writes the lines before the first record; for an empty capture they are written at its end.
     fn header(&mut self, _first: Option<&Record>, _out: &mut String) {}
 
-    /// The line of one record, with its line end, or nothing if the format can't hold it.
+    /// Writes the line of one record with its line end, or nothing if the format can't hold the record.
     fn record(&mut self, record: &Record, channel: &str, out: &mut String, losses: &mut Losses);
 
-    /// The begin and the end of a line that is a comment; `None` in a format without comments.
+    /// Begin and end of a comment line; `None` if the format has no comments.
     const COMMENT: Option<(&'static str, &'static str)>;
 
-    /// The lines after the last record.
+    /// Writes the lines after the last record.
     fn footer(&mut self, _out: &mut String) {}
 }
 
 /// Writes a capture of a text format.
 pub(crate) struct TextWriter<F> {
     sink: BufWriter<Box<dyn Write>>,
-    /// Used again for every line.
+    /// A buffer that is reused for every line.
     text: String,
     losses: Losses,
     begun: bool,

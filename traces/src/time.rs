@@ -3,8 +3,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Sub};
 
-/// Nanoseconds since 1970-01-01 00:00:00 UTC, or since the start of the capture where its format has no date
-/// (see [`crate::TimeBase`]). On the simulated bus: since the bus was switched on.
+/// Nanoseconds since 1970-01-01 00:00:00 UTC, or since the start of a capture whose format has no date (see
+/// [`crate::TimeBase`]). On the simulated bus: since the bus was switched on.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
 pub struct Timestamp(pub u64);
 
@@ -15,7 +15,7 @@ pub struct Duration(pub u64);
 impl Timestamp {
     /// The zero of the time scale.
     pub const ZERO: Self = Self(0);
-    /// Later than everything: a wait until then has no end.
+    /// Later than any time: a wait until then has no end.
     pub const MAX: Self = Self(u64::MAX);
 
     /// Nanoseconds since the zero of the time scale.
@@ -23,7 +23,7 @@ impl Timestamp {
         self.0
     }
 
-    /// That many nanoseconds later; `None` beyond the end of the scale, in 2554.
+    /// The time `nanos` nanoseconds later; `None` beyond the end of the scale, in 2554.
     pub(crate) const fn after(self, nanos: u64) -> Option<Self> {
         match self.0.checked_add(nanos) {
             Some(nanos) => Some(Self(nanos)),
@@ -46,7 +46,7 @@ impl Timestamp {
 }
 
 impl Duration {
-    /// No time at all.
+    /// A span of length zero.
     pub const ZERO: Self = Self(0);
 
     /// `n` nanoseconds.
@@ -79,7 +79,7 @@ impl Duration {
         self.0 as f64 / 1e6
     }
 
-    /// `self` taken `n` times, at most [`u64::MAX`] nanoseconds.
+    /// The span multiplied by `n`, limited to [`u64::MAX`] nanoseconds.
     pub const fn times(self, n: u64) -> Self {
         Self(self.0.saturating_mul(n))
     }
@@ -119,7 +119,7 @@ impl fmt::Display for Timestamp {
     }
 }
 
-/// With the unit that keeps the number readable: `350 ns`, `12.5 µs`, `14 ms`, `3.2 s`.
+/// The span in the unit that keeps the number readable: `350 ns`, `12.5 µs`, `14 ms`, `3.2 s`.
 impl fmt::Display for Duration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (unit, name) = match self.0 {

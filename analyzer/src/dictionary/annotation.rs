@@ -1,4 +1,4 @@
-//! What the values of an object mean beyond their data type: units, names of values, names of bits.
+//! Annotations of objects: units, names of values, names of bits.
 
 use super::names::Unit;
 use crate::Multiplexer;
@@ -16,18 +16,18 @@ pub struct Annotation {
     pub bits: Vec<BitName>,
 }
 
-/// The name of a bit, and of its two states where they have names.
+/// The name of a bit, and of its two states if they have names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BitName {
     /// The bit, from 0.
     pub bit: u8,
-    /// What it says when it is set.
+    /// The meaning of the set bit.
     pub name: Cow<'static, str>,
-    /// What it says when it is clear, where that is worth saying.
+    /// The meaning of the clear bit, if it is worth mentioning.
     pub clear: Option<Cow<'static, str>>,
 }
 
-/// The annotations of a dictionary. An entry of sub-index FFh holds for all sub-indexes of its index but 0.
+/// The annotations of a dictionary. An entry with sub-index FFh holds for all sub-indexes of its index but 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Annotations(BTreeMap<Multiplexer, Annotation>);
 
@@ -38,7 +38,7 @@ impl Annotations {
         self.0.get(&object).or_else(|| self.0.get(&all).filter(|_| object.sub.0 != 0))
     }
 
-    /// The annotation of an object, to add to it.
+    /// The annotation of an object, for editing.
     pub fn entry(&mut self, object: Multiplexer) -> &mut Annotation {
         self.0.entry(object).or_default()
     }

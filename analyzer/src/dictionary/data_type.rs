@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-/// A data type: its index in the object dictionary, 0001h to 009Fh. Holds any number, so that a device description
-/// with an unknown type can still be represented.
+/// A data type: its index in the object dictionary, 0001h to 009Fh. It can hold any number, so that a device
+/// description with an unknown type can be represented.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DataType(pub u16);
 
-/// What the values of a data type are.
+/// The kind of values of a data type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DataClass {
     /// `false` or `true`.
@@ -28,9 +28,9 @@ pub enum DataClass {
     TimeOfDay,
     /// `TIME_DIFFERENCE`: days and milliseconds.
     TimeDifference,
-    /// Bytes without a structure that the standard knows, of any length.
+    /// Bytes of any length, without a structure that the standard knows.
     Domain,
-    /// A record: it has no value of its own, only its sub-indexes have.
+    /// A record: only its sub-indexes have values.
     Record,
 }
 
@@ -50,7 +50,7 @@ macro_rules! data_types {
                 }
             }
 
-            /// What its values are.
+            /// The kind of its values.
             pub const fn class(self) -> Option<DataClass> {
                 match self.0 {
                     $($index => Some(DataClass::$class),)*
@@ -58,7 +58,7 @@ macro_rules! data_types {
                 }
             }
 
-            /// The length of a value in bits, as in a PDO mapping; `None` where it varies or the type is unknown.
+            /// The length of a value in bits, as in a PDO mapping; `None` if it varies or the type is unknown.
             pub const fn bits(self) -> Option<u32> {
                 match self.0 {
                     $($index => $bits,)*
@@ -135,7 +135,7 @@ data_types! {
 }
 
 impl DataType {
-    /// The length of a value in bytes, as in an SDO (a boolean takes one); `None` where it varies or is unknown.
+    /// The length of a value in bytes, as in an SDO (a boolean takes one); `None` if it varies or is unknown.
     pub const fn bytes(self) -> Option<usize> {
         match self.bits() {
             Some(bits) => Some(bits.div_ceil(8) as usize),
@@ -149,7 +149,7 @@ impl DataType {
     }
 }
 
-/// `UNSIGNED32`, or `data type 00A0h` where CiA 301 has no name.
+/// `UNSIGNED32`, or `data type 00A0h` if CiA 301 has no name.
 impl fmt::Display for DataType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.name() {

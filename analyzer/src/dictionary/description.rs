@@ -1,4 +1,4 @@
-//! What a device description (EDS, DCF, XDD, XDC) says about a device.
+//! The content of a device description (EDS, DCF, XDD, XDC).
 
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
@@ -6,28 +6,28 @@ use crate::identity::{Index, Multiplexer, NodeId};
 use crate::object;
 use std::collections::BTreeMap;
 
-/// A device description, as far as it could be read. Texts come from the file and may hold anything.
+/// A device description, as far as it could be read. Its texts come from the file and may contain any characters.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceDescription {
-    /// The file about itself.
+    /// Data about the file.
     pub file: FileInfo,
-    /// The device in general.
+    /// Data about the device.
     pub device: DeviceInfo,
-    /// What a DCF or XDC sets for one device in one network.
+    /// Settings of a DCF or XDC for one device in one network.
     pub commissioning: Option<Commissioning>,
-    /// The data types that may stand in an RPDO mapping to skip bits, by index: `DummyUsage`.
+    /// The data types that an RPDO mapping may use to skip bits, by index: `DummyUsage`.
     pub dummy_usage: BTreeMap<u16, bool>,
     /// The lines of `Comments`.
     pub comments: Vec<String>,
     /// The objects.
     pub dictionary: ObjectDictionary,
-    /// Which list of the file names which objects.
+    /// The file's lists of objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.
     pub modules: Vec<Module>,
     /// The modules that a DCF plugs in, by their number in `modules`, in the order of the slots.
     pub connected_modules: Vec<u16>,
-    /// What was wrong, by line.
+    /// The problems found, by line.
     pub problems: Vec<EdsProblem>,
 }
 
@@ -71,17 +71,18 @@ pub struct DeviceInfo {
     pub revision_number: Option<u32>,
     /// `OrderCode`.
     pub order_code: String,
-    /// The bit rates that the device knows, in kbit/s, rising.
+    /// The bit rates that the device supports, in kbit/s, rising.
     pub bit_rates: Vec<u16>,
     /// `SimpleBootUpMaster`.
     pub simple_boot_up_master: bool,
     /// `SimpleBootUpSlave`.
     pub simple_boot_up_slave: bool,
-    /// `Granularity`: the smallest number of bits that can be mapped, 0 if mapping is fixed.
+    /// `Granularity`: the smallest number of bits that can be mapped, 0 if the mapping is fixed.
     pub granularity: u8,
     /// `DynamicChannelsSupported`.
     pub dynamic_channels: bool,
-    /// `CompactPDO`: which sub-indexes of the PDO communication parameters exist, where the file describes none.
+    /// `CompactPDO`: a mask of the sub-indexes that PDO communication parameters have, if the file does not describe
+    /// them.
     pub compact_pdo: u8,
     /// `GroupMessaging`.
     pub group_messaging: bool,
@@ -136,20 +137,20 @@ pub struct Module {
     pub product_revision: Option<u32>,
     /// `OrderCode`.
     pub order_code: String,
-    /// Objects that the device has as soon as one such module is plugged in.
+    /// Objects that the device has once such a module is plugged in.
     pub fixed_objects: Vec<Object>,
     /// Sub-indexes that each such module adds.
     pub extensions: Vec<SubExtension>,
 }
 
-/// How a module extends an object (CiA 306, `MxSubExtxxxx`).
+/// The extension of an object by a module (CiA 306, `MxSubExtxxxx`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubExtension {
-    /// What the new sub-indexes look like: one entry, without a meaning of its sub-index.
+    /// The form of the new sub-indexes: one entry, whose sub-index has no meaning.
     pub template: Object,
-    /// `Count`: how many sub-indexes each module adds; if the module shares them with others, how many bits.
+    /// `Count`: the number of sub-indexes that each module adds; if modules share a sub-index, the number of bits.
     pub count: u32,
-    /// `ObjExtend`: 0 = new sub-indexes of the same object, otherwise when one object is full it goes on in others.
+    /// `ObjExtend`: 0 = new sub-indexes of the same object; otherwise a full object is continued in further objects.
     pub object_extend: u32,
 }
 
@@ -161,7 +162,7 @@ impl DeviceDescription {
         Some((value & 0xFFFF) as u16)
     }
 
-    /// Whether it is for one configured device (DCF, XDC) and not for a type of device (EDS, XDD).
+    /// Whether it describes one configured device (DCF, XDC), not a type of device (EDS, XDD).
     pub const fn is_configuration(&self) -> bool {
         self.commissioning.is_some()
     }

@@ -1,4 +1,4 @@
-//! What the PDOs of a described device carry, bit by bit, after a start with nothing stored.
+//! The layout of a described device's PDOs, bit by bit, after a start with nothing stored.
 
 use super::description::DeviceDescription;
 use super::difference::mapping;
@@ -10,13 +10,13 @@ use crate::wire::pdo::MappingEntry;
 /// A PDO with its fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PdoLayout<'a> {
-    /// Which it is.
+    /// The PDO.
     pub pdo: PdoNumber,
-    /// Its COB-ID; `None` if the description does not tell.
+    /// Its COB-ID; `None` if the description does not give it.
     pub cob_id: Option<&'a Setting>,
-    /// Its transmission type; `None` if the description does not tell.
+    /// Its transmission type; `None` if the description does not give it.
     pub transmission_type: Option<u8>,
-    /// What it carries, in its order; `None` if the description does not tell.
+    /// Its fields in the order of its mapping; `None` if the description does not give it.
     pub fields: Option<Vec<PdoField<'a>>>,
 }
 
@@ -27,25 +27,25 @@ pub struct PdoField<'a> {
     pub mapped: MappingEntry,
     /// The first bit; bit 0 is the least significant of byte 0.
     pub offset: u32,
-    /// What is described of the mapped object, if it is.
+    /// The description of the mapped object, if there is one.
     pub entry: Option<&'a Entry>,
 }
 
 impl PdoField<'_> {
-    /// The bit after the last.
+    /// The offset of the bit after the last one.
     pub fn end(&self) -> u32 {
         self.offset + u32::from(self.mapped.bits())
     }
 }
 
 impl PdoLayout<'_> {
-    /// How many bits it carries.
+    /// Number of its bits.
     pub fn bits(&self) -> u32 {
         self.fields.iter().flatten().last().map_or(0, PdoField::end)
     }
 }
 
-/// The PDOs that are described: those that the device receives, then those that it sends.
+/// The described PDOs: first the received ones, then the sent ones.
 pub fn layouts(description: &DeviceDescription) -> Vec<PdoLayout<'_>> {
     let objects = description.dictionary.objects().iter();
     let mut pdos: Vec<PdoNumber> = objects

@@ -1,11 +1,11 @@
-//! The limits of an entry: they leave room for a value, and its values are between them.
+//! Checks of limits: they must allow a value, and the values must be within them.
 
 use super::object::{Entry, Setting};
 use super::place::Place;
 use super::problem::Problems;
 use super::rules;
 
-/// What a format calls the fields.
+/// The names of the fields in a format.
 pub(super) struct Names {
     pub low: &'static str,
     pub high: &'static str,
@@ -13,7 +13,7 @@ pub(super) struct Names {
     pub configured: &'static str,
 }
 
-/// Checks an entry as it was read. `is_all_ones`: the high limit is written in hexadecimal, all bits set.
+/// Checks a parsed entry. `is_all_ones`: the high limit is written in hexadecimal, with all bits set.
 pub(super) fn check<'a>(
     entry: &Entry,
     names: &Names,
@@ -23,7 +23,7 @@ pub(super) fn check<'a>(
 ) {
     let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();
     let (low, high) = (number(&entry.low_limit), number(&entry.high_limit));
-    // All bits of a signed number are -1, but the author has meant the highest number of an unsigned one.
+    // In a signed type all bits set are -1, but the author meant the highest number of an unsigned type.
     let is_wrapped = |high: &i128| is_all_ones && *high == -1 && low.is_none_or(|low| low > -1);
     let high = match high {
         Some(high) if is_wrapped(&high) => {
@@ -49,7 +49,7 @@ pub(super) fn check<'a>(
     }
 }
 
-/// Whether a text is a hexadecimal number of digits F alone.
+/// Whether a text is a hexadecimal number with only the digit F.
 pub(super) fn is_all_ones(text: Option<&str>) -> bool {
     let digits = text.and_then(|text| text.trim().strip_prefix("0x").or_else(|| text.trim().strip_prefix("0X")));
     digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|digit| digit.eq_ignore_ascii_case(&b'F')))

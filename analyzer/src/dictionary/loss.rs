@@ -1,36 +1,36 @@
-//! What does not get from one description into another file.
+//! Losses when a description is written to another file.
 
 use super::problem::EdsProblem;
 use super::rules;
 use std::fmt;
 
-/// Something that is lost, with its place. The texts come from the file: may hold anything; [`fmt::Display`] escapes them.
+/// A loss with its place. The texts come from the file and may contain any characters; [`fmt::Display`] escapes them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// The line of the file that was read, from 1; 0 where it concerns no single line.
+    /// The line of the original file, from 1; 0 if it concerns no single line.
     pub line: u32,
-    /// Where it stands: section and field, element and attribute, or object.
+    /// The place: section and field, element and attribute, or object.
     pub place: String,
-    /// What stands there.
+    /// The lost text.
     pub text: String,
-    /// Why it is lost.
+    /// The reason of the loss.
     pub kind: LossKind,
 }
 
-/// Why something is lost.
+/// The reason of a loss.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LossKind {
-    /// It could not be understood.
+    /// The text could not be understood.
     Unread,
-    /// Descriptions hold no such thing here; so often it stands in the file.
+    /// Descriptions do not keep this; the number tells how often the file has it.
     Unkept(usize),
-    /// The format that is written has no place for it.
+    /// The written format has no place for it.
     NoPlace,
-    /// It is written otherwise, with what is written.
+    /// It is written in another form, which is given.
     Changed(String),
 }
 
-/// `line 12, [2000] UploadFile "a.bin": is not kept`, with everything unprintable escaped.
+/// `line 12, [2000] UploadFile "a.bin": is not kept`, with all unprintable characters escaped.
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line != 0 {
@@ -55,7 +55,7 @@ impl fmt::Display for Loss {
 pub(super) struct Losses(pub Vec<Loss>);
 
 impl Losses {
-    /// Longer texts are cut.
+    /// Limit of the length of a lost text.
     const LONGEST: usize = 200;
 
     pub fn add(&mut self, line: u32, place: impl Into<String>, text: &str, kind: LossKind) {
@@ -63,19 +63,19 @@ impl Losses {
         self.0.push(Loss { line, place: place.into(), text, kind });
     }
 
-    /// What is not empty has no place in the format.
+    /// Reports a non-empty text without a place in the format.
     pub fn no_place(&mut self, line: u32, place: impl Into<String>, text: &str) {
         if !text.trim().is_empty() {
             self.add(line, place, text, LossKind::NoPlace);
         }
     }
 
-    /// Something that stands so often, from that line on.
+    /// Reports a text that the file has this many times, from that line on.
     pub fn unkept(&mut self, line: u32, place: impl Into<String>, text: &str, times: usize) {
         self.add(line, place, text, LossKind::Unkept(times));
     }
 
-    /// The text in one line without control characters, as both formats need it.
+    /// The text on one line without control characters, as both formats need it.
     pub fn line(&mut self, line: u32, place: &str, text: &str) -> String {
         let plain: String =
             text.chars().map(|character| if character.is_control() { ' ' } else { character }).collect();
@@ -86,7 +86,7 @@ impl Losses {
         plain.to_owned()
     }
 
-    /// What could not be read, as far as something is missing because of that.
+    /// Reports the unreadable parts whose content is missing.
     pub fn unread(&mut self, problems: &[EdsProblem]) {
         let lost = [
             &rules::number::UNREADABLE,

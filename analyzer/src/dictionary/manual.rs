@@ -1,4 +1,4 @@
-//! What the manual of a device says and its description does not.
+//! Facts from a device's manual that its description lacks.
 
 use super::annotation::Annotations;
 use super::description::DeviceDescription;
@@ -9,41 +9,41 @@ use crate::wire::emcy::{Emcy, EmcyCode};
 /// The number of the device profile for encoders in 1000h.
 const ENCODER: u16 = 406;
 
-/// What is known of a device before it has sent anything.
+/// The knowledge of a device before it has sent anything.
 #[derive(Clone, Debug, Default)]
 pub struct KnownDevice {
-    /// What its file says.
+    /// The device's description.
     pub description: DeviceDescription,
-    /// What no file of that kind holds, and its manual says; empty where nobody gave it.
+    /// Facts from its manual; empty if nobody has given them.
     pub manual: Manual,
 }
 
 impl KnownDevice {
-    /// A device of which nobody has read the manual.
+    /// A device without facts from its manual.
     pub fn described(description: DeviceDescription) -> Self {
         Self { description, manual: Manual::default() }
     }
 }
 
-/// What a manual adds to a device description.
+/// Facts that a manual adds to a device description.
 #[derive(Clone, Debug, Default)]
 pub struct Manual {
     /// Units and names of values.
     pub annotations: Annotations,
-    /// How node-ID and bit rate are set.
+    /// The ways to set node-ID and bit rate.
     pub settings: Settings,
-    /// The EMCY messages that it lists.
+    /// The EMCY messages in the manual.
     pub emergencies: Vec<KnownEmergency>,
-    /// Objects of the manufacturer that act when they are written.
+    /// Manufacturer-specific objects that act when they are written.
     pub acting: Vec<(Multiplexer, Acting)>,
 }
 
 impl Manual {
-    /// What an object does when it is written, by this manual, by the standard, by the device profile, or by a description
-    /// that refuses to have it downloaded (CiA 306, ObjFlags bit 0). `None`: it is a setting, or only read.
+    /// The action of writing an object, by this manual, the standard, the device profile, or a description that
+    /// excludes the object from downloads (CiA 306, ObjFlags bit 0). `None` for a setting or a read-only object.
     ///
-    /// A device whose profile nobody knows may be an encoder: taking a setting for a preset costs nothing, the other way round
-    /// a zero point.
+    /// A device of unknown profile may be an encoder: taking a setting for a preset does no harm, but taking a preset
+    /// for a setting loses a zero point.
     pub fn acting(&self, at: Multiplexer, description: Option<&DeviceDescription>) -> Option<Acting> {
         let of_maker = || self.acting.iter().find(|known| known.0 == at).map(|known| known.1);
         let profile = description.and_then(DeviceDescription::device_profile);
@@ -55,7 +55,7 @@ impl Manual {
         of_maker().or_else(|| Acting::of_communication(at)).or_else(of_profile).or_else(is_refused)
     }
 
-    /// What the manual says of an EMCY message: of those with its code the one whose fixed bytes it has, else the first.
+    /// The manual's entry for an EMCY message: among those with its code the one with matching bytes, else the first.
     pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
         let code = emcy.code()?;
         let same_code = || self.emergencies.iter().filter(|known| known.code == code);
@@ -64,27 +64,27 @@ impl Manual {
     }
 }
 
-/// An EMCY message that the manual of a device lists.
+/// An EMCY message in a device's manual.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KnownEmergency {
     /// The error code.
     pub code: EmcyCode,
-    /// The first manufacturer-specific bytes, where they are fixed.
+    /// The first manufacturer-specific bytes, if they are fixed.
     pub bytes: Vec<u8>,
-    /// What it means.
+    /// Its meaning.
     pub text: String,
 }
 
-/// How the node-ID and the bit rate of a device are set, apart from LSS.
+/// The ways to set node-ID and bit rate of a device, apart from LSS.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// The object that holds the node-ID to use from the next start on.
+    /// The object with the node-ID for the next start.
     pub node_id: Option<Multiplexer>,
-    /// The object that holds the code of the bit rate to use from the next start on.
+    /// The object with the code of the bit rate for the next start.
     pub bit_rate: Option<Multiplexer>,
     /// The codes, each with its bit rate in bit/s.
     pub bit_rates: Vec<(u32, u32)>,
-    /// Whether the device knows LMT (CiA DS-205), the forerunner of LSS.
+    /// Whether the device supports LMT (CiA DS-205), the predecessor of LSS.
     pub layer_management: bool,
     /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
     pub padded_tpdos: Vec<u8>,

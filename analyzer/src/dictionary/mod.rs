@@ -1,5 +1,5 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and
-//! the names that the standards give.
+//! The object dictionary: data types, values, device descriptions (EDS, DCF, XDD, XDC), and the names of the
+//! standards.
 
 mod annotation;
 pub mod check;

@@ -1,6 +1,6 @@
-//! Dates and times, as CiA 306 and as XML write them.
+//! Dates and times in the forms of CiA 306 and XML.
 
-/// The date as CiA 306 writes it, mm-dd-yyyy, where which number is the day is certain: the year first, or with dots as in
+/// The date in the form of CiA 306, mm-dd-yyyy, if the day is unambiguous: with the year first, or with dots as in
 /// German.
 pub(super) fn eds_date(text: &str) -> Option<String> {
     let parts = |separator| -> Option<[&str; 3]> { text.split(separator).collect::<Vec<_>>().try_into().ok() };
@@ -16,7 +16,8 @@ pub(super) fn eds_date(text: &str) -> Option<String> {
     Some(format!("{month:02}-{day:02}-{year:04}"))
 }
 
-/// The time as CiA 306 writes it, hh:mm(AM|PM), from one with 24 hours, with seconds, or with a blank before AM and PM.
+/// The time in the form of CiA 306, hh:mm(AM|PM), from a time with 24 hours, with seconds, or with a blank before AM
+/// and PM.
 pub(super) fn eds_time(text: &str) -> Option<String> {
     let upper = text.to_ascii_uppercase();
     let (clock, half) = match (upper.strip_suffix("AM"), upper.strip_suffix("PM")) {
@@ -41,28 +42,28 @@ pub(super) fn eds_time(text: &str) -> Option<String> {
     (1..=12).contains(&hour).then(|| format!("{hour:02}:{minute:02}{half}"))
 }
 
-/// Whether that is a date as CiA 306 writes it: mm-dd-yyyy.
+/// Whether it is a date in the form of CiA 306: mm-dd-yyyy.
 pub(super) fn is_eds_date(text: &str) -> bool {
     eds_date(text).is_none() && xml_date(text).is_some()
 }
 
-/// Whether that is a time as CiA 306 writes it: hh:mm(AM|PM). An hour may have one digit.
+/// Whether it is a time in the form of CiA 306: hh:mm(AM|PM). An hour may have one digit.
 pub(super) fn is_eds_time(text: &str) -> bool {
     let upper = text.to_ascii_uppercase();
     eds_time(text).is_some_and(|time| time == upper || time.strip_prefix('0') == Some(&upper))
 }
 
-/// The date as XML writes it, yyyy-mm-dd, from one of CiA 306 or one of XML.
+/// The date in the form of XML, yyyy-mm-dd, from either form.
 pub(super) fn xml_date(text: &str) -> Option<String> {
     let own = eds_date(text);
     let (month_day, year) = own.as_deref().unwrap_or(text).rsplit_once('-').filter(|(_, year)| year.len() == 4)?;
     let (month, day) = month_day.split_once('-').filter(|(month, day)| month.len() == 2 && day.len() == 2)?;
     let turned = format!("{year}-{month}-{day}");
-    // Only what means the same when it is turned back.
+    // Only if converting it back gives the same date.
     (eds_date(&turned).as_deref() == Some(own.as_deref().unwrap_or(text))).then_some(turned)
 }
 
-/// The time as XML writes it, hh:mm:ss, from one of CiA 306 or one of XML.
+/// The time in the form of XML, hh:mm:ss, from either form.
 pub(super) fn xml_time(text: &str) -> Option<String> {
     let own = eds_time(text)?;
     let (clock, half) = own.split_at_checked(5)?;

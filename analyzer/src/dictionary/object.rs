@@ -1,4 +1,4 @@
-//! Objects and their entries: what a device description says about each index and sub-index.
+//! Objects and their entries in a device description.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use super::place::SectionId;
 use super::value::Value;
 use crate::identity::{Index, Multiplexer, NodeId, SubIndex};
 
-/// The object code (CiA 301 and 306, `ObjectType`). Holds any number.
+/// The object code (CiA 301 and 306, `ObjectType`). It can hold any number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ObjectCode(pub u8);
 
@@ -41,7 +41,7 @@ impl ObjectCode {
         })
     }
 
-    /// Whether the value is at sub-index 0 itself, not after a count of entries.
+    /// Whether the object's value is at sub-index 0 itself, not after a count of entries.
     pub const fn is_single(self) -> bool {
         !matches!(self, Self::ARRAY | Self::RECORD | Self::DEFSTRUCT)
     }
@@ -78,7 +78,7 @@ impl Access {
     /// All access types.
     pub const ALL: [Self; 6] = [Self::Const, Self::Ro, Self::Wo, Self::Rw, Self::Rwr, Self::Rww];
 
-    /// As CiA 306 writes it.
+    /// The name in CiA 306.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Const => "const",
@@ -90,7 +90,7 @@ impl Access {
         }
     }
 
-    /// The access type of that name, in any case.
+    /// The access type of that name, ignoring case.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|access| name.eq_ignore_ascii_case(access.name()))
     }
@@ -167,7 +167,7 @@ impl fmt::Display for Setting {
 pub struct Entry {
     /// The sub-index.
     pub sub: SubIndex,
-    /// `ParameterName`. Text of a file: may hold anything.
+    /// `ParameterName`. Text of a file; may contain any characters.
     pub name: String,
     /// `DataType`.
     pub data_type: DataType,
@@ -181,13 +181,13 @@ pub struct Entry {
     pub low_limit: Option<Setting>,
     /// `HighLimit`.
     pub high_limit: Option<Setting>,
-    /// `ParameterValue` of a DCF or XDC: what the device is to be configured to.
+    /// `ParameterValue` of a DCF or XDC: the configured value.
     pub configured: Option<Setting>,
-    /// `Denotation` of a DCF: what the entry means in the application.
+    /// `Denotation` of a DCF: the entry's meaning in the application.
     pub denotation: Option<String>,
     /// `ObjFlags`.
     pub flags: ObjectFlags,
-    /// The line of the file where the entry begins; 0 if it stands in none (`CompactSubObj`).
+    /// The line of the file at which the entry begins; 0 if no line describes it (`CompactSubObj`).
     pub line: u32,
     /// Its section or element in the file.
     pub section: Option<SectionId>,
@@ -213,7 +213,7 @@ impl Entry {
         }
     }
 
-    /// What the entry holds after a start with nothing stored: the configured value, else the default.
+    /// The value after a start with nothing stored: the configured value, else the default.
     pub fn start_value(&self, node: NodeId) -> Option<Value> {
         self.configured.as_ref().or(self.default.as_ref()).map(|setting| setting.resolve(self.data_type, node))
     }
@@ -240,11 +240,11 @@ impl ObjectFlags {
 pub struct Object {
     /// The index.
     pub index: Index,
-    /// `ParameterName`. Text of a file: may hold anything.
+    /// `ParameterName`. Text of a file; may contain any characters.
     pub name: String,
     /// `ObjectType`.
     pub code: ObjectCode,
-    /// The line of the file where the object begins; 0 if it stands in none (`CompactPDO`).
+    /// The line of the file at which the object begins; 0 if no line describes it (`CompactPDO`).
     pub line: u32,
     /// Its section or element in the file.
     pub section: Option<SectionId>,
@@ -257,7 +257,7 @@ impl Object {
         Self { index: Index(index), name: name.into(), code, line: 0, section: None, entries: Vec::new() }
     }
 
-    /// An entry takes some hundred bytes: room for as many as there are.
+    /// Reserves memory: an entry takes some hundred bytes, so growing step by step would copy much.
     pub(super) fn expect_entries(&mut self, count: usize) {
         self.entries.reserve_exact(count);
     }
@@ -269,7 +269,7 @@ impl Object {
 
     /// The entry of that sub-index.
     pub fn entry(&self, sub: SubIndex) -> Option<&Entry> {
-        // Most objects have no gaps, so the entry stands at its own number.
+        // Most objects have no gaps, so the index of an entry is its sub-index.
         match self.entries.get(usize::from(sub.0)) {
             Some(entry) if entry.sub == sub => Some(entry),
             _ => self.entries.get(self.position(sub).ok()?),
@@ -282,7 +282,7 @@ impl Object {
         self.entries.get_mut(position)
     }
 
-    /// Adds an entry; one of the same sub-index is replaced and returned.
+    /// Adds an entry; returns a replaced one with the same sub-index.
     pub fn insert(&mut self, entry: Entry) -> Option<Entry> {
         match self.position(entry.sub) {
             Ok(position) => self.entries.get_mut(position).map(|old| std::mem::replace(old, entry)),
@@ -298,7 +298,7 @@ impl Object {
     }
 }
 
-/// Why the object dictionary has no entry at an address: the two have different SDO abort codes.
+/// Why the object dictionary has no entry at an address; the reasons have different SDO abort codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missing {
     /// No object has that index (abort 0602 0000h).
@@ -342,7 +342,7 @@ impl ObjectDictionary {
         })
     }
 
-    /// Adds an object; one of the same index is replaced and returned.
+    /// Adds an object; returns a replaced one with the same index.
     pub fn insert(&mut self, object: Object) -> Option<Object> {
         match self.position(object.index) {
             Ok(position) => self.objects.get_mut(position).map(|old| std::mem::replace(old, object)),
@@ -359,7 +359,7 @@ impl ObjectDictionary {
 }
 
 impl FromIterator<Object> for ObjectDictionary {
-    /// Of two objects of the same index the last stays.
+    /// Of two objects with the same index the last one stays.
     fn from_iter<T: IntoIterator<Item = Object>>(objects: T) -> Self {
         let mut dictionary = Self::default();
         for object in objects {

@@ -1,4 +1,4 @@
-//! Where something stands in the text of a description.
+//! Places in the text of a description.
 
 use std::ops::Range;
 
@@ -12,48 +12,48 @@ pub struct Span {
 }
 
 impl Span {
-    /// From one byte up to another. Descriptions are smaller than 4 GiB.
+    /// The part between two bytes. Descriptions are smaller than 4 GiB.
     pub(super) const fn new(start: usize, end: usize) -> Self {
         debug_assert!(start <= end && end <= u32::MAX as usize);
         Self { start: start as u32, end: end as u32 }
     }
 
-    /// The bytes.
+    /// The part as a range.
     pub const fn range(self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the part is empty.
     pub const fn is_empty(self) -> bool {
         self.start == self.end
     }
 
-    /// Whether a place is in it or directly after it.
+    /// Whether a place is inside or directly after it.
     pub(super) const fn touches(self, at: usize) -> bool {
         self.start as usize <= at && at <= self.end as usize
     }
 }
 
-/// Which section of an EDS, or element of an XDD: its position in the source.
+/// A section of an EDS, or an element of an XDD: its index in the source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SectionId(pub(super) u32);
 
-/// What is known of a place in the source.
+/// The precision of a place in the source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spot {
-    /// The line alone.
+    /// Only the line is known.
     #[default]
     Line,
-    /// The section: the place is its field of the problem's name, or where the section begins.
+    /// The section: the place is the field named in the problem, or the section's beginning.
     Section(SectionId),
-    /// The place itself.
+    /// The exact place.
     Exact(Span),
 }
 
 /// The place of a problem.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place<'a> {
-    /// From 1; 0 if it concerns no single line.
+    /// The line, from 1; 0 if it concerns no single line.
     pub line: u32,
     pub section: &'a str,
     pub field: &'a str,
@@ -61,7 +61,7 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// A whole line.
+    /// The place of a whole line.
     pub fn line(line: u32) -> Self {
         Self { line, ..Self::default() }
     }

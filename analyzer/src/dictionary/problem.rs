@@ -1,13 +1,14 @@
-//! What was wrong in a device description, with the place.
+//! A problem of a device description, with its place.
 
 use super::place::{Place, Spot};
 use super::rules::{ProblemKind, Rule, Severity, text};
 use std::fmt;
 
-/// One problem and its place. The texts come from the file: may hold anything; [`fmt::Display`] escapes them.
+/// A problem and its place. The texts come from the file and may contain any characters; [`fmt::Display`] escapes
+/// them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdsProblem {
-    /// The rule that is broken.
+    /// The broken rule.
     pub rule: &'static Rule,
     /// The line, from 1; 0 if it concerns no single line.
     pub line: u32,
@@ -15,27 +16,27 @@ pub struct EdsProblem {
     pub section: String,
     /// The field, or attribute of an XDD; empty if it concerns none.
     pub field: String,
-    /// Where it is in the source.
+    /// The place in the source.
     pub spot: Spot,
-    /// What the standard expects there.
+    /// The form or value that the standard expects.
     pub expected: &'static str,
-    /// What was found instead.
+    /// The form or value found.
     pub found: String,
 }
 
 impl EdsProblem {
-    /// How bad it is.
+    /// Its severity.
     pub const fn severity(&self) -> Severity {
         self.rule.severity
     }
 
-    /// What kind of problem it is.
+    /// Its kind.
     pub const fn kind(&self) -> ProblemKind {
         self.rule.kind
     }
 }
 
-/// `line 12, [1018sub1] DefaultValue: expected a number, found "abc"`, with everything unprintable escaped.
+/// `line 12, [1018sub1] DefaultValue: expected a number, found "abc"`, with all unprintable characters escaped.
 impl fmt::Display for EdsProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line != 0 {
@@ -51,16 +52,16 @@ impl fmt::Display for EdsProblem {
     }
 }
 
-/// Collects problems, up to a bound: a hostile file could have one in every line.
+/// Collects problems, up to a limit: a hostile file could have one in every line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Problems {
     list: Vec<EdsProblem>,
 }
 
 impl Problems {
-    /// More problems than this are not kept.
+    /// Maximum number of problems that are kept.
     pub(super) const MOST: usize = 10_000;
-    /// Longer texts are cut in `found`.
+    /// Maximum length of the text in `found`.
     const LONGEST: usize = 200;
 
     pub(super) fn report(&mut self, place: Place<'_>, rule: &'static Rule, expected: &'static str, found: &str) {
@@ -81,7 +82,7 @@ impl Problems {
         });
     }
 
-    /// The first breach of a rule.
+    /// The first problem of a rule.
     pub(super) fn first_of(&self, rule: &Rule) -> Option<&EdsProblem> {
         self.list.iter().find(|problem| problem.rule == rule)
     }

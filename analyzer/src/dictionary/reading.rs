@@ -1,4 +1,4 @@
-//! Reads a description in whichever format it is.
+//! Reads a description in any format.
 
 use super::description::DeviceDescription;
 use super::eds;
@@ -12,12 +12,12 @@ impl DeviceDescription {
         Self::of(&Source::read(bytes)?)
     }
 
-    /// What such a file says.
+    /// Reads the description in a source.
     pub fn of(source: &Source<'_>) -> Result<Self, DescriptionError> {
         if source.is_xml() { xdd::describe(source) } else { eds::describe(source) }
     }
 
-    /// What stands in the file that this was read from, and is not kept here: what no other file can be given.
+    /// The parts of the source that this description does not keep, and so can't write to another file.
     pub fn unkept(&self, source: &Source<'_>) -> Vec<Loss> {
         if source.is_xml() { xdd::unkept(self, source) } else { eds::unkept(self, source) }
     }

@@ -1,24 +1,24 @@
-//! Descriptions that describe nothing although they can be read.
+//! Descriptions that can be read but are unusable.
 
 use super::rules::{CONFLICT, HALF_READ};
 use super::{DeviceDescription, EdsProblem, Rule};
 
-/// Why a description describes nothing.
+/// Why a description is unusable.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Unusable {
-    /// Both sides of a merge stand in it.
-    #[error("line {0} begins a merge conflict that nobody has resolved: choose one side")]
+    /// The file contains both sides of a merge conflict.
+    #[error("line {0} begins an unresolved merge conflict: choose one side")]
     Conflict(u32),
-    /// Half of it can't be read.
+    /// Half of the file can't be read.
     #[error("{0}: this is no device description")]
     HalfRead(String),
 }
 
 impl DeviceDescription {
-    /// Refuses one with both sides of a merge conflict, or of which half can't be read.
+    /// Refuses a description with an unresolved merge conflict, or with half of its lines unreadable.
     ///
     /// # Errors
-    /// Why it describes nothing.
+    /// Why the description is unusable.
     pub fn usable(&self) -> Result<(), Unusable> {
         Unusable::find(&self.problems).map_or(Ok(()), Err)
     }

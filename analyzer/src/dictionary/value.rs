@@ -1,13 +1,13 @@
-//! Values of the object dictionary: little-endian bytes to a typed value and back (CiA 301, "data type definitions
-//! and encoding rules").
+//! Values of the object dictionary: converts little-endian bytes to typed values and back (CiA 301, "data type
+//! definitions and encoding rules").
 
 use std::fmt;
 
 use super::data_type::{DataClass, DataType};
 use canvass_traces::hex;
 
-/// A value, by what its data type says it is. Numbers of all lengths share one variant; the length is in the
-/// [`DataType`], which goes with the value wherever it is encoded.
+/// A value of a data type. Numbers of all lengths share one variant; the length is in the [`DataType`], which
+/// accompanies the value wherever it is encoded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// BOOLEAN.
@@ -20,11 +20,11 @@ pub enum Value {
     Real32(f32),
     /// REAL64.
     Real64(f64),
-    /// The bytes of a VISIBLE_STRING, as they came: not necessarily printable.
+    /// The bytes of a VISIBLE_STRING as received; may be unprintable.
     VisibleString(Vec<u8>),
     /// OCTET_STRING.
     OctetString(Vec<u8>),
-    /// The 16-bit units of a UNICODE_STRING: not necessarily valid UTF-16.
+    /// The 16-bit units of a UNICODE_STRING; may be invalid UTF-16.
     UnicodeString(Vec<u16>),
     /// TIME_OF_DAY.
     TimeOfDay(DaysAndMilliseconds),
@@ -37,29 +37,29 @@ pub enum Value {
 /// TIME_OF_DAY and TIME_DIFFERENCE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DaysAndMilliseconds {
-    /// Days; of TIME_OF_DAY, since 1984-01-01.
+    /// Days; for TIME_OF_DAY, since 1984-01-01.
     pub days: u16,
-    /// Milliseconds, 28 bits; of TIME_OF_DAY, after midnight.
+    /// Milliseconds, 28 bits; for TIME_OF_DAY, after midnight.
     pub milliseconds: u32,
 }
 
-/// Why bytes are no value of a data type, or a value has no encoding in it.
+/// Why bytes can't be decoded, or a value can't be encoded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ValueError {
-    /// The number of bytes is not that of the data type.
+    /// The number of bytes differs from that of the data type.
     #[error("{data_type} has {expected} bytes, found {found}")]
     Length {
-        /// The data type asked for.
+        /// The requested data type.
         data_type: DataType,
         /// Its length in bytes.
         expected: usize,
-        /// How many there were.
+        /// The actual length in bytes.
         found: usize,
     },
     /// A UNICODE_STRING of an odd number of bytes.
     #[error("UNICODE_STRING has units of 2 bytes, found {found} bytes")]
     OddLength {
-        /// How many bytes there were.
+        /// The actual length in bytes.
         found: usize,
     },
     /// A BOOLEAN byte that is neither 0 nor 1.
@@ -71,18 +71,18 @@ pub enum ValueError {
     /// A record or an unknown data type, which has no value.
     #[error("{0} has no value of its own")]
     NoValue(DataType),
-    /// The value lies outside the data type, or is of another kind.
+    /// The value is outside the range of the data type, or of another kind.
     #[error("{value} does not fit {data_type}")]
     DoesNotFit {
-        /// The value, as it is displayed.
+        /// The value, as displayed.
         value: String,
-        /// The data type asked for.
+        /// The requested data type.
         data_type: DataType,
     },
 }
 
 impl Value {
-    /// The value that these bytes encode. The four reserved bits of TIME_OF_DAY and TIME_DIFFERENCE are ignored.
+    /// Decodes a value. The four reserved bits of TIME_OF_DAY and TIME_DIFFERENCE are ignored.
     ///
     /// ```
     /// use canvass_analyzer::dictionary::{DataType, Value};
@@ -118,8 +118,8 @@ impl Value {
         }
     }
 
-    /// The value whose bits stand in the low end of `raw`, as cut out of a PDO; bits above the data type's length
-    /// are ignored. `None` if the type has no fixed length.
+    /// The value in the lowest bits of `raw`, as cut out of a PDO; higher bits are ignored. `None` if the type has no
+    /// fixed length.
     pub fn from_raw(data_type: DataType, raw: u64) -> Option<Self> {
         let unused = 64 - data_type.bits()?;
         let unsigned = raw << unused >> unused;
@@ -135,8 +135,8 @@ impl Value {
         })
     }
 
-    /// The bits of the value as a number, as they go into a PDO; `None` where the value is a string or domain.
-    /// Negative numbers are sign-extended to 64 bits.
+    /// The bits of the value as a number, for a PDO; `None` for a string or domain. Negative numbers are
+    /// sign-extended to 64 bits.
     pub fn to_raw(&self) -> Option<u64> {
         Some(match self {
             Self::Boolean(value) => u64::from(*value),
@@ -149,7 +149,7 @@ impl Value {
         })
     }
 
-    /// The little-endian bytes of the value as one of `data_type`.
+    /// Encodes the value in a data type, little-endian.
     pub fn encode(&self, data_type: DataType) -> Result<Vec<u8>, ValueError> {
         let does_not_fit = || ValueError::DoesNotFit { value: self.to_string(), data_type };
         match (self, data_type.class()) {
@@ -162,7 +162,7 @@ impl Value {
             _ => {
                 let raw = self.to_raw().ok_or_else(does_not_fit)?;
                 let length = data_type.bytes().ok_or_else(does_not_fit)?;
-                // What comes back from the bits must be what went in: the same kind, and no bit lost.
+                // Decoding the bits must give the same value: the same kind, and no bit lost.
                 let back = Self::from_raw(data_type, raw).ok_or_else(does_not_fit)?;
                 let same = std::mem::discriminant(&back) == std::mem::discriminant(self);
                 if !same || back.to_raw() != Some(raw) {
@@ -173,7 +173,7 @@ impl Value {
         }
     }
 
-    /// The value as a number, where it is a boolean, signed or unsigned.
+    /// The value as a number, if it is a boolean, signed or unsigned.
     pub fn as_number(&self) -> Option<i128> {
         match self {
             Self::Boolean(value) => Some(i128::from(*value)),
@@ -196,7 +196,7 @@ impl DaysAndMilliseconds {
     }
 }
 
-/// Strings in quotes, with everything escaped that is not printable: control characters never reach a terminal.
+/// Strings are quoted, with all unprintable characters escaped: control characters never reach a terminal.
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,31 +1,31 @@
-//! What can be written next in a filter. The parser itself says what fits, so that there is no second grammar.
+//! Completion in filters. The parser itself tells which words fit, so there is no second grammar.
 
 use super::expression::{Flag, NumberField};
 use super::parser;
 use crate::message::Service;
 
-/// What joins tests, and what stands before one.
+/// Words that join tests, or precede one.
 const WORDS: [&str; 5] = ["and ", "or ", "not ", "in ", "("];
-/// What a number or a name is compared with.
+/// Operators after a number or a name.
 const OPERATORS: [&str; 2] = ["=", " in "];
 
-/// A word that no filter has but as a name.
+/// A word that can occur in a filter only as a name.
 const UNHEARD_OF: &str = "unheard-of";
 
-/// What can stand at the end of `text`, in place of the word that was begun there.
+/// Completions at the end of `text`, replacing the unfinished word there.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Completion {
-    /// Where the word begins, in bytes.
+    /// The offset of the unfinished word.
     pub from: usize,
-    /// The words, each as it is to be written.
+    /// The words, in the form to insert.
     pub words: Vec<String>,
 }
 
 impl Completion {
-    /// Of a filter that was written so far; `channels` are names that can be meant.
+    /// Completes an unfinished filter; `channels` are names to offer.
     pub fn of<'a>(text: &str, channels: impl IntoIterator<Item = &'a str>) -> Self {
         let from = text.rfind(|c: char| c.is_whitespace() || "()=<>!,".contains(c)).map_or(0, |at| at + 1);
-        // What parts words is one byte long, but for blanks of other scripts.
+        // Separators are one byte long, except blanks of other scripts.
         let from = (from..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
         let (before, begun) = text.split_at(from);
         let fields = NumberField::NAMES.iter().map(|field| field.0).chain(["service", "channel"]);
@@ -34,7 +34,7 @@ impl Completion {
         let services = Service::ALL.into_iter().map(|service| service.name().to_owned());
         let channels = channels.into_iter().filter(|name| !name.contains('"')).map(quoted);
         let others = compared.chain(flags).chain(services).chain(WORDS.map(str::to_owned));
-        // Where a channel is named, every word is right: the others would only be in the way.
+        // At the place of a channel name every word fits; offering keywords there would be misleading.
         let names_channel = fits(before, UNHEARD_OF);
         let all = others.filter(|_| !names_channel).chain(channels);
         let mut words: Vec<String> = Vec::new();
@@ -47,13 +47,13 @@ impl Completion {
     }
 }
 
-/// A name as a filter takes it.
+/// A name, quoted if a filter needs it.
 fn quoted(name: &str) -> String {
     let bare = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_./:".contains(c));
     if bare { name.to_owned() } else { format!("\"{name}\"") }
 }
 
-/// Whether the word is right there: there is no mistake, or only something is missing after it.
+/// Whether the word fits there: the parser finds no mistake, or only a missing continuation.
 fn fits(before: &str, word: &str) -> bool {
     let text = format!("{before}{word}");
     parser::parse(&text).err().is_none_or(|error| error.found.is_none())

@@ -8,7 +8,7 @@ use canvass_traces::{Direction, Record};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// A filter, ready to be asked of each frame.
+/// A filter for frames.
 ///
 /// ```
 /// use canvass_analyzer::filter::{Filter, Subject};
@@ -60,12 +60,12 @@ pub(super) enum Flag {
     Rx,
 }
 
-/// What a filter looks at.
+/// The input of a filter.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The frame.
     pub record: &'a Record,
-    /// What the network made of it.
+    /// The decoded frame.
     pub decoded: &'a Decoded,
     /// The name of its channel.
     pub channel: &'a str,
@@ -85,7 +85,7 @@ impl Filter {
         self.0.matches(subject)
     }
 
-    /// Whether neither this frame passes nor any that is like it.
+    /// Whether neither this frame nor any frame like it passes.
     pub fn refuses_alike(&self, subject: &Subject<'_>, steady: Steady) -> bool {
         self.0.of_alike(subject, steady) == Some(false)
     }
@@ -108,7 +108,7 @@ impl Expression {
 }
 
 impl Expression {
-    /// What it says of all frames that are like this one; nothing where they differ.
+    /// The result that holds for all frames like this one; `None` if their results differ.
     fn of_alike(&self, subject: &Subject<'_>, steady: Steady) -> Option<bool> {
         let decided = |terms: &[Self], by: bool| {
             let told: Vec<Option<bool>> = terms.iter().map(|term| term.of_alike(subject, steady)).collect();

@@ -1,4 +1,4 @@
-//! A small language to choose frames: `service=sdo and node in 1..8 and index=0x6003 or abort`.
+//! A small language for selecting frames: `service=sdo and node in 1..8 and index=0x6003 or abort`.
 //!
 //! ```text
 //! expression = conjunction { "or" conjunction }

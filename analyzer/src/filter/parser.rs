@@ -1,4 +1,4 @@
-//! The parser of filters. Its errors point at the column.
+//! The parser of filters. Its errors give the column.
 
 use super::expression::{Expression, Flag, NumberField};
 use crate::message::Service;
@@ -14,20 +14,20 @@ use std::ops::RangeInclusive;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("column {column}: expected {expected}{}\n  {text}\n  {:>column$}", found.as_deref().map(|found| format!(", found \"{found}\"")).unwrap_or_default(), "^")]
 pub struct FilterError {
-    /// The filter as it was given.
+    /// The text of the filter.
     pub text: String,
     /// The column of the mistake, from 1, in characters.
     pub column: usize,
-    /// What should have stood there.
+    /// The expected text.
     pub expected: String,
-    /// The word that stands there; `None` at the end.
+    /// The word at that place; `None` at the end.
     pub found: Option<String>,
 }
 
-/// How deep brackets and `not` may be nested.
+/// Maximum nesting of brackets and `not`.
 const DEEPEST: usize = 50;
 
-/// The input from the mistake on, and what was expected there.
+/// The input from the mistake on, and the expected text.
 #[derive(Debug)]
 struct Mistake<'a> {
     at: &'a str,
@@ -87,7 +87,7 @@ fn conjunction(input: &str, depth: usize) -> Parsed<'_, Expression> {
     Ok((rest, one_or(terms, Expression::And)))
 }
 
-/// One or more with something between them, after which there must be another.
+/// Parses one or more items with separators; an item must follow each separator.
 fn joined<'a, T>(
     input: &'a str,
     mut between: impl Parser<&'a str, Output = &'a str, Error = Mistake<'a>>,
@@ -154,7 +154,7 @@ fn field_test<'a>(input: &'a str, name: &str, rest: &'a str) -> Parsed<'a, Expre
 
 type Ranges = Vec<RangeInclusive<u32>>;
 
-/// An operator and its numbers, as ranges; `None` where no operator follows.
+/// Parses an operator and its numbers, as ranges; `None` if no operator follows.
 fn comparison(input: &str) -> Result<Option<(&str, Ranges, bool)>, nom::Err<Mistake<'_>>> {
     if let Ok((rest, negated)) = is_in(input) {
         let (rest, ranges) = joined(rest, symbol(","), range)?;
@@ -165,7 +165,7 @@ fn comparison(input: &str) -> Result<Option<(&str, Ranges, bool)>, nom::Err<Mist
         return Ok(None);
     };
     let (rest, value) = number(rest)?;
-    // Nothing is below 0: such a range is empty, as it should be.
+    // No number is below 0, so the range is empty.
     #[expect(clippy::reversed_empty_ranges, reason = "an empty range is what is meant")]
     let empty = 1..=0;
     let range = match operator {
@@ -210,7 +210,7 @@ fn names<'a, T>(input: &'a str, name: impl Fn(&'a str) -> Parsed<'a, T>) -> Pars
     Ok((rest, (vec![name], operator == "!=")))
 }
 
-/// `in` or `not in`: whether it is the latter.
+/// Parses `in` or `not in`; returns whether it is `not in`.
 fn is_in(input: &str) -> Parsed<'_, bool> {
     let (rest, negated) = opt(keyword("not")).parse(input)?;
     let (rest, _) = keyword("in").parse(rest)?;

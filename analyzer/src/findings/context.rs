@@ -1,4 +1,4 @@
-//! What a rule sees.
+//! The data that a rule sees.
 
 use super::facts::{Facts, News, Parameters};
 use super::latest::Latest;
@@ -8,53 +8,53 @@ use crate::message::{Message, PdoNumber};
 use crate::network::{Bus, Decoded};
 use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
 
-/// What is known of a bus at a moment.
+/// The state of a bus at one moment.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
-    /// The moment: the time of the frame that is being looked at, or of the last one.
+    /// The moment: the time of the current frame, or of the last one.
     pub now: Timestamp,
     /// The time of the first frame on this bus.
     pub start: Timestamp,
-    /// The bus with its nodes and transfers, after the frame.
+    /// The bus with its nodes and transfers, after the current frame.
     pub bus: &'a Bus,
-    /// Its channel.
+    /// The channel of the bus.
     pub channel: ChannelId,
-    /// What its nodes have done, before the frame.
+    /// The facts about its nodes, before the current frame.
     pub facts: &'a Facts,
-    /// The last frame of each CAN-ID, before the frame.
+    /// The last frame of each CAN-ID, before the current frame.
     pub latest: &'a Latest,
-    /// How far the times of this bus can be trusted.
+    /// The reliability of the times on this bus.
     pub quality: &'a Quality,
-    /// The bit rate in bit/s, where the user said it, or the frames until now have shown it.
+    /// The bit rate in bit/s, as the user gave it or as inferred from the frames so far.
     pub bit_rate: Option<u32>,
-    /// Whether it is inferred: then it may become another one.
+    /// Whether the bit rate is inferred; it may then still change.
     pub is_inferred: bool,
 }
 
-/// A frame, understood, and what is known around it.
+/// A decoded frame, and the state of its bus.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// The bus at this moment.
     pub scene: &'a Scene<'a>,
-    /// The frame.
+    /// The current frame.
     pub record: &'a Record,
-    /// The bits that it takes on the bus with the intermission; 0 where that is not known.
+    /// Length of the frame in bits with the intermission; 0 if unknown.
     pub bits: u32,
-    /// What it means.
+    /// The decoded frame.
     pub decoded: &'a Decoded,
     /// The frame before it with the same CAN-ID, if it has 11 bits.
     pub previous: Option<&'a Seen>,
 }
 
-/// Whether so many frames have the same time as the one before that the clock must be coarse.
+/// Whether the number of frames with equal times proves that the clock is coarse.
 pub fn is_coarse(quality: &Quality) -> bool {
     const ONE_OF: u64 = 20;
     quality.simultaneous.saturating_mul(ONE_OF) > quality.frames.total()
 }
 
 impl Scene<'_> {
-    /// How far a measured interval may be off because times are coarse: two steps of the clock. That all times are
-    /// multiples of something proves nothing, as long as no two frames have the same time.
+    /// Error of a measured interval because of coarse times: two steps of the clock. Times that are multiples of a
+    /// unit prove nothing, as long as no two frames have the same time.
     pub fn slack(&self) -> Duration {
         if self.quality.simultaneous > 0 && is_coarse(self.quality) {
             self.resolution().times(2)
@@ -68,7 +68,7 @@ impl Scene<'_> {
         self.quality.resolution.get().unwrap_or_default()
     }
 
-    /// How long a classical frame of 8 bytes takes at most on this bus; a millisecond where the bit rate is not known.
+    /// The longest duration of a classical frame of 8 bytes on this bus; a millisecond if the bit rate is unknown.
     pub fn longest_frame(&self) -> Duration {
         const BITS: u64 = 135;
         self.bit_rate.map_or(Duration::from_millis(1), |rate| Duration(BITS * 1_000_000_000 / u64::from(rate.max(1))))
@@ -86,22 +86,22 @@ impl<'a> Context<'a> {
         self.scene.now
     }
 
-    /// The node that it is about.
+    /// The node that the frame concerns.
     pub const fn node(&self) -> Option<NodeId> {
         self.decoded.node
     }
 
-    /// Whether an NMT command changes the state of some node, so that what was periodic may begin anew.
+    /// Whether an NMT command changes the state of a node, so that periodic messages may begin anew.
     pub const fn begins_anew(&self) -> bool {
         self.scene.facts.news.begins_anew
     }
 
-    /// What the frame means to several rules.
+    /// The meaning of the frame to several rules.
     pub const fn news(&self) -> &'a News {
         &self.scene.facts.news
     }
 
-    /// The TPDO that it is, with what is known of its parameters: its node and its number from 1.
+    /// The TPDO in the frame, with its known parameters: node and number from 1.
     pub fn tpdo(&self) -> Option<(NodeId, u16, &'a Parameters)> {
         let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (self.node(), self.message()) else {
             return None;
@@ -109,7 +109,7 @@ impl<'a> Context<'a> {
         Some((node, *number, self.scene.facts.tpdos.of(node, *number)))
     }
 
-    /// What it says.
+    /// The decoded message.
     pub const fn message(&self) -> &'a Message {
         &self.decoded.message
     }
@@ -119,7 +119,7 @@ impl<'a> Context<'a> {
         Evidence { record: self.record, decoded: self.decoded }
     }
 
-    /// The frame to keep.
+    /// A copy of the frame to keep.
     pub fn seen(&self) -> Seen {
         Seen { record: self.record.clone(), decoded: *self.decoded }
     }

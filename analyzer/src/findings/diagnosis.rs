@@ -1,4 +1,4 @@
-//! Lets every rule look at a capture, once, record by record.
+//! Shows a capture to every rule, record by record.
 
 use super::capture::{self, OutOfOrder};
 use super::finding::Finding;
@@ -16,13 +16,13 @@ use crate::room::Room;
 use crate::statistics::BusStatistics;
 use canvass_traces::{ChannelId, Duration, Record};
 
-/// Finds what is wrong in a capture. Memory does not grow with the capture.
+/// Diagnoses a capture. Memory does not grow with the length of the capture.
 ///
 /// ```
 /// use canvass_analyzer::findings::{Diagnosis, Thresholds};
 /// use canvass_traces::{Capture, ReadOptions, Reader, Source};
 ///
-/// // Node 5 is in operation, and boots up again without anybody having asked for it.
+/// // Node 5 is operational, and boots up again without a command.
 /// let log = "(1.000000) can0 705#00\n(1.100000) can0 000#0105\n(1.200000) can0 705#05\n(2.200000) can0 705#05\n\
 ///            (2.700000) can0 705#00\n";
 /// let mut capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
@@ -43,14 +43,14 @@ pub struct Diagnosis {
     buses: Vec<Option<Box<BusWatch>>>,
     watched: usize,
     findings: Findings,
-    /// What the last frame means.
+    /// The decoded last frame.
     decoded: Option<Decoded>,
-    /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
+    /// Number of frames on channels beyond [`Diagnosis::BUSES`], which no rule saw.
     unwatched: u64,
     disorder: Disorder,
 }
 
-/// The bit rates that were said, in bit/s.
+/// The given bit rates, in bit/s.
 #[derive(Default)]
 struct BitRates {
     of_all: Option<u32>,
@@ -64,41 +64,41 @@ impl BitRates {
     }
 }
 
-/// What has come out.
+/// The results of a diagnosis.
 #[derive(Debug)]
 pub struct Results {
     /// The findings: the worst first, then by time.
     pub findings: Vec<Finding>,
-    /// What they tell: what has the worst consequences first.
+    /// The findings grouped by cause; the group with the worst consequences first.
     pub stories: Vec<Story>,
-    /// The rules of which there were more findings than are kept, with how many reports were left out.
+    /// Rules with more findings than are kept, and the number of reports left out.
     pub omitted: Vec<(&'static str, u64)>,
-    /// Frames of channels beyond [`Diagnosis::BUSES`], which were not looked at.
+    /// Number of frames on channels beyond [`Diagnosis::BUSES`], which were not diagnosed.
     pub unwatched: u64,
-    /// What was on each bus, by channel.
+    /// The statistics of each bus, by channel.
     pub buses: Vec<(ChannelId, BusStatistics)>,
 }
 
-/// A frame as it was looked at.
+/// A frame after the rules have seen it.
 pub struct Observed<'a> {
-    /// What it means.
+    /// The decoded frame.
     pub decoded: &'a Decoded,
     /// Its bus, after the frame.
     pub bus: &'a Bus,
-    /// The findings that are new with it, or were never worse.
+    /// Findings that this frame made, or made worse.
     pub reported: &'a [Reported],
 }
 
 impl Diagnosis {
-    /// How many channels are watched at most.
+    /// Maximum number of channels that are watched.
     pub const BUSES: usize = 64;
-    /// How many bytes the figures of all nodes may take, of which a node has as many as it likes (states, errors, EMCY,
-    /// response times): enough for several buses with all nodes.
+    /// Limit of the statistics of all nodes in bytes, as a node may have any number of states, errors, EMCY codes and
+    /// response times: enough for several buses with all nodes.
     const ROOM: usize = 8 << 20;
-    /// How often rules look at the clock, at most.
+    /// Least interval between two calls of the rules' clocks.
     pub const TICK: Duration = Duration::from_millis(20);
 
-    /// A diagnosis with those thresholds.
+    /// Begins a diagnosis with these thresholds.
     pub fn new(thresholds: Thresholds) -> Self {
         Self {
             network: Network::new(),
@@ -114,28 +114,28 @@ impl Diagnosis {
         }
     }
 
-    /// Says which device a node is, on all buses.
+    /// Sets the device of a node, on all buses.
     pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
         self.network.describe(node, device);
     }
 
-    /// Says which models nodes that nobody described can be recognised as.
+    /// Sets the models by which undescribed nodes can be recognised.
     pub fn offer(&mut self, candidates: Candidates) {
         self.network.offer(candidates);
     }
 
-    /// Says the bit rate of all buses, in bit/s. Without it, it is inferred.
+    /// Sets the bit rate of all buses in bit/s; without it, it is inferred.
     pub const fn set_bit_rate(&mut self, bit_rate: u32) {
         self.bit_rates.of_all = Some(bit_rate);
     }
 
-    /// Says the bit rate of one bus, in bit/s, before its first record, as a capture does that names it. What
-    /// [`Diagnosis::set_bit_rate`] says goes before.
+    /// Sets the bit rate of one bus in bit/s, before its first record, for a capture that names it.
+    /// [`Diagnosis::set_bit_rate`] takes precedence.
     pub fn say_bit_rate(&mut self, channel: ChannelId, bit_rate: u32) {
         self.bit_rates.of_channels.push((channel, bit_rate));
     }
 
-    /// Takes the next record, and says what it means and what it has shown; `None` where its channel is not watched.
+    /// Diagnoses the next record; `None` if its channel is not watched.
     pub fn record(&mut self, record: &Record) -> Option<Observed<'_>> {
         self.findings.reported.clear();
         let Some(watch) =
@@ -157,19 +157,19 @@ impl Diagnosis {
         Some(Observed { decoded, bus, reported: &self.findings.reported })
     }
 
-    /// Frames may be missing here: the recorder lost some, or something could not be read.
+    /// Tells that frames may be missing here: the recorder lost some, or a part of the capture could not be read.
     pub fn interrupted(&mut self) {
         for watch in self.buses.iter_mut().flatten() {
             watch.interrupted();
         }
     }
 
-    /// The records were in another order than they came: [`InOrder`](super::InOrder) tells.
+    /// Tells that the records were reordered, as [`InOrder`](super::InOrder) reports it.
     pub const fn disordered(&mut self, disorder: Disorder) {
         self.disorder = disorder;
     }
 
-    /// The capture has ended.
+    /// Ends the diagnosis.
     pub fn finish(mut self, sources: &[SourceQuality<'_>]) -> Results {
         for watch in self.buses.iter_mut().flatten() {
             watch.finish(&self.network, &mut self.findings);
@@ -186,7 +186,7 @@ impl Diagnosis {
     }
 }
 
-/// What watches the bus of a record, unless there are too many buses.
+/// The watch of a record's bus; `None` if there are too many buses.
 fn watch<'a>(
     buses: &'a mut Vec<Option<Box<BusWatch>>>,
     watched: &mut usize,
@@ -210,7 +210,7 @@ fn watch<'a>(
     slot.as_deref_mut()
 }
 
-/// Watches one bus more. It lies apart: what is made here is large, and every frame would have to make room for it.
+/// Begins to watch another bus. A function of its own, because its large stack frame would slow down every frame.
 #[cold]
 #[inline(never)]
 fn begin(record: &Record, thresholds: &Thresholds, bit_rates: &BitRates, room: &Room) -> Box<BusWatch> {

@@ -1,4 +1,4 @@
-//! Which rules are shown which frames.
+//! Tables of the rules that see each frame.
 
 use super::registry;
 use super::rule::{Also, Definition, Make, Metadata, Rule};
@@ -6,14 +6,14 @@ use super::thresholds::Thresholds;
 use crate::message::Service;
 use std::sync::LazyLock;
 
-/// A rule with what is said of it.
+/// A rule with its metadata.
 pub type Watching = (&'static Metadata, Box<dyn Rule>);
 
-/// What a frame is beside its service: a set of [`Also`].
+/// Properties of a frame besides its service: a set of [`Also`].
 #[derive(Clone, Copy, Default)]
 pub struct Traits(u8);
 
-/// The places of the rules that are shown frames of each service with each set of traits, so that a frame needs one look.
+/// The indexes of the rules for each service and each set of traits, so that a frame needs one look-up.
 pub struct Dispatch(Box<[Box<[u8]>]>);
 
 static DISPATCH: LazyLock<Dispatch> = LazyLock::new(Dispatch::new);
@@ -25,7 +25,7 @@ impl Also {
 impl Traits {
     const SETS: usize = 1 << Also::COUNT;
 
-    /// The set, and `also` where that is so.
+    /// Adds `also` to the set if `is_so`.
     #[inline]
     pub const fn with(self, also: Also, is_so: bool) -> Self {
         Self(self.0 | (is_so as u8) << also as u8)
@@ -34,7 +34,7 @@ impl Traits {
 
 impl Dispatch {
     fn new() -> Self {
-        // What each rule asks for: services as bits, and traits.
+        // For each rule the requested services, as bits, and traits.
         let asked = |definition: &Definition| {
             let services = definition.services.iter().fold(0_u32, |services, service| services | 1 << *service as u8);
             let traits = definition.also.iter().fold(Traits::default(), |traits, also| traits.with(*also, true));
@@ -49,7 +49,7 @@ impl Dispatch {
         Self((0..Self::row(Service::ALL.len(), Traits::default())).map(places).collect())
     }
 
-    /// That of all rules.
+    /// The table of all rules.
     pub fn get() -> &'static Self {
         &DISPATCH
     }
@@ -58,17 +58,17 @@ impl Dispatch {
         service * Traits::SETS + traits.0 as usize
     }
 
-    /// The places, among [`rules`], of those that are shown a frame.
+    /// The indexes, among [`rules`], of the rules that see a frame.
     #[inline]
     pub fn places(&self, service: Service, traits: Traits) -> &[u8] {
         self.0.get(Self::row(service as usize, traits)).map_or(&[], |places| places)
     }
 }
 
-/// How the state of a rule that watches a bus is made.
+/// Makes the state of a rule that watches a bus.
 type MakeOfBus = fn(&Thresholds) -> Box<dyn Rule>;
 
-/// The rules that watch a bus, and how the state of each is made.
+/// The rules that watch a bus, and the constructors of their states.
 fn of_buses() -> impl Iterator<Item = (&'static Definition, MakeOfBus)> {
     registry::all().filter_map(|definition| match definition.make {
         Make::Bus(make) => Some((definition, make)),
@@ -76,7 +76,7 @@ fn of_buses() -> impl Iterator<Item = (&'static Definition, MakeOfBus)> {
     })
 }
 
-/// All rules that watch a bus, as they are in the beginning.
+/// All rules that watch a bus, in their initial state.
 pub fn rules(thresholds: &Thresholds) -> Vec<Watching> {
     of_buses().map(|(definition, make)| (definition.metadata, make(thresholds))).collect()
 }

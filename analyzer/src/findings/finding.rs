@@ -1,4 +1,4 @@
-//! What a rule found.
+//! A problem that a rule found.
 
 use super::rule::Metadata;
 use crate::statistics::CaseName;
@@ -6,19 +6,19 @@ use crate::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Place, Record, Timestamp};
 use std::fmt;
 
-/// How bad a finding is.
+/// The severity of a finding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Severity {
     /// Worth knowing.
     Info,
-    /// Will become a fault, or is one in some systems.
+    /// May become a fault, or is one in some systems.
     Warning,
     /// Something went wrong.
     Error,
 }
 
 impl Severity {
-    /// All, the worst first.
+    /// All severities, the worst first.
     pub const ALL: [Self; 3] = [Self::Error, Self::Warning, Self::Info];
 
     /// The name in JSON and tables.
@@ -37,58 +37,57 @@ impl fmt::Display for Severity {
     }
 }
 
-/// One fault of one node, or of the bus or the capture, however often it was seen.
+/// One fault of one node, of the bus or of the capture, with all its occurrences.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The rule that found it.
     pub rule: &'static Metadata,
-    /// How bad it is: the rule's severity, or less.
+    /// Its severity: the rule's, or a lower one.
     pub severity: Severity,
-    /// The node that it is about; `None` where it is about the bus or the capture.
+    /// The node concerned; `None` for findings about the bus or the capture.
     pub node: Option<NodeId>,
-    /// The channel; `None` where it is about a whole capture.
+    /// The channel; `None` for findings about a whole capture.
     pub channel: Option<ChannelId>,
-    /// The file, where it is about a whole capture: its place among those read.
+    /// The index of the file, for findings about a whole capture.
     pub source: Option<usize>,
-    /// When it was first seen.
+    /// Time of the first occurrence.
     pub first: Timestamp,
-    /// When it was last seen.
+    /// Time of the last occurrence.
     pub last: Timestamp,
-    /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
+    /// A number that distinguishes kinds of findings of one rule, such as an error code.
     pub kind: u64,
-    /// The object that it is about, where findings are distinguished by that.
+    /// The object concerned, if the rule distinguishes findings by object.
     pub object: Option<Multiplexer>,
-    /// When it was under way, of the first times: at most [`Finding::WINDOWS`].
+    /// Begin and end of the first occurrences, at most [`Finding::WINDOWS`].
     pub windows: Vec<(Timestamp, Timestamp)>,
-    /// The node that it comes from, where that is another one than it is about.
+    /// The node that causes the finding, if another than the one concerned.
     pub origin: Option<NodeId>,
-    /// How often it was seen.
+    /// Number of occurrences.
     pub count: u64,
-    /// The case of a conformance run that was under way when it was first seen.
+    /// The case of a conformance run during which it first occurred.
     pub case: Option<CaseName>,
-    /// What happened: of several times the worst. It may hold text that came off the bus, with control characters
-    /// escaped.
+    /// The event, described for the worst occurrence. Text from the bus in it has its control characters escaped.
     pub message: String,
-    /// The frames that prove it: of the first time, and of the worst. At most [`Finding::EVIDENCE`].
+    /// The frames that prove the first and the worst occurrence. At most [`Finding::EVIDENCE`].
     pub evidence: Vec<Exhibit>,
 }
 
 impl Finding {
-    /// How many frames of evidence are kept.
+    /// Maximum number of frames of evidence.
     pub const EVIDENCE: usize = 8;
-    /// How many times are kept with their begin and end.
+    /// Maximum number of occurrences kept with begin and end.
     pub const WINDOWS: usize = 32;
 }
 
-/// A frame that proves a finding, or only a place in a capture.
+/// A frame that proves a finding, or a place in a capture.
 #[derive(Clone, Debug)]
 pub struct Exhibit {
-    /// When it was seen.
+    /// Time of the frame.
     pub time: Timestamp,
-    /// Where it stands in its source.
+    /// Its place in the source.
     pub place: Place,
-    /// The frame; `None` where something stands there that is none.
+    /// The frame; `None` if there is no frame at that place.
     pub record: Option<Record>,
-    /// What it means.
+    /// The decoded frame as text.
     pub text: String,
 }

@@ -1,11 +1,8 @@
-//! What was wrong on the buses of a capture.
+//! The diagnosis of a capture's buses.
 //!
-//! - [`Rule`] is one thing that can be wrong, one file each; its [`Metadata`] is what `canvass explain` and
-//!   the reference page of rules say of it.
-//! - [`Diagnosis`] takes a capture record by record, once, and lets every rule look at the frames of the services
-//!   that it asks for.
-//! - [`Finding`] is what a rule found. The same fault of the same node is one finding, however often it happens, so
-//!   that memory does not grow with the capture.
+//! - A [`Rule`] finds one kind of problem, one file each; its [`Metadata`] is the text of `canvass explain` and of the reference page.
+//! - [`Diagnosis`] takes a capture record by record, once, and shows every rule the frames of the services that it asks for.
+//! - A [`Finding`] is a problem that a rule found. All occurrences of one fault of one node are one finding, so that memory does not grow with the capture.
 
 mod bus;
 mod capture;

@@ -1,43 +1,43 @@
-//! Puts records in the order of their times.
+//! Sorts records by their times.
 //!
-//! Kernels with several processors, and adapters with several controllers, hand over frames that have come at nearly the
-//! same time in another order. Taken one after the other, an answer seems to belong to an earlier request.
+//! Kernels with several processors, and adapters with several controllers, reorder frames that arrive at nearly the
+//! same time. Without sorting, an answer seems to belong to an earlier request.
 
 use canvass_traces::{Duration, Place, Record, Timestamp};
 
-/// Holds records back for a short time, and gives them out in the order of their times. Memory is bounded, and used
-/// again: every frame of a capture goes through here.
+/// Holds records back for a short time, and returns them sorted by time. Memory is bounded and reused, as every frame
+/// of a capture passes through here.
 #[derive(Debug, Default)]
 pub struct InOrder {
     /// A ring whose length is a power of two.
     ring: Vec<Record>,
-    /// The place of the first that waits, and how many do.
+    /// Index of the first waiting record, and number of waiting records.
     first: usize,
     waiting: usize,
     newest: Timestamp,
     disorder: Disorder,
 }
 
-/// How far records were out of order.
+/// Statistics of records out of order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Disorder {
-    /// How many were older than the one before them.
+    /// Number of records older than the one before them.
     pub count: u64,
-    /// By how much at most.
+    /// The largest difference.
     pub largest: Duration,
-    /// The first of them.
+    /// Time and place of the first of them.
     pub first: Option<(Timestamp, Place)>,
 }
 
 impl InOrder {
-    /// What comes by more than this too late is a step of the clock.
+    /// A record that is older by more than this is a step of the clock.
     pub const WINDOW: Duration = Duration::from_millis(20);
-    /// So many records are held back at most.
+    /// Maximum number of waiting records.
     const MOST: usize = 8_192;
-    /// So many there is room for at first.
+    /// Initial size of the ring.
     const LEAST: usize = 64;
 
-    /// Takes the next record as it was read, and leaves one in its place that is no longer wanted: nothing is copied.
+    /// Takes the record that was read, and leaves an unused one in its place: nothing is copied.
     #[inline]
     pub fn push(&mut self, record: &mut Record) {
         if self.waiting == self.ring.len() {
@@ -56,13 +56,13 @@ impl InOrder {
         }
     }
 
-    /// The place of the n-th that waits.
+    /// Index of the n-th waiting record.
     #[inline]
     const fn place(&self, n: usize) -> usize {
         (self.first + n) & self.ring.len().wrapping_sub(1)
     }
 
-    /// Makes room for twice as many.
+    /// Doubles the size of the ring.
     #[cold]
     fn grow(&mut self, record: &Record) {
         self.ring.rotate_left(self.first);
@@ -71,12 +71,12 @@ impl InOrder {
         self.ring.resize(length, record.clone());
     }
 
-    /// The last one is older than the one before it: it goes where it belongs.
+    /// Moves the last record, which is older than the one before it, to its place.
     #[cold]
     fn sort_in(&mut self, time: Timestamp, place: Place) {
         let late = self.newest.since(time);
         if late > Self::WINDOW {
-            // What is waiting comes before a step of the clock.
+            // Waiting records precede a step of the clock.
             self.newest = time;
             return;
         }
@@ -93,19 +93,19 @@ impl InOrder {
         }
     }
 
-    /// The next record whose turn it is: none that is older can come any more.
+    /// The next record that no older one can precede any more.
     #[inline]
     pub fn pop(&mut self) -> Option<&Record> {
         if self.waiting == 0 {
             return None;
         }
         let first = self.ring.get(self.first)?.timestamp;
-        // After a step back of the clock the newest is older.
+        // After a step back of the clock the newest record is older.
         let is_due = self.newest.since(first) >= Self::WINDOW || first > self.newest || self.waiting > Self::MOST;
         if is_due { self.flush() } else { None }
     }
 
-    /// The next record, whatever may still come.
+    /// The next record, even if an older one may still come.
     #[inline]
     pub fn flush(&mut self) -> Option<&Record> {
         if self.waiting == 0 {
@@ -116,7 +116,7 @@ impl InOrder {
         self.ring.get(at)
     }
 
-    /// How far records were out of order so far.
+    /// The statistics so far.
     pub const fn disorder(&self) -> Disorder {
         self.disorder
     }

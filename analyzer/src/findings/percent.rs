@@ -8,7 +8,7 @@ use std::fmt;
 pub struct Percent(pub u64);
 
 impl Percent {
-    /// That share of a time.
+    /// This share of a time.
     pub const fn of(self, whole: Duration) -> Duration {
         Duration(whole.nanos().saturating_mul(self.0) / 100)
     }

@@ -1,12 +1,12 @@
-//! What is found within the cases of a conformance run, as its markers cut the capture: it was provoked, and is reported with the
-//! case that did it.
+//! Findings during the cases of a conformance run, which markers in the capture delimit: a case provoked them, and
+//! they are reported with the case.
 
 use super::finding::Finding;
 use crate::statistics::{BusStatistics, TestCase};
 use canvass_traces::{ChannelId, Timestamp};
 use std::fmt::Write;
 
-/// Gives findings the case in which they were first seen, in words, too.
+/// Adds to each finding, and to its text, the case during which it first occurred.
 pub(super) fn tie(findings: &mut [Finding], buses: &[(ChannelId, BusStatistics)]) {
     for (channel, bus) in buses.iter().filter(|(_, bus)| !bus.test_run.cases.is_empty()) {
         let cases = &bus.test_run.cases;
@@ -33,7 +33,7 @@ fn tell(finding: &mut Finding, cases: &[TestCase], first: usize) {
     }
 }
 
-/// The place of the case that was under way.
+/// The index of the case at that time.
 fn case_at(cases: &[TestCase], time: Timestamp) -> Option<usize> {
     let begun = cases.partition_point(|case| case.begin <= time);
     let last = begun.checked_sub(1)?;

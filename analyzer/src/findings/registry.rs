@@ -3,7 +3,7 @@
 use super::rule::Definition;
 use std::sync::LazyLock;
 
-/// The families in the order in which they are listed.
+/// The families in the order of listings.
 const FAMILIES: [&str; 8] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss", "encoder"];
 
 /// By family, then by id.

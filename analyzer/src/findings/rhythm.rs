@@ -1,18 +1,18 @@
-//! The period of something that comes again and again: told by a parameter, or learned from what was seen.
+//! The period of a recurring message: given by a parameter, or learned from the intervals.
 
 use super::percent::Percent;
 use canvass_traces::{Duration, Timestamp};
 
-/// How many intervals are remembered.
+/// Number of intervals that are remembered.
 const WINDOW: usize = 8;
-/// From so many on, the period counts as learned.
+/// Number of intervals from which the period counts as learned.
 const ENOUGH: usize = 4;
 
-/// Follows something periodic.
+/// Follows a periodic message.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rhythm {
     last: Option<Timestamp>,
-    /// The beat may begin anew at any moment of the interval that is under way.
+    /// Whether the period may restart within the current interval.
     shifted: bool,
     window: [u64; WINDOW],
     filled: usize,
@@ -20,24 +20,24 @@ pub struct Rhythm {
     told: Option<Duration>,
 }
 
-/// The time between two beats.
+/// The time between two messages.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Interval {
-    /// How long it was.
+    /// Its length.
     pub length: Duration,
-    /// How long it should have been, where that is known.
+    /// Its expected length, if known.
     pub expected: Option<Duration>,
-    /// Whether the beat may have begun anew within it: then it is up to one period longer.
+    /// Whether the period may have restarted within it; it may then be up to one period longer.
     pub shifted: bool,
 }
 
 impl Rhythm {
-    /// Takes the period from a parameter; `None` if it is not known any more.
+    /// Sets the period from a parameter; `None` if it is unknown from now on.
     pub const fn tell(&mut self, period: Option<Duration>) {
         self.told = period;
     }
 
-    /// A beat; returns the interval that it ends.
+    /// Handles a message; returns the interval that ends with it.
     pub fn beat(&mut self, now: Timestamp) -> Option<Interval> {
         let shifted = std::mem::take(&mut self.shifted);
         let last = self.last.replace(now)?;
@@ -51,7 +51,7 @@ impl Rhythm {
         Some(interval)
     }
 
-    /// The period: as told, else as learned.
+    /// The period: from the parameter, else learned.
     pub fn period(&self) -> Option<Duration> {
         self.told.or_else(|| self.learned())
     }
@@ -70,28 +70,28 @@ impl Rhythm {
         (median > 0 && agreeing * 4 >= self.filled * 3).then_some(Duration(median))
     }
 
-    /// The beat may begin anew within the interval that is under way.
+    /// Tells that the period may restart within the current interval.
     pub const fn shift(&mut self) {
         self.shifted = true;
     }
 
-    /// The next beat ends no interval: it may have been delayed for a known reason, or frames are missing.
+    /// Makes the next message end no interval: it may be delayed for a known reason, or frames are missing.
     pub const fn pause(&mut self) {
         self.last = None;
     }
 
-    /// Forgets what was learned.
+    /// Forgets the learned period.
     pub fn restart(&mut self) {
         *self = Self { told: self.told, ..Self::default() };
     }
 }
 
-/// Sorts by Batcher's network, which compares the same places whatever they hold: intervals come in no order, so that a
-/// processor can't foresee what a sort that branches will do.
+/// Sorts with Batcher's network, which compares the same places for any values: a sort with branches would mispredict
+/// them, as the intervals are in random order.
 fn sort(values: &mut [u64; WINDOW]) {
     let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = *values;
     let order = |low: &mut u64, high: &mut u64| (*low, *high) = ((*low).min(*high), (*low).max(*high));
-    // Pairs, then fours.
+    // Sorts pairs, then groups of four.
     order(&mut a, &mut b);
     order(&mut c, &mut d);
     order(&mut e, &mut f);
@@ -102,7 +102,7 @@ fn sort(values: &mut [u64; WINDOW]) {
     order(&mut f, &mut h);
     order(&mut b, &mut c);
     order(&mut f, &mut g);
-    // The two fours into one.
+    // Merges the two groups of four.
     order(&mut a, &mut e);
     order(&mut b, &mut f);
     order(&mut c, &mut g);
@@ -116,7 +116,7 @@ fn sort(values: &mut [u64; WINDOW]) {
 }
 
 impl Interval {
-    /// Whether it is longer than that share of what was expected, beyond `slack`; and the period.
+    /// Whether the interval is longer than that share of the expected length plus `slack`; returns the period.
     pub fn exceeds(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let expected = self.expected?;
         let shift = if self.shifted { expected } else { Duration::ZERO };
@@ -124,27 +124,27 @@ impl Interval {
         (self.length > limit).then_some(expected)
     }
 
-    /// As [`Interval::exceeds`], for beats that were left out: a coarse clock hides a tenth of the period at most, so
-    /// that twice the period is never taken for one.
+    /// As [`Interval::exceeds`], for missing messages: a coarse clock hides at most a tenth of the period, so that
+    /// twice the period is always recognised.
     pub fn misses(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let tenth = Duration(self.expected?.nanos() / 10);
         self.exceeds(percent, slack.min(tenth))
     }
 }
 
-/// How often something came too early or too late.
+/// Statistics of early and late messages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Jitter {
     intervals: u64,
     off: u64,
     /// The largest deviation.
     pub worst: Duration,
-    /// When that was.
+    /// Time of the largest deviation.
     pub worst_at: Timestamp,
 }
 
 impl Jitter {
-    /// Counts an interval. One that misses its beat altogether is no jitter.
+    /// Counts an interval. An interval with a missing message is no jitter.
     pub fn count(&mut self, now: Timestamp, interval: Interval, percent: Percent, slack: Duration) {
         let Some(expected) = interval.expected.filter(|_| !interval.shifted) else { return };
         let deviation = interval.length.nanos().abs_diff(expected.nanos());
@@ -160,7 +160,7 @@ impl Jitter {
         }
     }
 
-    /// How many of a hundred were off, where there are enough to say.
+    /// Share of deviating intervals, if there are enough for a judgement.
     pub fn share(&self) -> Option<Percent> {
         const ENOUGH: u64 = 20;
         (self.intervals >= ENOUGH).then(|| Percent(self.off * 100 / self.intervals))

@@ -1,4 +1,4 @@
-//! What a rule is: what is said of it, and how it watches a bus.
+//! The interface of a rule: its metadata, and its state on a bus.
 
 use super::context::{Context, Scene};
 use super::effect::{Effect, Rank};
@@ -9,92 +9,93 @@ use super::thresholds::{Threshold, Thresholds};
 use crate::NodeId;
 use crate::message::Service;
 
-/// What is said of a rule. `canvass explain` and the reference page of rules have no other source.
+/// The metadata of a rule, the only source of `canvass explain` and the reference page.
 #[derive(Debug)]
 pub struct Metadata {
     /// Its id, which never changes, such as `nodes/heartbeat-missing`.
     pub id: &'static str,
     /// The severity of its findings; single findings may be less severe.
     pub severity: Severity,
-    /// How grave its findings are for a machine: what is told first.
+    /// The consequence of its findings for a machine; higher ranks are reported first.
     pub rank: Rank,
-    /// What follows from its findings.
+    /// Effects of its findings.
     pub leads_to: &'static [Effect],
-    /// What it finds, in one line.
+    /// The problem in one line.
     pub title: &'static str,
-    /// What exactly is found, and what is not.
+    /// The exact condition of a finding, and its exceptions.
     pub what: &'static str,
-    /// Why it matters.
+    /// The reason why it matters.
     pub why: &'static str,
-    /// What to look at next.
+    /// The next steps for the user.
     pub advice: &'static str,
-    /// What can be set.
+    /// The settings of the rule.
     pub thresholds: &'static [Threshold],
 }
 
-/// A rule: what is said of it, and how its state is made. `#[rule]` makes it.
+/// A rule: its metadata, and the constructor of its state. `#[rule]` makes it.
 #[derive(Debug)]
 pub struct Definition {
-    /// What is said of it.
+    /// The metadata of the rule.
     pub metadata: &'static Metadata,
-    /// The services whose frames it is shown.
+    /// The services whose frames the rule sees.
     pub services: &'static [Service],
-    /// Frames that it is shown beside these.
+    /// Further frames that the rule sees.
     pub also: &'static [Also],
-    /// How its state is made.
+    /// The constructor of its state.
     pub make: Make,
 }
 
 inventory::collect!(Definition);
 
-/// Frames of which only some are worth a rule's while: so that the others cost it nothing.
+/// Special frames that a rule asks for, so that all others cost it nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Also {
-    /// Those with values of an encoder's objects, be it in a TPDO or an SDO transfer.
+    /// Frames with values of an encoder's objects, in a TPDO or an SDO transfer.
     EncoderValues,
-    /// TPDOs of whose communication parameters the capture has shown something.
+    /// TPDOs with a parameter that the capture has shown.
     KnownTpdos,
-    /// Those that are about a node which was told to reset itself, and whose boot-up has not come yet.
+    /// Frames that concern a node which was reset and has not booted yet.
     Resetting,
-    /// Those of a node that has sent nothing for so long that it was lost.
+    /// Frames of a node after a silence that may have been an outage.
     Returning,
     /// SDO messages that end a transfer.
     EndedTransfers,
-    /// SDO messages by which a request is repeated or given up, or that answer one which was given up.
+    /// SDO messages that repeat or abandon a request, or that answer an abandoned one.
     UnusualRequests,
 }
 
-/// Makes a rule's state.
+/// Constructor of a rule's state.
 #[derive(Clone, Copy, Debug)]
 pub enum Make {
-    /// For one bus.
+    /// State for one bus.
     Bus(fn(&Thresholds) -> Box<dyn Rule>),
-    /// For all sources of a capture.
+    /// State for all sources of a capture.
     Capture(fn(&Thresholds) -> Box<dyn CaptureRule>),
-    /// None: what it finds, other code reports.
+    /// No state: other code reports its findings.
     Nothing,
 }
 
-/// A rule's state on one bus. It does no I/O and reads no clock; time is that of the capture.
+/// A rule's state on one bus. It does no I/O and reads no clock; its time is that of the capture.
 pub trait Rule {
-    /// A frame of one of its services.
+    /// Handles a frame of one of its services.
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>);
 
-    /// Time has gone on: called at most every [`super::Diagnosis::TICK`], before the frame that shows it.
+    /// Tells that time has advanced: called at most every [`super::Diagnosis::TICK`], before the frame with that
+    /// time.
     fn tick(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
 
-    /// The parameters of a node's TPDOs may have changed with the frame that comes next, or are known with it.
+    /// Tells that the parameters of a node's TPDOs may change, or become known, with the following frame.
     fn reconfigured(&mut self, _node: NodeId, _scene: &Scene<'_>) {}
 
-    /// Frames may be missing here, or the clock has stepped: what was waited for may have come unseen.
+    /// Tells that frames may be missing here, or the clock has stepped: expected messages may have been missed.
     fn interrupted(&mut self) {}
 
-    /// The capture has ended.
+    /// Tells that the capture has ended.
     fn finish(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
 }
 
 /// A rule about whole captures.
 pub trait CaptureRule {
-    /// Looks at a source, by its place among those that were read.
+    /// Checks a source, given with its index.
     fn check(&self, at: usize, source: &SourceQuality<'_>, sink: &mut Sink<'_>);
 }

@@ -1,28 +1,28 @@
-//! Frames that are kept, and frames that prove something.
+//! Kept frames, and frames as evidence.
 
 use crate::network::Decoded;
 use canvass_traces::{Record, Timestamp};
 
-/// A frame that was seen earlier, kept as evidence.
+/// An earlier frame, kept as evidence.
 #[derive(Clone, Debug)]
 pub struct Seen {
     /// The frame.
     pub record: Record,
-    /// What it meant then.
+    /// Its decoding at that time.
     pub decoded: Decoded,
 }
 
-/// A frame that proves something.
+/// A frame that proves a finding.
 #[derive(Clone, Copy)]
 pub struct Evidence<'a> {
     /// The frame.
     pub record: &'a Record,
-    /// What it meant when it was seen.
+    /// Its decoding at that time.
     pub decoded: &'a Decoded,
 }
 
 impl Seen {
-    /// When it was seen.
+    /// Time of the frame.
     pub const fn time(&self) -> Timestamp {
         self.record.timestamp
     }

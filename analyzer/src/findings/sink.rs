@@ -1,4 +1,4 @@
-//! Where rules report what they find.
+//! The place where rules report findings.
 
 use super::context::Scene;
 use super::finding::{Exhibit, Finding, Severity};
@@ -15,24 +15,24 @@ pub(super) struct Findings {
     list: Vec<Finding>,
     index: HashMap<Key, usize>,
     measures: Vec<u64>,
-    /// How many findings of each rule there are.
+    /// Number of findings of each rule.
     by_rule: HashMap<&'static str, usize>,
-    /// How many were left out, by rule.
+    /// Number of reports left out, by rule.
     omitted: HashMap<&'static str, u64>,
-    /// Those whose words and evidence are of the frame that is being looked at.
+    /// Findings that the current frame made, or made worse.
     pub(super) reported: Vec<Reported>,
 }
 
-/// A finding that has just been made, or was never worse.
+/// A finding that the current frame made, or made worse.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Reported {
-    /// Which one, in the order in which they were made.
+    /// Its number, in the order of their making.
     pub finding: usize,
     /// The id of its rule.
     pub rule: &'static str,
 }
 
-/// What makes two reports the same finding.
+/// The properties that make two reports one finding.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     rule: &'static str,
@@ -42,7 +42,7 @@ struct Key {
     detail: u64,
 }
 
-/// What a rule reports, beside its words.
+/// The data of a report, besides its text.
 #[derive(Clone, Copy)]
 pub struct Report<'e> {
     time: Timestamp,
@@ -61,7 +61,7 @@ pub struct Report<'e> {
 }
 
 impl<'e> Report<'e> {
-    /// Something that was seen at that time.
+    /// A report of an event at that time.
     pub const fn at(time: Timestamp) -> Self {
         Self {
             time,
@@ -80,67 +80,67 @@ impl<'e> Report<'e> {
         }
     }
 
-    /// The node that it is about.
+    /// Sets the node concerned.
     pub fn node(self, node: impl Into<Option<NodeId>>) -> Self {
         Self { node: node.into(), ..self }
     }
 
-    /// When it was over, where it took some time.
+    /// Sets the end of an event that took some time.
     pub const fn until(self, until: Timestamp) -> Self {
         Self { until: Some(until), ..self }
     }
 
-    /// The node that it comes from, where that is another one than it is about.
+    /// Sets the node that causes the event, if another than the one concerned.
     pub const fn origin(self, origin: NodeId) -> Self {
         Self { origin: Some(origin), ..self }
     }
 
-    /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
+    /// Sets the number that distinguishes kinds of findings of one rule, such as an error code.
     pub const fn kind(self, kind: u64) -> Self {
         Self { kind, ..self }
     }
 
-    /// The object that it is about, where findings are distinguished by that.
+    /// Sets the object concerned, for rules that distinguish findings by object.
     pub fn object(self, object: impl Into<Option<Multiplexer>>) -> Self {
         Self { object: object.into(), ..self }
     }
 
-    /// Tells findings of the same rule and node apart, such as by object or code.
+    /// Distinguishes findings of the same rule and node, such as by object or code.
     pub const fn detail(self, detail: u64) -> Self {
         Self { detail, ..self }
     }
 
-    /// How bad it is: of a finding that repeats, words and evidence are those of the worst time.
+    /// Sets how bad the event is: the finding keeps text and evidence of its worst event.
     pub const fn measure(self, measure: u64) -> Self {
         Self { measure, ..self }
     }
 
-    /// Less severe than the rule.
+    /// Sets a severity below the rule's.
     pub const fn severity(self, severity: Severity) -> Self {
         Self { severity: Some(severity), ..self }
     }
 
-    /// A whole capture, by its place among those read.
+    /// Sets the source concerned, by its index.
     pub const fn source(self, source: usize) -> Self {
         Self { source: Some(source), ..self }
     }
 
-    /// A place in the capture at which there is no frame to show.
+    /// Sets a place in the capture without a frame.
     pub const fn place(self, time: Timestamp, place: Place) -> Self {
         Self { place: Some((time, place)), ..self }
     }
 
-    /// Adds words to a finding that was reported; it does not happen once more.
+    /// Replaces the text of a reported finding, without counting another occurrence.
     pub const fn amend(self) -> Self {
         Self { times: 0, ..self }
     }
 
-    /// Something that has happened so often since it was last reported.
+    /// Sets the number of occurrences since the last report.
     pub const fn times(self, times: u64) -> Self {
         Self { times, ..self }
     }
 
-    /// A frame that proves it; at most four, in the order of time.
+    /// Adds a frame as evidence; at most four, in the order of time.
     pub fn evidence(mut self, evidence: impl Into<Option<Evidence<'e>>>) -> Self {
         if let Some(free) = self.evidence.iter_mut().find(|slot| slot.is_none()) {
             *free = evidence.into();
@@ -153,7 +153,7 @@ impl<'e> Report<'e> {
 pub struct Sink<'a> {
     pub(super) findings: &'a mut Findings,
     pub(super) rule: &'static Metadata,
-    /// `None` for rules about whole captures.
+    /// The bus; `None` for rules about whole captures.
     pub(super) bus: Option<(&'a Bus, ChannelId)>,
 }
 
@@ -162,9 +162,9 @@ impl<'a> Sink<'a> {
         Self { findings, rule, bus: Some((scene.bus, scene.channel)) }
     }
 
-    /// Reports that something was found. The words are asked for only if they are new or the worst so far.
+    /// Reports an event. `message` is called only for a new finding or a worse occurrence.
     ///
-    /// Nearly no frame gets here: what leads here is to lie apart from what every frame runs through.
+    /// Few frames get here, so this function is kept out of line of the code that every frame runs through.
     #[cold]
     #[inline(never)]
     pub fn report(&mut self, report: Report<'_>, message: impl FnOnce() -> String) {
@@ -197,7 +197,7 @@ impl<'a> Sink<'a> {
             *worst = report.measure.max(*worst);
             finding.message = message();
             self.findings.reported.push(Reported { finding: at, rule: self.rule.id });
-            // The first time stays as evidence, and the worst.
+            // The evidence of the first and of the worst occurrence stays.
             finding.evidence.truncate(Finding::EVIDENCE / 2);
             let new: Vec<Exhibit> = exhibits(report, bus).collect();
             for exhibit in new {
@@ -256,7 +256,7 @@ fn exhibits(report: &Report<'_>, bus: Option<&Bus>) -> impl Iterator<Item = Exhi
 }
 
 impl Findings {
-    /// How many different findings of one rule are kept; more are counted.
+    /// Maximum number of findings of one rule; further ones are counted.
     pub const MOST_OF_RULE: usize = 200;
 
     /// The findings: the worst first, then by time.

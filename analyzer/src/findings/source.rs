@@ -1,12 +1,12 @@
-//! What was read.
+//! The captures that were read.
 
 use canvass_traces::Quality;
 
-/// One of the captures that were read, and how far it can be trusted.
+/// A capture, and its quality.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceQuality<'a> {
-    /// Its name.
+    /// The name of the capture.
     pub name: &'a str,
-    /// What was seen of it.
+    /// Its quality.
     pub quality: &'a Quality,
 }

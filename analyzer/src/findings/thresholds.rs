@@ -1,4 +1,4 @@
-//! What rules compare with: the defaults, and what the user has set.
+//! The thresholds of rules: defaults, and the user's settings.
 
 use super::percent::Percent;
 use super::registry;
@@ -12,19 +12,19 @@ use std::fmt;
 pub struct Threshold {
     /// Its name, after the rule's id and a dot.
     pub name: &'static str,
-    /// What it is unless it is set.
+    /// The default value.
     pub default: u64,
-    /// What it is counted in.
+    /// The unit of its value.
     pub unit: Unit,
-    /// The lowest that it can be.
+    /// The lowest allowed value.
     pub least: u64,
-    /// The highest that it can be.
+    /// The highest allowed value.
     pub most: u64,
     /// What it means.
     pub meaning: &'static str,
 }
 
-/// What a threshold is counted in.
+/// The unit of a threshold.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unit {
     /// A time in milliseconds.
@@ -33,11 +33,11 @@ pub enum Unit {
     Microseconds,
     /// A share.
     Percent,
-    /// How often, or how much of what is named; nothing is named of a mere number.
+    /// A number of the named items; a plain number has an empty name.
     Count(&'static str),
 }
 
-/// The thresholds of all rules: their defaults, and what was set.
+/// The thresholds of all rules: defaults and settings.
 #[derive(Clone, Debug, Default)]
 pub struct Thresholds {
     set: BTreeMap<(&'static str, &'static str), u64>,
@@ -46,11 +46,11 @@ pub struct Thresholds {
 /// Why a threshold can't be set.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ThresholdError {
-    /// It is not written as it should be.
+    /// The text does not have the right form.
     #[error("expected RULE.NAME=VALUE such as bus/load.percent=70, found \"{0}\"")]
     Syntax(String),
-    /// There is no such rule.
-    #[error("there is no rule \"{0}\": `canvass list rules` shows them")]
+    /// The rule does not exist.
+    #[error("there is no rule \"{0}\": `canvass list rules` lists them")]
     Rule(String),
     /// The rule has no threshold of that name.
     #[error("rule {rule} has no threshold \"{name}\": it has {known}")]
@@ -59,23 +59,23 @@ pub enum ThresholdError {
         rule: &'static str,
         /// As given.
         name: String,
-        /// The names that there are.
+        /// The names of the rule's thresholds.
         known: String,
     },
-    /// It is counted in something else.
+    /// The value has another unit.
     #[error("{rule}.{name} is {expected}, found \"{found}\"")]
     Unit {
         /// The rule.
         rule: &'static str,
         /// The threshold.
         name: &'static str,
-        /// What it is counted in, in words.
+        /// The expected unit, in words.
         expected: String,
         /// As given.
         found: String,
     },
     /// It is too low or too high.
-    #[error("{rule}.{name} is from {least} to {most}, found {found}")]
+    #[error("expected {rule}.{name} from {least} to {most}, found {found}")]
     Range {
         /// The rule.
         rule: &'static str,
@@ -102,12 +102,12 @@ impl fmt::Display for Unit {
 }
 
 impl Unit {
-    /// Whether a value may be followed by that word: its own, or nothing.
+    /// Whether this unit may follow a value; it may be left out.
     fn is_written(self, word: &str) -> bool {
         word.is_empty() || word == self.to_string() || self == Self::Microseconds && word == "us"
     }
 
-    /// What it is, for a message.
+    /// The expected value, for a message.
     fn words(self) -> String {
         match self {
             Self::Milliseconds => "a time in ms".to_owned(),
@@ -129,31 +129,30 @@ impl Thresholds {
         self.set.get(&(rule.id, threshold.name)).copied().unwrap_or(threshold.default)
     }
 
-    /// The value of a rule's n-th threshold, which is in milliseconds.
+    /// The value of a rule's n-th threshold, in milliseconds.
     pub fn milliseconds(&self, rule: &'static Metadata, at: usize) -> Duration {
         Duration::from_millis(self.value(rule, at))
     }
 
-    /// The value of a rule's n-th threshold, which is in microseconds.
+    /// The value of a rule's n-th threshold, in microseconds.
     pub fn microseconds(&self, rule: &'static Metadata, at: usize) -> Duration {
         Duration::from_micros(self.value(rule, at))
     }
 
-    /// The value of a rule's n-th threshold, which is a share.
+    /// The value of a rule's n-th threshold, as a share.
     pub fn percent(&self, rule: &'static Metadata, at: usize) -> Percent {
         Percent(self.value(rule, at))
     }
 
-    /// The value of a rule's n-th threshold, which is a number.
+    /// The value of a rule's n-th threshold, as a number.
     pub fn count(&self, rule: &'static Metadata, at: usize) -> u64 {
         self.value(rule, at)
     }
 
-    /// Sets one, given as `RULE.NAME=VALUE`, the value with its unit or without.
+    /// Sets a threshold by `RULE.NAME=VALUE`, with or without the unit.
     ///
     /// # Errors
-    /// [`ThresholdError`] if that is not how it is written, there is no such rule or threshold, or the value is none for
-    /// it.
+    /// [`ThresholdError`] for a wrong form, an unknown rule or threshold, or an invalid value.
     pub fn set(&mut self, text: &str) -> Result<(), ThresholdError> {
         let syntax = || ThresholdError::Syntax(text.to_owned());
         let (key, given) = text.split_once('=').ok_or_else(syntax)?;
@@ -204,7 +203,7 @@ mod tests {
         assert_eq!(says("bus/load.percent=1ms"), "bus/load.percent is a share in %, found \"1ms\"");
         assert_eq!(
             says("bus/load.window=0").split(',').next(),
-            Some("bus/load.window is from 1 to 18446744073709551615")
+            Some("expected bus/load.window from 1 to 18446744073709551615")
         );
     }
 

@@ -1,4 +1,4 @@
-//! What watches one bus: its facts, its figures, and every rule.
+//! The watch of one bus: its facts, its statistics, and every rule.
 
 use super::Diagnosis;
 use super::capture::{self, Copies};
@@ -14,7 +14,7 @@ use crate::room::Room;
 use crate::statistics::{BusStatistics, Statistics};
 use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Quality, Record, Timestamp, bit_length};
 
-/// A frame that comes in.
+/// A frame before it is decoded.
 pub struct Incoming<'a> {
     pub record: &'a Record,
     /// [`latest_id`].
@@ -23,34 +23,34 @@ pub struct Incoming<'a> {
     bits: Option<u32>,
 }
 
-/// What watches one bus.
+/// Watches one bus.
 pub struct BusWatch {
     rules: Vec<Watching>,
     dispatch: &'static Dispatch,
     known: Known,
     statistics: Statistics,
-    /// Where a frame was first recorded twice.
+    /// Time and place of the first copied frame.
     first_copy: Option<(Timestamp, Place)>,
-    /// When to infer the bit rate again.
+    /// Time of the next attempt to infer the bit rate.
     next_look: Timestamp,
     next_tick: Timestamp,
 }
 
-/// What is known of a bus beside its network.
+/// The state of a bus besides its network.
 struct Known {
     channel: ChannelId,
     facts: Facts,
     latest: Latest,
     quality: Quality,
     said_bit_rate: Option<u32>,
-    /// As said, or as far as it could be inferred until now.
+    /// The bit rate: as given, or as far as it could be inferred.
     bit_rate: Option<u32>,
     start: Timestamp,
     now: Timestamp,
 }
 
 impl Known {
-    /// What rules see of it.
+    /// The state that rules see.
     fn scene<'a>(&'a self, bus: &'a Bus) -> Scene<'a> {
         Scene {
             now: self.now,
@@ -66,7 +66,7 @@ impl Known {
     }
 }
 
-/// The CAN-ID under which a frame is kept as the latest: that of a classical frame of 11 bits.
+/// The CAN-ID under which [`Latest`] keeps a frame, if it is a classical frame of 11 bits.
 fn latest_id(record: &Record) -> Option<u16> {
     let frame = &record.frame;
     let classical = !frame.is_error() && !frame.is_fd() && !frame.is_xl();
@@ -74,14 +74,14 @@ fn latest_id(record: &Record) -> Option<u16> {
 }
 
 impl<'a> Incoming<'a> {
-    /// A frame, with what is worked out of it once.
+    /// A frame, with the values that several steps need.
     pub fn new(record: &'a Record) -> Self {
         Self { record, id: latest_id(record), bits: bit_length(&record.frame) }
     }
 }
 
 impl BusWatch {
-    /// What watches the bus of its first frame.
+    /// Begins to watch the bus of its first frame.
     pub fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>, room: Room) -> Self {
         Self {
             rules: dispatch::rules(thresholds),
@@ -103,15 +103,15 @@ impl BusWatch {
         }
     }
 
-    /// Time goes on to that of the next record.
+    /// Advances time to that of the next record.
     pub fn advance(&mut self, record: &Record, network: &Network, findings: &mut Findings) {
-        // What is only out of order by a little is no step of the clock.
+        // A smaller step back is disorder, no step of the clock.
         const DISORDER: Duration = Duration::from_millis(1);
         let gaps = self.known.quality.gaps.count;
         self.known.quality.record(record);
         let steps_back = self.known.now.since(record.timestamp) > DISORDER;
-        // A pause of a single node is its own, unless it is very long; of several at once it is the recorder's or the
-        // bus's.
+        // A pause of a single node is its own, unless it is very long; a pause of several nodes is the recorder's or
+        // the bus's.
         const SWITCHED_OFF: Duration = Duration::from_secs(60);
         let switched_off = record.timestamp.since(self.known.now) > SWITCHED_OFF;
         let silent = self.known.quality.gaps.count > gaps && (self.known.facts.present > 1 || switched_off);
@@ -133,8 +133,8 @@ impl BusWatch {
         }
     }
 
-    /// The frame of which this one is a copy: the same again, sooner than a bus can carry it, or given back by the
-    /// interface that has sent it.
+    /// The original of a copied frame: the same frame sooner than a bus can carry it again, or looped back by the
+    /// sending interface.
     pub fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
         let Incoming { record, id, bits } = *incoming;
         const GIVEN_BACK: Duration = Duration::from_millis(1);
@@ -143,7 +143,7 @@ impl BusWatch {
         if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
             return None;
         }
-        // No bus is faster than 1 Mbit/s, and the clock may be off by a step for both.
+        // No bus is faster than 1 Mbit/s; both times may be off by a step of the clock.
         let unsure = self.known.quality.resolution.get().map(|unit| unit.times(2));
         let impossible =
             unsure.is_some_and(|unsure| apart + unsure < Duration::from_micros(u64::from(bits.unwrap_or(0))));
@@ -157,7 +157,7 @@ impl BusWatch {
         Some(decoded)
     }
 
-    /// Frames may be missing here, or the clock has stepped.
+    /// Tells that frames may be missing here, or the clock has stepped.
     pub fn interrupted(&mut self) {
         self.known.facts.interrupted(self.known.now);
         for (_, rule) in &mut self.rules {
@@ -165,7 +165,7 @@ impl BusWatch {
         }
     }
 
-    /// Lets all rules do something that needs no frame.
+    /// Calls every rule with an event other than a frame.
     fn each(
         &mut self,
         network: &Network,
@@ -179,7 +179,7 @@ impl BusWatch {
         }
     }
 
-    /// A frame that is no copy.
+    /// Handles a frame that is no copy.
     pub fn frame(&mut self, incoming: &Incoming<'_>, decoded: &Decoded, network: &Network, findings: &mut Findings) {
         let Incoming { record, id, bits } = *incoming;
         let bits = bits.map_or(0, |bits| bits + INTERMISSION);
@@ -218,17 +218,17 @@ impl BusWatch {
         }
     }
 
-    /// A copy of a frame.
+    /// Counts a copy of a frame.
     pub const fn copy(&mut self, of: &Decoded) {
         self.statistics.copy(of);
     }
 
-    /// The channel and its figures.
+    /// The channel and its statistics.
     pub fn into_statistics(self) -> (ChannelId, BusStatistics) {
         (self.known.channel, self.statistics.finish(self.known.now, self.known.said_bit_rate))
     }
 
-    /// The capture has ended.
+    /// Tells all rules that the capture has ended.
     pub fn finish(&mut self, network: &Network, findings: &mut Findings) {
         if self.known.said_bit_rate.is_none() {
             self.known.bit_rate = self.statistics.inferred_bit_rate();

@@ -1,4 +1,4 @@
-//! One bus: which CAN-ID means what, its nodes, its transfers.
+//! One bus: the use of its CAN-IDs, its nodes, its transfers.
 
 use super::Candidates;
 use super::cob_ids::CobIds;
@@ -12,7 +12,7 @@ use crate::wire::layer_setting::Protocol;
 use crate::{NodeId, PerNode};
 use std::collections::BTreeMap;
 
-/// What is known of one bus.
+/// The state of one bus.
 #[derive(Clone)]
 pub struct Bus {
     pub(super) cob_ids: CobIds,
@@ -20,25 +20,25 @@ pub struct Bus {
     /// The SDO servers beyond the first of a node, by node and number from 1.
     pub(super) further_channels: BTreeMap<(NodeId, u16), ChannelIndex>,
     pub(super) nodes: PerNode<Option<Box<Node>>>,
-    /// The models that nodes can be recognised as.
+    /// The models as which nodes can be recognised.
     pub(super) candidates: Candidates,
-    /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
+    /// The protocol on 7E5h and 7E4h, according to the last message that only one of the two protocols has.
     pub(super) protocol: Option<Protocol>,
     pub(super) srdo_pairs: SrdoPairs,
     pub(super) layer_setting: LayerSetting,
-    /// What the last frame brought about; its memory is used again.
+    /// The events of the last frame; the memory is reused.
     pub(super) events: Vec<Event>,
-    /// For what devices show of themselves.
+    /// Memory for objects that devices have shown.
     pub(super) room: Room,
-    /// For long values while they are transferred.
+    /// Memory for long values during their transfer.
     pub(super) values: Room,
-    /// The next frame begins a new list of events.
+    /// Whether the next frame begins a new list of events.
     pub(super) handled: bool,
-    /// Counts what changes the meaning of frames to come, beside their CAN-IDs.
+    /// Counts changes of state, other than of CAN-IDs, that affect the meaning of later frames.
     pub(super) turn: u64,
 }
 
-/// What all buses share.
+/// Memory limits that all buses share.
 #[derive(Clone)]
 pub(super) struct Rooms {
     shown: Room,
@@ -46,15 +46,16 @@ pub(super) struct Rooms {
 }
 
 impl Rooms {
-    /// Bytes for what devices have shown of themselves: enough for all communication parameters of the devices of several
-    /// full buses.
+    /// Limit of the memory for objects that devices have shown, in bytes: enough for all communication parameters of
+    /// the devices on several full buses.
     const SHOWN: usize = 8 << 20;
-    /// Bytes for long values: enough for the firmware of dozens of devices at a time, as far as it is kept.
+    /// Limit of the memory for long values, in bytes: enough for the kept part of the firmware of dozens of devices
+    /// at a time.
     const VALUES: usize = 4 << 20;
 }
 
 impl Rooms {
-    /// As full as these, and from now on by themselves.
+    /// Copies with the same filling, independent from now on.
     pub(super) fn apart(&self) -> Self {
         Self { shown: self.shown.apart(), values: self.values.apart() }
     }
@@ -67,12 +68,12 @@ impl Default for Rooms {
 }
 
 impl Bus {
-    /// A bus of which nothing is known but the predefined connection set.
+    /// A bus with only the predefined connection set.
     pub fn new() -> Self {
         Self::within(Rooms::default())
     }
 
-    /// The same, where what devices show takes its memory from these rooms.
+    /// As [`Bus::new`], with memory from these rooms.
     pub(super) fn within(rooms: Rooms) -> Self {
         Self {
             cob_ids: CobIds::default(),
@@ -91,12 +92,12 @@ impl Bus {
         }
     }
 
-    /// The same bus, which takes its memory from other rooms from now on.
+    /// A copy of the bus with memory from other rooms.
     pub(super) fn moved(&self, rooms: &Rooms) -> Self {
         Self { room: rooms.shown.clone(), values: rooms.values.clone(), ..self.clone() }
     }
 
-    /// What is known of a node, if it was seen or described.
+    /// The state of a node that was seen or described.
     #[inline]
     pub fn node(&self, id: NodeId) -> Option<&Node> {
         self.nodes[id].as_deref()
@@ -108,7 +109,7 @@ impl Bus {
         self.channels.get(usize::from(channel.0)).and_then(Channel::transfer)
     }
 
-    /// The transfer on an SDO channel that was left last, before its end.
+    /// The last transfer on an SDO channel that did not reach its end.
     pub fn left_transfer(&self, channel: ChannelIndex) -> Option<&Transfer> {
         self.channels.get(usize::from(channel.0)).and_then(Channel::left_transfer)
     }
@@ -124,13 +125,13 @@ impl Bus {
         self.channels.get(usize::from(channel.0)).map(|channel| channel.server)
     }
 
-    /// The transfers that are under way.
+    /// The open transfers.
     pub fn open_transfers(&self) -> impl Iterator<Item = (NodeId, &Transfer)> {
         let open = self.channels.iter().filter(|channel| channel.is_busy());
         open.filter_map(|channel| Some((channel.server, channel.transfer()?)))
     }
 
-    /// All that the last frame brought about, in its order; with the first frame also what descriptions said before.
+    /// All events of the last frame in order; with the first frame, also the events of earlier descriptions.
     #[inline]
     pub fn events(&self) -> &[Event] {
         &self.events

@@ -1,4 +1,4 @@
-//! What each CAN-ID of a bus is used for.
+//! The use of each CAN-ID of a bus.
 
 use super::sdo::ChannelIndex;
 use crate::NodeId;
@@ -38,11 +38,11 @@ pub enum Use {
     FlyingMaster,
     /// Case markers of CiA's test tool.
     CaseMarker,
-    /// No use is known. 101h to 180h may be SRDOs.
+    /// No known use. 101h to 180h may be SRDOs.
     Unknown,
 }
 
-/// Where the use of a CAN-ID is known from. A later one overrules the earlier ones.
+/// The source of the knowledge about a CAN-ID. A later variant overrides earlier ones.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Source {
     /// The predefined connection set of CiA 301.
@@ -57,12 +57,12 @@ pub enum Source {
 #[derive(Clone)]
 pub struct CobIds {
     table: Box<[(Use, Source)]>,
-    /// The CAN-IDs whose use is not that of the predefined connection set, by [`rank`]: a boot-up looks only at those of
-    /// its node.
+    /// The CAN-IDs with another use than in the predefined connection set, by [`rank`]: a boot-up checks only those
+    /// of its node.
     moved: BTreeSet<(u32, u16)>,
-    /// How many frames more did not fit a learned use than did, by CAN-ID.
+    /// By CAN-ID: the number of frames that did not fit a learned use, minus the number that did.
     misfits: BTreeMap<u16, u16>,
-    /// How often a use has changed.
+    /// The number of changes of uses.
     changes: u64,
 }
 
@@ -78,13 +78,13 @@ impl Default for CobIds {
 }
 
 impl CobIds {
-    /// The use of a CAN-ID and where it is known from.
+    /// The use of a CAN-ID and its source.
     #[inline]
     pub fn get(&self, can_id: u16) -> (Use, Source) {
         self.table.get(usize::from(can_id)).copied().unwrap_or((Use::Unknown, Source::Predefined))
     }
 
-    /// How often the use of a CAN-ID has changed.
+    /// The number of changes of uses.
     #[inline]
     pub const fn changes(&self) -> u64 {
         self.changes
@@ -97,7 +97,7 @@ impl CobIds {
         home.into_iter().chain(moved).min()
     }
 
-    /// The CAN-IDs that a node uses, its further SDO channels aside, in their order.
+    /// The CAN-IDs of a node in order, without its further SDO channels.
     pub fn of_node(&self, node: NodeId) -> impl Iterator<Item = (u16, Use, Source)> {
         let mut ids: Vec<u16> = homes(node).chain(self.moved_of(node)).collect();
         ids.sort_unstable();
@@ -113,7 +113,7 @@ impl CobIds {
         self.moved.range((first, 0)..(first + (1 << NODE), 0)).map(|moved| moved.1)
     }
 
-    /// Everything that changes the table goes through here.
+    /// The only place that changes the table.
     fn set(&mut self, can_id: u16, entry: (Use, Source)) {
         let Some(place) = self.table.get_mut(usize::from(can_id)) else { return };
         let before = std::mem::replace(place, entry);
@@ -124,7 +124,7 @@ impl CobIds {
         }
     }
 
-    /// Sets the use of a CAN-ID, unless a better source said otherwise.
+    /// Sets the use of a CAN-ID, unless a better source has set it.
     pub fn assign(&mut self, can_id: u32, used: Use, source: Source) {
         if let Ok(can_id) = u16::try_from(can_id)
             && self.get(can_id).1 <= source
@@ -133,11 +133,11 @@ impl CobIds {
         }
     }
 
-    /// Takes a use off every CAN-ID but `keep`: it has moved there, or ended.
+    /// Removes a use from every CAN-ID but `keep`, because it has moved there or ended.
     ///
-    /// The CAN-ID that the predefined connection set gives to this very use is left as it is known by default only
-    /// where nothing better is known: then it has no use any more. A node's first SDO server stays there: 1200h is read-only
-    /// (CiA 301 7.5.2.33), and devices that take another value are asked and answer there all the same.
+    /// A use that the predefined connection set gives to a CAN-ID stays only if a better source confirms it. A node's
+    /// first SDO server stays in any case: 1200h is read-only (CiA 301 7.5.2.33), and devices that accept another
+    /// value still answer on their default CAN-IDs.
     pub fn release(&mut self, used: Use, keep: Option<u32>) {
         let moved = self.moved.range((rank(used), 0)..=(rank(used), u16::MAX)).map(|moved| moved.1);
         let stays = matches!(used, Use::SdoRequest(_) | Use::SdoResponse(_));
@@ -153,10 +153,10 @@ impl CobIds {
         }
     }
 
-    /// So many frames that do not fit a learned use disprove it.
+    /// Number of misfitting frames that disprove a learned use.
     const DISPROVED: u16 = 100;
 
-    /// A frame has fitted the learned use of its CAN-ID, or has not: one that is disproved is given up.
+    /// Counts whether a frame fits the learned use of its CAN-ID; a disproved use is dropped.
     #[cold]
     pub fn judge(&mut self, can_id: u16, fits: bool) {
         let misfits = self.misfits.entry(can_id).or_default();
@@ -175,7 +175,7 @@ impl CobIds {
         !self.misfits.is_empty() && self.misfits.contains_key(&can_id)
     }
 
-    /// Gives a CAN-ID back to the predefined connection set, as a reset of its node does.
+    /// Restores the uses of the predefined connection set, as a reset of the node does.
     pub fn reset(&mut self, node: NodeId) {
         let ids: Vec<u16> = homes(node).chain(self.moved_of(node)).collect();
         for id in ids {
@@ -184,10 +184,10 @@ impl CobIds {
     }
 }
 
-/// From which bit on a [`rank`] has the node.
+/// The lowest bit of the node-ID in a [`rank`].
 const NODE: u32 = 20;
 
-/// A number for each use, by which those of a node lie together.
+/// A sort key for uses by which those of a node are adjacent.
 fn rank(used: Use) -> u32 {
     let node = owner(used).map_or(0, |node| u32::from(node.raw())) << NODE;
     node | match used {
@@ -225,7 +225,7 @@ fn home(used: Use) -> Option<u16> {
     }
 }
 
-/// The node that sends or serves on such a CAN-ID.
+/// The node that sends or serves with that use.
 fn owner(used: Use) -> Option<NodeId> {
     match used {
         Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),
@@ -258,7 +258,7 @@ fn predefined(can_id: u16) -> Use {
     }
 }
 
-/// Whether no standard gives that CAN-ID to anything.
+/// Whether no standard defines a use of that CAN-ID.
 pub fn is_free(can_id: u16) -> bool {
     predefined(can_id) == Use::Unknown
 }

@@ -1,19 +1,19 @@
-//! Node-IDs and bit rates that are set by writing objects of the manufacturer, and take effect at the next start.
+//! Node-IDs and bit rates set by writing manufacturer-specific objects; they take effect at the next start.
 
 use super::bus::Bus;
 use super::event::Event;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
-/// What a device will use after its next start, with the object that was written.
+/// The settings of a device after its next start, with the written object.
 #[derive(Clone, Copy, Default)]
 pub struct Pending {
     node_id: Option<(NodeId, Multiplexer)>,
-    /// In bit/s, where the code is known.
+    /// The bit rate in bit/s, if the code is known.
     bit_rate: Option<(Option<u32>, Multiplexer)>,
 }
 
-/// An object of a node was written with that number.
+/// Handles a number written to an object of a node.
 pub fn written(bus: &mut Bus, id: NodeId, object: Multiplexer, value: Option<u32>) {
     let node = bus.node_mut(id);
     let Some(device) = node.device.as_deref() else { return };
@@ -27,8 +27,8 @@ pub fn written(bus: &mut Bus, id: NodeId, object: Multiplexer, value: Option<u32
     }
 }
 
-/// A node has started: the node that it was before, if another one was given this node-ID, with the object that did it.
-/// What did not take effect by now was not stored, and is forgotten.
+/// Handles the start of a node: returns the former node, if this node-ID was assigned to it, and the written object.
+/// Settings that did not take effect were not stored, and are dropped.
 pub fn started(bus: &mut Bus, id: NodeId) -> Option<(NodeId, Multiplexer)> {
     let given = |from: NodeId| {
         let (to, object) = bus.node(from)?.pending.node_id?;

@@ -1,4 +1,4 @@
-//! What a frame brought about, beyond itself.
+//! Events: the consequences of a frame.
 
 use super::cob_ids::{Source, Use};
 use super::node::Cause;
@@ -9,54 +9,54 @@ use crate::wire::error_control::State;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
-/// Something that happened on a bus.
+/// An event on a bus.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Event {
-    /// An SDO transfer ended; the channel of the frame holds it.
+    /// An SDO transfer ended; it is in the frame's channel.
     TransferEnded,
-    /// An SDO transfer was left before its end: the client began another one, or the server was reset. The channel
-    /// holds it as [`Bus::left_transfer`](super::Bus::left_transfer).
+    /// An SDO transfer was left before its end: the client began another one, or the server was reset. It is in the
+    /// channel as [`Bus::left_transfer`](super::Bus::left_transfer).
     TransferLeft(ChannelIndex),
-    /// A node's state changed, or is known now.
+    /// A node's state changed or became known.
     StateChanged(NodeId, StateChange),
     /// A node sent an EMCY.
     Emergency(NodeId, Emergency),
-    /// A message of layer setting (LSS or LMT); the frame has its meaning.
+    /// A message of layer setting (LSS or LMT); the frame contains it.
     LayerSetting(Exchange),
-    /// A node starts with the node-ID that layer setting, or an object of the manufacturer, gave it.
+    /// A node starts with a node-ID assigned by layer setting or by a manufacturer-specific object.
     NodeIdChanged {
-        /// The node-ID before, where the dialogue or the identity tells.
+        /// The former node-ID, if the dialogue or the identity tells it.
         from: Option<NodeId>,
-        /// The node-ID now.
+        /// The new node-ID.
         to: NodeId,
-        /// The object that set it; `None` where layer setting did.
+        /// The written object; `None` for layer setting.
         object: Option<Multiplexer>,
     },
-    /// The master told the nodes to change to the bit rate that it had set, or one node starts with another bit rate.
+    /// The master activated the bit rate that it had set, or one node starts with another bit rate.
     BitRateChanged {
-        /// The node, where it was set by an object of its own; `None` where layer setting did.
+        /// The node, if one of its objects set the bit rate; `None` for layer setting.
         node: Option<NodeId>,
-        /// In bit/s, where the trace or the table tells.
+        /// The bit rate in bit/s, if the trace or the table tells it.
         bit_rate: Option<u32>,
         /// The silence before and after the change.
         delay: Duration,
     },
     /// A use of a CAN-ID has moved.
     CobIdMoved(Move),
-    /// A node was recognised as a known model by what it showed of itself; the node holds which.
+    /// A node was recognised as a known model; the node holds the model.
     Recognised(NodeId),
-    /// The mapping of a PDO changed, or is known now; the node holds it.
+    /// The mapping of a PDO changed or became known; the node holds it.
     MappingChanged(NodeId, PdoNumber),
 }
 
 /// A change of a node's NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StateChange {
-    /// The state before, where it was known.
+    /// The former state, if known.
     pub from: Option<State>,
-    /// The state now.
+    /// The new state.
     pub to: State,
-    /// How it is known.
+    /// The source of the knowledge.
     pub cause: Cause,
 }
 
@@ -65,33 +65,33 @@ pub struct StateChange {
 pub struct Emergency {
     /// The message.
     pub emcy: Emcy,
-    /// When the oldest error was reported that is not yet gone, or was not until this message.
+    /// Time of the oldest error that is still present, or was until this message.
     pub since: Option<Timestamp>,
 }
 
-/// The part of a layer setting message in its dialogue.
+/// The role of a layer setting message in its dialogue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Exchange {
-    /// The master asks.
+    /// A request of the master.
     Request {
-        /// Its request before should have been answered and was not.
+        /// Whether the previous request should have been answered, but was not.
         unanswered: bool,
     },
-    /// A slave answers, so long after the request.
+    /// An answer of a slave, with the time since the request.
     Response(Duration),
-    /// A slave answers, and no request was seen.
+    /// An answer of a slave without a request.
     Unasked,
 }
 
-/// A use of a CAN-ID that was elsewhere before.
+/// A use that has moved to another CAN-ID.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Move {
-    /// What the CAN-ID is used for.
+    /// The use.
     pub used: Use,
-    /// The CAN-ID before, if there was one.
+    /// The former CAN-ID, if there was one.
     pub from: Option<u16>,
-    /// The CAN-ID now; `None` where the communication object does not exist any more.
+    /// The new CAN-ID; `None` if the communication object does not exist any more.
     pub to: Option<u16>,
-    /// How that is known.
+    /// The source of the knowledge.
     pub source: Source,
 }

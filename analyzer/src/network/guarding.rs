@@ -1,35 +1,35 @@
-//! What tells the answers of node guarding from heartbeats: both are one byte on the same CAN-ID.
+//! Distinguishes answers of node guarding from heartbeats: both are one byte on the same CAN-ID.
 
 use canvass_traces::{Duration, Timestamp};
 
-/// The error control of one node, as far as it was seen.
+/// The error control of one node.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Guarding {
-    /// When a remote frame has asked for the state that is not answered yet.
+    /// Time of an unanswered remote frame.
     asked: Option<Timestamp>,
     /// The toggle bit of the last message.
     toggle: bool,
-    /// The last message was a heartbeat.
+    /// Whether the last message was a heartbeat.
     beats: bool,
 }
 
 impl Guarding {
-    /// A producer of heartbeats that sends its state later than this after a remote frame does not answer it.
+    /// A heartbeat producer whose message comes later than this after a remote frame does not answer it.
     const ANSWER: Duration = Duration::from_millis(100);
 
-    /// A remote frame asks for the node's state.
+    /// Handles a remote frame that requests the node's state.
     pub const fn ask(&mut self, now: Timestamp) {
         self.asked = Some(now);
     }
 
-    /// Whether the last message was a heartbeat, and the next one is, too, if it has no toggle bit.
+    /// Whether the last message was a heartbeat; then a next one without toggle bit is, too.
     pub const fn beats(&self) -> bool {
         self.beats && !self.toggle && self.asked.is_none()
     }
 
-    /// Takes a message other than a boot-up, and says whether it is an answer: it was asked for, or it has the toggle
-    /// bit, or follows one that has it, as where a recorder leaves remote frames out. One request makes no node a
-    /// guarded one: a tool may ask a producer of heartbeats.
+    /// Handles a message other than a boot-up; returns whether it is an answer: it was requested, it has the toggle
+    /// bit, or it follows a message with the toggle bit, as in captures without remote frames. A single request does
+    /// not make a node guarded: a tool may poll a heartbeat producer.
     pub fn is_answer(&mut self, now: Timestamp, toggle: bool) -> bool {
         let soon = |asked| !self.beats || now.since(asked) <= Self::ANSWER;
         let asked = self.asked.take().is_some_and(soon);

@@ -1,4 +1,4 @@
-//! Takes the frames of a bus: what each means at this moment, and what it changes.
+//! Handling of frames: their meaning in the current state, and the changes of state.
 
 use super::bus::Bus;
 use super::cob_ids::{Source, Use};
@@ -24,7 +24,7 @@ use canvass_traces::{Duration, Frame, FrameKind, Record, Timestamp};
 use std::sync::Arc;
 
 impl Bus {
-    /// Says which device a node is.
+    /// Sets the device of a node.
     pub fn describe(&mut self, id: NodeId, device: &Arc<KnownDevice>) {
         if std::mem::take(&mut self.handled) {
             self.events.clear();
@@ -32,7 +32,7 @@ impl Bus {
         learning::after_description(self, id, device);
     }
 
-    /// Takes the next record and says what it means.
+    /// Handles the next record; returns its meaning.
     pub fn handle(&mut self, record: &Record) -> Decoded {
         if std::mem::replace(&mut self.handled, true) {
             self.events.clear();
@@ -70,7 +70,7 @@ impl Bus {
             Use::Unknown => self.unknown(now, can_id, frame),
         };
         decoded.source = source;
-        // Of a PDO nothing tells: any bytes may be one.
+        // PDOs are not judged: any bytes may be one.
         if source != Source::Predefined && decoded.service != Service::Pdo {
             let fits = fits(&decoded);
             if !fits || self.cob_ids.is_doubted(can_id) {
@@ -80,7 +80,7 @@ impl Bus {
         decoded
     }
 
-    /// A frame of no known use: part of an SRDO, if its twin shows that.
+    /// A frame without a known use: it is part of an SRDO if its inverted frame follows.
     fn unknown(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Decoded {
         match self.srdo_pairs.handle(now, can_id, frame) {
             Some((pair, srdo)) => plain(Service::Srdo, pair.node(), Message::Srdo(srdo)),
@@ -88,10 +88,10 @@ impl Bus {
         }
     }
 
-    /// A frame of an SRDO whose parameters are known.
+    /// A frame of an SRDO with known parameters.
     #[cold]
     fn srdo(&mut self, now: Timestamp, (id, number, half): (NodeId, u8, Half), frame: &Frame) -> Decoded {
-        // Works out the layout if it is new, as of PDOs.
+        // Computes a new layout, as for PDOs.
         self.node_mut(id).srdo_layout(id, number);
         let srdo = self.srdo_pairs.configured(now, id, number, half, frame);
         plain(Service::Srdo, Some(id), Message::Srdo(srdo))
@@ -125,14 +125,14 @@ impl Bus {
         decoded
     }
 
-    /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
-    /// whose they are, and until then the descriptions of the devices do.
+    /// The protocol of a message on 7E5h or 7E4h. Both protocols have the configuring messages; earlier messages tell
+    /// the protocol, or else the descriptions of the devices.
     fn protocol(&mut self, payload: &[u8]) -> Protocol {
         self.protocol = Protocol::of(payload).or(self.protocol);
         self.protocol.unwrap_or_else(|| self.described_protocol())
     }
 
-    /// LMT where a device on the bus knows it and none knows LSS.
+    /// LMT if a device on the bus supports it and none supports LSS.
     fn described_protocol(&self) -> Protocol {
         let nodes = self.nodes.iter().filter_map(|(_, node)| node.as_deref());
         let mut devices = nodes.filter_map(|node| node.device.as_deref());
@@ -159,7 +159,7 @@ impl Bus {
         }
     }
 
-    /// Few frames: apart from what most run through, as are the others that are cold here.
+    /// Kept out of line, as frames of this kind are rare; so are other functions marked cold here.
     #[cold]
     fn nmt(&mut self, payload: &[u8]) -> Decoded {
         let command = match Nmt::read(payload) {
@@ -181,7 +181,7 @@ impl Bus {
         Decoded { event, ..plain(Service::Nmt, NodeId::new(command.node), Message::Nmt(command)) }
     }
 
-    /// Takes an NMT command as obeyed: error control shows soon enough if it was not.
+    /// Handles an NMT command as obeyed; error control corrects the state if it was not.
     fn commanded(&mut self, id: NodeId, command: Command) -> Option<Event> {
         self.turn += 1;
         let node = self.node_mut(id);
@@ -211,7 +211,7 @@ impl Bus {
         Decoded { event, ..plain(service, Some(id), Message::ErrorControl(message)) }
     }
 
-    /// Takes the state that a node showed itself.
+    /// Handles a state that the node itself showed.
     fn state_seen(&mut self, id: NodeId, to: State, cause: Cause) -> Option<Event> {
         let node = self.node_mut(id);
         let from = node.state.map(|from| from.0);
@@ -225,7 +225,7 @@ impl Bus {
         event
     }
 
-    /// A node has started: with what it had stored, and perhaps with another node-ID.
+    /// Handles the start of a node: it has its stored parameters, and perhaps another node-ID.
     #[cold]
     fn started(&mut self, id: NodeId) {
         learning::after_boot_up(self, id);
@@ -243,14 +243,14 @@ impl Bus {
             self.emergency(now, id, &decoded.message);
             return decoded;
         }
-        // Before CiA 301 V4 this was the boot-up message.
+        // Before CiA 301 V4 an empty EMCY was the boot-up message.
         let is_known = self.has_just_started(now, id, true);
         let event = if is_known { None } else { self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp) };
         Decoded { service: Service::BootUp, event, ..decoded }
     }
 
-    /// Whether a boot-up message says once more what the other kind of boot-up message has said just before: devices
-    /// between the versions of CiA 301 send both.
+    /// Whether a boot-up message repeats the other kind of boot-up message just before: devices from the time between
+    /// the versions of CiA 301 send both.
     fn has_just_started(&mut self, now: Timestamp, id: NodeId, by_emcy: bool) -> bool {
         const SOON: Duration = Duration::from_millis(1_000);
         let started = &mut self.node_mut(id).started;
@@ -268,7 +268,7 @@ impl Bus {
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
-        // Works out the layout if it is new: renderings of the PDO find it in the node.
+        // Computes a new layout; texts of the PDO find it in the node.
         let node = self.node_mut(id);
         node.layout(id, number);
         if node.addressing(number).is_none() {
@@ -296,7 +296,7 @@ impl Bus {
         }
         if step.ended {
             self.events.push(Event::TransferEnded);
-            // An answer about another object says nothing about the one that was asked for.
+            // An answer about another object says nothing about the requested one.
             if !matches!(step.violation, Some(Violation::Multiplexer(_))) {
                 learning::from_transfer(self, index);
             }
@@ -311,7 +311,7 @@ impl Bus {
     }
 }
 
-/// Whether a frame can be what the use of its CAN-ID makes of it.
+/// Whether a frame fits the use of its CAN-ID.
 const fn fits(decoded: &Decoded) -> bool {
     match decoded.message {
         Message::Malformed(..) => false,
@@ -320,7 +320,7 @@ const fn fits(decoded: &Decoded) -> bool {
     }
 }
 
-/// The object that an SDO message names itself.
+/// The object that an SDO message itself names.
 fn own_object(message: &Message) -> Option<crate::Multiplexer> {
     match message {
         Message::SdoRequest(request) => request.multiplexer(),

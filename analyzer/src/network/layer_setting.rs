@@ -1,4 +1,4 @@
-//! What the dialogues of LSS and LMT set: node-IDs and bit rates that devices will use.
+//! Settings by LSS and LMT: node-IDs and bit rates that devices will use.
 
 use super::event::{Event, Exchange};
 use crate::NodeId;
@@ -6,20 +6,20 @@ use crate::wire::layer_setting::{ConfigureCommand, Dialect, Request, Response};
 use crate::wire::{lmt, lss};
 use canvass_traces::{Duration, Timestamp};
 
-/// The layer setting of one bus, as far as it has come.
+/// The state of layer setting on one bus.
 #[derive(Clone, Default)]
 pub struct LayerSetting {
-    /// When the master asked last, and whether an answer is due.
+    /// Time of the master's last request, and whether an answer is due.
     asked: Option<(Timestamp, bool)>,
     node_id: Setting<u8>,
     bit_rate: Setting<Option<u32>>,
-    /// The node-ID that the slave in configuration has told.
+    /// The node-ID that the slave in configuration has reported.
     told: Option<NodeId>,
     /// The LSS address of the slave that was switched to configuration.
     address: [Option<u32>; 4],
 }
 
-/// A value that the master has asked for, until the slave has confirmed it, and then until it takes effect.
+/// A value requested by the master, then confirmed by the slave, until it takes effect.
 #[derive(Clone, Default)]
 struct Setting<T> {
     asked: Option<T>,
@@ -55,7 +55,7 @@ impl LayerSetting {
         }
     }
 
-    /// What both dialects ask alike.
+    /// Handles the requests that both dialects share.
     fn request<D: Dialect>(&mut self, now: Timestamp, request: Request<D>, events: &mut Vec<Event>) {
         let unanswered = matches!(self.asked.replace((now, request.wants_answer())), Some((_, true)));
         events.push(Event::LayerSetting(Exchange::Request { unanswered }));
@@ -83,7 +83,8 @@ impl LayerSetting {
         }
     }
 
-    /// A node has started: where layer setting gave it this node-ID, what is known of it before, once.
+    /// Handles the start of a node: returns once the facts about it from before, if layer setting assigned this
+    /// node-ID.
     pub fn started(&mut self, node: NodeId) -> Option<Before> {
         if self.node_id.confirmed != Some(node.raw()) {
             return None;
@@ -104,7 +105,7 @@ impl LayerSetting {
         events.push(Event::LayerSetting(exchange));
     }
 
-    /// Another slave may be in configuration from here on. What was confirmed stays: it takes effect at the next start.
+    /// From here on another slave may be in configuration. Confirmed values stay: they take effect at the next start.
     fn leave(&mut self) {
         self.node_id.asked = None;
         self.bit_rate.asked = None;
@@ -120,9 +121,9 @@ impl LayerSetting {
     }
 }
 
-/// What a dialogue has shown of a device before it got its node-ID.
+/// Facts about a device from a dialogue before it got its node-ID.
 pub struct Before {
-    /// The node-ID that it told.
+    /// The node-ID that it reported.
     pub told: Option<NodeId>,
     /// The LSS address by which it was switched to configuration: the four numbers of 1018h.
     pub address: [Option<u32>; 4],

@@ -1,4 +1,4 @@
-//! How a PDO is laid out: its signals.
+//! The layout of a PDO: its signals.
 
 use super::node::Node;
 use super::scaling;
@@ -16,20 +16,20 @@ pub struct Layout {
 /// One mapped object in a PDO.
 #[derive(Clone, Debug)]
 pub struct Signal {
-    /// The object; of a dummy entry the data type's index.
+    /// The object; for a dummy entry the data type's index.
     pub object: Multiplexer,
     /// The first bit in the payload.
     pub offset: usize,
     /// The number of bits.
     pub bits: u8,
-    /// The data type, where it is known.
+    /// The data type, if known.
     pub data_type: Option<DataType>,
-    /// What its values are in the unit that the device's configuration decides, where that is known.
+    /// The unit of its values that the device's configuration determines, if known.
     pub scale: Option<Unit>,
 }
 
 impl Layout {
-    /// The layout that a mapping of a node gives; its description tells the data types.
+    /// The layout for a mapping of a node; its description gives the data types.
     pub fn new(entries: &[MappingEntry], id: NodeId, node: &Node) -> Self {
         let description = node.description();
         let mut offset = 0;
@@ -56,7 +56,7 @@ impl Signal {
         matches!(self.object.index.0, 1..=7)
     }
 
-    /// The signal's bits in a payload; `None` where the payload is too short or the signal longer than 64 bits.
+    /// The signal's bits in a payload; `None` if the payload is too short or the signal longer than 64 bits.
     pub fn raw(&self, payload: &[u8]) -> Option<u64> {
         extract(payload, self.offset, self.bits)
     }

@@ -1,13 +1,13 @@
-//! The layouts of a node's PDOs, as they have been worked out.
+//! The computed layouts of a node's PDOs.
 
 use super::layout::Layout;
 use crate::message::PdoNumber;
 use std::collections::BTreeMap;
 
-/// How many of each direction are found at once: those that have CAN-IDs of their own by default (CiA 301).
+/// Number of PDOs of each direction in the array: those with default CAN-IDs (CiA 301).
 const USUAL: usize = 4;
 
-/// The layouts by PDO: every PDO asks for its own several times.
+/// The layouts by PDO, cached because every PDO needs its layout several times.
 #[derive(Clone, Default)]
 pub(super) struct Layouts {
     transmit: [Known; USUAL],
@@ -15,21 +15,21 @@ pub(super) struct Layouts {
     others: BTreeMap<PdoNumber, Known>,
 }
 
-/// `None` as long as nobody has asked; then the layout, if the mapping is known.
+/// `None` before the layout is computed; then the layout, if the mapping is known.
 type Known = Option<Option<Layout>>;
 
 impl Layouts {
-    /// Whether that PDO's layout has been worked out, even if to nothing.
+    /// Whether that PDO's layout is computed, even if it is unknown.
     pub fn is_worked_out(&self, pdo: PdoNumber) -> bool {
         self.known(pdo).is_some()
     }
 
-    /// The layout, where it has been worked out and the mapping was known.
+    /// The layout, if it is computed and the mapping is known.
     pub fn get(&self, pdo: PdoNumber) -> Option<&Layout> {
         self.known(pdo)?.as_ref()
     }
 
-    /// Keeps what has been worked out.
+    /// Stores a computed layout.
     pub fn insert(&mut self, pdo: PdoNumber, layout: Option<Layout>) {
         let place = match pdo {
             PdoNumber::Transmit(number) => self.transmit.get_mut(usize::from(number).wrapping_sub(1)),
@@ -41,7 +41,7 @@ impl Layouts {
         }
     }
 
-    /// Forgets all.
+    /// Drops all layouts.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

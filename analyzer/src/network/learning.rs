@@ -1,4 +1,4 @@
-//! COB-IDs and mappings learned from descriptions and from the SDO traffic of the trace itself.
+//! Learns COB-IDs and mappings from descriptions and from the SDO traffic of the trace itself.
 
 use super::bus::Bus;
 use super::cob_ids::{self, Source, Use};
@@ -18,7 +18,7 @@ use crate::wire::srdo::{self, Half};
 use crate::{CobId, Multiplexer, NodeId};
 use std::sync::Arc;
 
-/// Takes the COB-IDs of a description.
+/// Takes over the COB-IDs of a description.
 pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescription) {
     for (object, entry) in description.dictionary.entries() {
         let value = entry.start_value(node).and_then(|value| value.to_raw());
@@ -28,7 +28,7 @@ pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescrip
     }
 }
 
-/// Takes what a transfer has shown to be in the server's dictionary, whether it was read or written.
+/// Takes over the value of a transfer, read or written, as that of the server's object.
 pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let Some(channel) = bus.channels.get(usize::from(index.0)) else { return };
     let server = channel.server;
@@ -49,7 +49,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         Direction::Download => Shown::Written,
     };
     match (object.index.0, object.sub.0, shown, transfer.data()) {
-        // All parameters, those of communication, those of the application.
+        // All parameters, communication parameters, application parameters.
         (object::STORE_PARAMETERS, sub @ 1..=3, Shown::Written, b"save") => return bus.node_mut(server).store(sub),
         (object::RESTORE_DEFAULT_PARAMETERS, 1..=2, Shown::Written, b"load") => {
             return bus.node_mut(server).restore_defaults();
@@ -62,7 +62,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         recognise(bus, server, object, &data);
     }
     let Some(value) = value else { return };
-    // The COB-IDs of the first SDO server are fixed: what a device says of them moves nothing, unless it was told to.
+    // The COB-IDs of the first SDO server are fixed: only a download moves them, not a value read.
     if object.index.0 == object::SDO_SERVER_PARAMETER && shown == Shown::Read {
         return;
     }
@@ -70,7 +70,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     learn_cob_id(bus, server, object, value, Source::Trace);
 }
 
-/// A node has shown the value of an object.
+/// Handles the value of an object that a node has shown.
 fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     let candidates = bus.candidates.get();
     if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
@@ -78,7 +78,7 @@ fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     }
     let node = bus.node_mut(id);
     node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
-    // What the user says is not doubted.
+    // The user's own statement is not doubted.
     if node.device.is_some() && node.recognition.is_none() {
         return;
     }
@@ -109,7 +109,7 @@ fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: 
     }
 }
 
-/// Gives a COB-ID parameter's CAN-ID its use, and says where that was before.
+/// Sets the use of a COB-ID parameter's CAN-ID, and returns its former place.
 fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, source: Source) {
     if srdo::of_communication_index(object.index.0).is_some() && object.sub.0 == 1 {
         return learn_srdo_direction(bus, node, object, source);
@@ -123,7 +123,7 @@ fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, so
     }
 }
 
-/// Whether a node has an SRDO and sends it decides what its CAN-IDs are.
+/// An SRDO's CAN-IDs are used only if the node has the SRDO and sends it.
 fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source: Source) {
     for sub in 5..=6 {
         let cob_id = Multiplexer::new(object.index.0, sub);
@@ -133,8 +133,8 @@ fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source
     }
 }
 
-/// After its boot-up a node has its stored parameters again: COB-IDs and mappings that were changed and not stored
-/// are gone, and so are its transfers.
+/// Handles a boot-up: the node has its stored parameters again; COB-IDs and mappings that were not stored are lost,
+/// and so are its transfers.
 pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     let channels: Vec<ChannelIndex> = bus.channels_of(node).collect();
     for index in channels {
@@ -152,7 +152,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     let parameters: Vec<_> = state.parameters().collect();
     bus.room.give(forgotten * Node::PARAMETER);
     bus.cob_ids.reset(node);
-    // The first server has its place in the predefined connection set; the others have none without their parameters.
+    // The first server has default CAN-IDs; others have none without their parameters.
     for channel in bus.channels_of(node).skip(1).collect::<Vec<_>>() {
         bus.cob_ids.release(Use::SdoRequest(channel), None);
         bus.cob_ids.release(Use::SdoResponse(channel), None);
@@ -164,7 +164,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     for (object, value) in parameters {
         learn_cob_id(bus, node, object, value, Source::Trace);
     }
-    // What matters is what differs from before the start, not the way there.
+    // Only the differences from before the start are events, not the steps between.
     bus.events.truncate(announced);
     announce_moves(bus, node, &places);
     for (pdo, before) in mappings {
@@ -174,7 +174,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     }
 }
 
-/// The user says which device a node is: that is known from here on, unless the trace has shown otherwise.
+/// Handles the user's description of a node: it holds from here on, unless the trace has shown otherwise.
 pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     if bus.node_mut(node).parameters().next().is_some() {
         return described_late(bus, node, device, None);
@@ -184,7 +184,7 @@ pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>)
     from_description(bus, node, &device.description);
 }
 
-/// A node was recognised: what the description of its model says is known from here on, unless the trace has shown
+/// Handles the recognition of a node: the description of its model holds from here on, unless the trace has shown
 /// otherwise.
 pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     described_late(bus, node, device, Some(Event::Recognised(node)));
@@ -204,13 +204,13 @@ fn described_late(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>, event:
     announce_moves(bus, node, &places);
 }
 
-/// A node that was given its node-ID by writing an object of the node that it was before.
+/// Moves the knowledge of a node whose node-ID was set by writing an object.
 pub fn after_written_node_id(bus: &mut Bus, from: NodeId, to: NodeId, object: Multiplexer) {
     bus.events.push(Event::NodeIdChanged { from: Some(from), to, object: Some(object) });
     take_over_description(bus, from, to);
 }
 
-/// A node that has got its node-ID by layer setting: what is known of the device it was before is known of it.
+/// Moves the knowledge of a node whose node-ID was set by layer setting.
 pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
     let of_address = || NodeId::all().find(|&id| bus.node(id).is_some_and(|node| has_address(node, id, before)));
     let from = before.told.or_else(of_address);
@@ -223,7 +223,7 @@ pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
     }
 }
 
-/// The device has another node-ID: its description goes with it.
+/// Moves the description of a device to its new node-ID.
 fn take_over_description(bus: &mut Bus, from: NodeId, to: NodeId) {
     let Some(known) = bus.node(from) else { return };
     let Some(device) = known.device.clone() else { return };
@@ -274,7 +274,7 @@ fn announce_moves(bus: &mut Bus, node: NodeId, before: &[(Use, u16, Source)]) {
     }
 }
 
-/// The mappings of the PDOs of which the trace has shown something.
+/// The mappings of the PDOs with a parameter that the trace has shown.
 fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntry>>)> {
     let node = bus.node_mut(id);
     let mut pdos: Vec<_> = node.parameters().filter_map(|row| PdoNumber::of_mapping_index(row.0.index.0)).collect();
@@ -282,24 +282,25 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
     pdos.into_iter().map(|pdo| (pdo, node.mapping(id, pdo))).collect()
 }
 
-/// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
+/// Whether an object is learned: communication parameters, the cyclic timer and the number of revolutions of
+/// encoders, and parameters that determine units.
 fn is_learned(object: Multiplexer) -> bool {
     matches!(object.index.0, 0x1000..=0x1FFF | encoder::CYCLIC_TIMER | encoder::NUMBER_OF_REVOLUTIONS)
         || is_scaling_parameter(object)
 }
 
-/// Gives a COB-ID parameter's CAN-ID its use.
+/// Sets the use of a COB-ID parameter's CAN-ID.
 fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     let cob_id = CobId(value);
     if !is_possible(used, cob_id) {
         return;
     }
-    // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME, and SRDOs have no such bit.
+    // In 1005h and 1012h bit 31 does not switch SYNC or TIME off, and SRDOs have no such bit.
     let exists = match used {
         Use::Sync | Use::Time => true,
         Use::Srdo(node, number, _) => match srdo_direction(bus, node, number) {
             Some(SRDO_NONE) => false,
-            // It is another node's, which sends it.
+            // The SRDO is sent by another node.
             Some(SRDO_RECEIVED) if is_srdo_of_another(bus, cob_id, node) => return,
             _ => cob_id.can_id() != 0,
         },
@@ -317,21 +318,21 @@ fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     }
 }
 
-/// Whether a CAN-ID can have that use at all, whatever a device says: CiA 301 (7.3.5) restricts some; but SRDOs lie
-/// there.
+/// Whether a CAN-ID can have that use, independently of the device's claim: CiA 301 (7.3.5) restricts some CAN-IDs;
+/// but SRDOs use restricted ones.
 fn is_possible(used: Use, cob_id: CobId) -> bool {
     match used {
         Use::Srdo(..) => true,
-        // Switched off: whatever else it says.
+        // The message is switched off.
         Use::Pdo(..) | Use::Emcy(_) | Use::SdoRequest(_) | Use::SdoResponse(_) if !cob_id.is_valid() => true,
-        // Where no standard has put anything, devices do as they like.
+        // CAN-IDs outside all standards are free for devices to use.
         _ => !cob_id.is_restricted() || u16::try_from(cob_id.can_id()).is_ok_and(cob_ids::is_free),
     }
 }
 
 /// 1301h..1340h:01: there is no such SRDO.
 const SRDO_NONE: u32 = 0;
-/// 1301h..1340h:01: the node receives it.
+/// 1301h..1340h:01: the node receives the SRDO.
 const SRDO_RECEIVED: u32 = 2;
 
 fn srdo_direction(bus: &Bus, node: NodeId, number: u8) -> Option<u32> {
@@ -343,7 +344,7 @@ fn is_srdo_of_another(bus: &Bus, cob_id: CobId, node: NodeId) -> bool {
     matches!(used, Ok(Use::Srdo(sender, ..)) if sender != node)
 }
 
-/// What the CAN-ID in that object is used for; `None` for any other object.
+/// The use of the CAN-ID in that object; `None` for an object without one.
 fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
     match (object.index.0, object.sub.0) {
         (object::COB_ID_SYNC, 0) => Some(Use::Sync),
@@ -367,12 +368,12 @@ fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
     }
 }
 
-/// The channel of a node's n-th SDO server; beyond the first they are made when they are first seen.
+/// The channel of a node's n-th SDO server; channels beyond the first are made at their first use.
 fn server_channel(bus: &mut Bus, node: NodeId, n: u16) -> Option<ChannelIndex> {
     if n == 0 {
         return Some(ChannelIndex::predefined(node));
     }
-    // One further channel for each node and server is all that a trace can ever need: 127 * 127.
+    // One further channel for each node and server, 127 * 127, is the maximum that a trace can need.
     bus.further_channels.get(&(node, n)).copied().or_else(|| {
         let index = ChannelIndex(u16::try_from(bus.channels.len()).ok()?);
         if !bus.room.take(Channel::MEMORY) {

@@ -1,8 +1,8 @@
-//! What happened on the buses of a capture.
+//! The state of the buses of a capture.
 //!
-//! A [`Network`] takes records one by one and says of each what it means in its context: which service the CAN-ID
-//! belongs to at this moment, which object an SDO frame is about, what state a node is in. It learns COB-IDs and
-//! mappings from the SDO traffic it sees.
+//! A [`Network`] takes records one by one and returns the meaning of each in its context: the service of the CAN-ID
+//! at this moment, the object of an SDO frame, the state of a node. It learns COB-IDs and mappings from the SDO
+//! traffic.
 
 mod bus;
 mod cob_ids;
@@ -61,38 +61,38 @@ pub struct Network {
     buses: Vec<Bus>,
     devices: Vec<(NodeId, Arc<KnownDevice>)>,
     candidates: Candidates,
-    /// For what the devices of all buses show of themselves.
+    /// Memory limits for the devices of all buses.
     rooms: Rooms,
 }
 
-/// A frame, understood in its context.
+/// A frame, decoded in its context.
 #[derive(Clone, Copy, Debug)]
 pub struct Decoded {
-    /// The service that it belongs to.
+    /// The service of the frame.
     pub service: Service,
-    /// The node that it is about: sender of its own messages, server of SDOs, the node that an NMT command names.
+    /// The node concerned: the sender of its own messages, the server of an SDO, the node that an NMT command names.
     pub node: Option<NodeId>,
-    /// What it says.
+    /// The content of the frame.
     pub message: Message,
-    /// How the use of its CAN-ID is known.
+    /// The source of the knowledge about the CAN-ID's use.
     pub source: Source,
-    /// The object that it is about.
+    /// The object concerned.
     pub object: Option<Multiplexer>,
-    /// The SDO channel that it went over.
+    /// The SDO channel of the frame.
     pub channel: Option<ChannelIndex>,
-    /// What it brought about, first of all; [`Bus::events`] holds everything.
+    /// Its first event; [`Bus::events`] holds all.
     pub event: Option<Event>,
-    /// The rule of the SDO protocol that it broke.
+    /// The rule of the SDO protocol that the frame breaks.
     pub violation: Option<Violation>,
 }
 
 impl Decoded {
-    /// An EMCY message of a node, whose use of the CAN-ID is known from `source`.
+    /// An EMCY message of a node; `source` tells how the use of the CAN-ID is known.
     pub(crate) fn emcy(node: NodeId, source: Source, payload: &[u8]) -> Self {
         handling::emcy(node, source, payload)
     }
 
-    /// Whether it is a boot-up message that says only what another one has just said.
+    /// Whether it is a boot-up message that only repeats the one just before.
     pub fn repeats_boot_up(&self) -> bool {
         self.service == Service::BootUp && self.event.is_none()
     }
@@ -103,7 +103,7 @@ impl Decoded {
         matches!(self.event, Some(Event::TransferEnded))
     }
 
-    /// Whether the node that the frame is about has sent it itself.
+    /// Whether the concerned node itself sent the frame.
     pub const fn is_from_node(&self) -> bool {
         match self.message {
             Message::ErrorControl(_)
@@ -119,12 +119,12 @@ impl Decoded {
 }
 
 impl Network {
-    /// A network of which nothing is known.
+    /// An empty network.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Says which device a node is, on all buses. Its COB-IDs, mappings, names and types are then known.
+    /// Sets the device of a node on all buses; its COB-IDs, mappings, names and types are then known.
     pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
         let device = Arc::new(device);
         for bus in &mut self.buses {
@@ -133,13 +133,14 @@ impl Network {
         self.devices.push((node, device));
     }
 
-    /// Says which models nodes that nobody described can be recognised as. Of models that show the same, the first one is
-    /// taken. To be said before the first record; they are not asked for before a node shows something of itself.
+    /// Sets the models as which undescribed nodes can be recognised. Of models that show the same, the first one is
+    /// taken. Call it before the first record; the models are loaded only when a node shows one of its identifying
+    /// objects.
     pub fn offer(&mut self, candidates: Candidates) {
         self.candidates = candidates;
     }
 
-    /// The network as it is now: to go on from here again later, as often as one likes.
+    /// A copy of the current state, from which decoding can continue repeatedly.
     #[must_use]
     pub fn snapshot(&self) -> Self {
         let rooms = self.rooms.apart();
@@ -147,12 +148,12 @@ impl Network {
         Self { buses, devices: self.devices.clone(), candidates: self.candidates.clone(), rooms }
     }
 
-    /// Takes the next record and says what it means.
+    /// Handles the next record; returns its meaning.
     pub fn handle(&mut self, record: &Record) -> Decoded {
         self.bus_mut(record.channel).handle(record)
     }
 
-    /// The bus of a channel, once a record of it was seen.
+    /// The bus of a channel; `None` before its first record.
     pub fn bus(&self, channel: ChannelId) -> Option<&Bus> {
         self.buses.get(usize::from(channel.0))
     }

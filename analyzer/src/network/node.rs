@@ -1,4 +1,4 @@
-//! What is known of one node.
+//! The state of one node.
 
 use crate::dictionary::Unit;
 use crate::dictionary::{Access, DeviceDescription, KnownDevice};
@@ -25,44 +25,44 @@ use std::sync::OnceLock;
 /// A node of a bus, as far as the trace and its description tell.
 #[derive(Clone, Default)]
 pub struct Node {
-    /// Its NMT state and how that is known.
+    /// Its NMT state, and the source of that knowledge.
     pub state: Option<(State, Cause)>,
-    /// What tells its answers to node guarding from heartbeats.
+    /// Distinguishes its answers to node guarding from heartbeats.
     pub(super) guarding: Guarding,
-    /// What is known of it beforehand, where the user gave its description or its identity was recognised.
+    /// Prior knowledge of it: the user gave its description, or its model was recognised.
     pub device: Option<Arc<KnownDevice>>,
-    /// As what it was recognised, where the description comes from that.
+    /// The recognised model, if the description comes from recognition.
     pub recognition: Option<Recognition>,
-    /// What it has shown of the objects that tell models apart.
+    /// The identifying objects that it has shown.
     pub(super) identity: recognition::Shown,
-    /// What it will use after its next start.
+    /// Its settings after its next start.
     pub(super) pending: Pending,
-    /// When it last started, and whether an EMCY without bytes said so, as before CiA 301 V4.
+    /// Time of its last start, and whether an empty EMCY announced it, as before CiA 301 V4.
     pub(super) started: Option<(Timestamp, bool)>,
-    /// When the oldest error was reported that no EMCY has taken back.
+    /// Time of the oldest error that no EMCY has taken back.
     pub(super) error_since: Option<Timestamp>,
-    /// The communication parameters that the trace has shown, as numbers, and whether it was a download.
+    /// The communication parameters shown by the trace, as numbers, and whether by a download.
     parameters: BTreeMap<Multiplexer, (u32, Shown)>,
-    /// Those that the device will have after its next reset.
+    /// The communication parameters after its next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: Layouts,
     srdo_layouts: BTreeMap<u8, Option<Layout>>,
-    /// The number of its device profile, once it was asked for: every object that is shown asks.
+    /// The number of its device profile, cached because every shown object needs it.
     profile: OnceLock<Option<u16>>,
-    /// The PDOs that are multiplexed; worked out with their layouts.
+    /// The multiplexed PDOs; computed with their layouts.
     multiplexed: BTreeMap<PdoNumber, Addressing>,
 }
 
 /// How the trace has shown a parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shown {
-    /// It was written.
+    /// By a download.
     Written,
-    /// It was read.
+    /// By an upload.
     Read,
 }
 
-/// How a node's state is known.
+/// The source of the knowledge of a node's state.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Cause {
     /// An NMT command that the node should have obeyed.
@@ -85,7 +85,7 @@ impl Cause {
 }
 
 impl Node {
-    /// What the trace has shown, or else the description says, as the value of a communication parameter.
+    /// The value of a communication parameter, from the trace or else from the description.
     pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         let described = || {
             let entry = self.description()?.dictionary.entry(object).ok()?;
@@ -94,8 +94,8 @@ impl Node {
         self.parameters.get(&object).map(|shown| shown.0).or_else(described)
     }
 
-    /// The value of a parameter as far as it is certain: the trace has shown it, or the description has it for an object
-    /// that no one can write. Other defaults may have been changed before the trace began.
+    /// The value of a parameter if it is certain: shown by the trace, or described for a read-only object. Other
+    /// described defaults may have been changed before the trace began.
     pub fn certain(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         let fixed = || {
             let entry = self.description()?.dictionary.entry(object).ok()?;
@@ -105,17 +105,17 @@ impl Node {
         self.parameters.get(&object).map(|shown| shown.0).or_else(fixed)
     }
 
-    /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
+    /// The number of its device profile (the low word of 1000h), if the trace or the description tells it.
     pub fn profile(&self, id: NodeId) -> Option<u16> {
         let device_type = || self.parameter(id, Multiplexer::new(object::DEVICE_TYPE, 0));
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
-    /// Notes a communication parameter that the trace has shown, and says whether that changes how process data are laid out.
+    /// Notes a communication parameter shown by the trace; returns whether it changes the layout of process data.
     pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) -> bool {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
         if shown == Shown::Read && !written {
-            // Not written since the start: it was there before, so a reset will bring it back.
+            // The value was not written since the start, so it was there before, and a reset restores it.
             self.stored.insert(object, (value, shown));
         }
         let shown = if written { Shown::Written } else { shown };
@@ -129,7 +129,7 @@ impl Node {
         lays_out
     }
 
-    /// Parameters were stored by that sub-index of 1010h: a reset does not change them any more.
+    /// Handles a store by that sub-index of 1010h: a reset keeps the stored values.
     pub fn store(&mut self, sub: u8) {
         let is_stored = |index: u16| match sub {
             1 => true,
@@ -141,9 +141,9 @@ impl Node {
         self.stored.extend(shown.map(|(&object, &value)| (object, value)));
     }
 
-    /// The defaults were restored; they take effect at the next reset.
+    /// Handles the restoring of defaults, which take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        // Device type, identity and resolution are the device's own: no default changes them.
+        // Device type, identity and resolution belong to the device: restoring defaults does not change them.
         self.stored.retain(|object, _| {
             matches!(
                 object.index.0,
@@ -155,7 +155,7 @@ impl Node {
         });
     }
 
-    /// The node started anew: with what is stored, as far as the trace has shown that.
+    /// Handles a start: the node has its stored values, as far as the trace has shown them.
     pub fn restart(&mut self) {
         self.parameters = self.stored.clone();
         self.forget_layouts();
@@ -163,31 +163,31 @@ impl Node {
         self.error_since = None;
     }
 
-    /// What a parameter takes in memory: it stands among those of now and among the stored ones.
+    /// Memory of a parameter: it is kept with its current and its stored value.
     pub(super) const PARAMETER: usize = 2 * 2 * size_of::<(Multiplexer, (u32, Shown))>();
 
-    /// Whether the trace has shown that parameter since the node has started.
+    /// Whether the trace has shown that parameter since the node started.
     pub(super) fn has_shown(&self, object: Multiplexer) -> bool {
         self.parameters.contains_key(&object)
     }
 
-    /// The communication parameters that the trace has shown.
+    /// The communication parameters shown by the trace.
     pub fn parameters(&self) -> impl Iterator<Item = (Multiplexer, u32)> {
         self.parameters.iter().map(|(&object, &(value, _))| (object, value))
     }
 
-    /// What its file says, where there is one.
+    /// Its description, if there is one.
     pub fn description(&self) -> Option<&DeviceDescription> {
         Some(&self.device.as_deref()?.description)
     }
 
-    /// Sets or replaces what is known of it beforehand.
+    /// Sets or replaces the prior knowledge of the node.
     pub fn describe(&mut self, device: Arc<KnownDevice>) {
         self.device = Some(device);
         self.forget_layouts();
     }
 
-    /// How a PDO is laid out at this moment; `None` where its mapping is not known.
+    /// The current layout of a PDO; `None` if its mapping is unknown.
     pub fn layout(&mut self, id: NodeId, pdo: PdoNumber) -> Option<&Layout> {
         if !self.layouts.is_worked_out(pdo) {
             let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, id, self));
@@ -200,12 +200,12 @@ impl Node {
         self.layouts.get(pdo)
     }
 
-    /// The layout, where it has been worked out already.
+    /// The layout, if it is already computed.
     pub fn known_layout(&self, pdo: PdoNumber) -> Option<&Layout> {
         self.layouts.get(pdo)
     }
 
-    /// How the data of an SRDO are laid out; `None` where its mapping is not known.
+    /// The layout of an SRDO's data; `None` if its mapping is unknown.
     pub fn srdo_layout(&mut self, id: NodeId, number: u8) -> Option<&Layout> {
         if !self.srdo_layouts.contains_key(&number) {
             let index = srdo::mapping_index(number);
@@ -220,12 +220,12 @@ impl Node {
         self.known_srdo_layout(number)
     }
 
-    /// The same, where it has been worked out already.
+    /// The SRDO's layout, if it is already computed.
     pub fn known_srdo_layout(&self, number: u8) -> Option<&Layout> {
         self.srdo_layouts.get(&number).and_then(Option::as_ref)
     }
 
-    /// The addressing of a multiplexed PDO, where its layout has been asked for already; `None` for other PDOs.
+    /// The addressing of a multiplexed PDO whose layout is computed; `None` for other PDOs.
     pub fn addressing(&self, pdo: PdoNumber) -> Option<Addressing> {
         self.multiplexed.get(&pdo).copied()
     }
@@ -237,22 +237,22 @@ impl Node {
         self.profile.take();
     }
 
-    /// What the values of an object are in the unit that the configuration of the device decides, where that is
-    /// known: degrees or millimetres of a position, the unit of a speed.
+    /// The unit of an object's values that the device's configuration determines, if known: degrees or millimetres of
+    /// a position, the unit of a speed.
     pub fn scale(&self, id: NodeId, object: Multiplexer) -> Option<Unit> {
         scaling::scale(self, id, object)
     }
 
-    /// The entries of a PDO's mapping, if all of them are known and the mapping is switched on.
+    /// The entries of a PDO's mapping, if all are known and the mapping is enabled.
     pub fn mapping(&self, id: NodeId, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
         let index = pdo.mapping_index();
         let count = self.parameter(id, Multiplexer::new(index, 0))?;
-        // FEh and FFh make it a multiplexed PDO, which carries its own addresses.
+        // The counts FEh and FFh mark a multiplexed PDO, which carries its own addresses.
         let count = u8::try_from(count).ok().filter(|&count| (1..=64).contains(&count))?;
         (1..=count).map(|sub| self.parameter(id, Multiplexer::new(index, sub)).map(MappingEntry)).collect()
     }
 
-    /// What an NMT command makes of the node's state; `None` if the command is reserved.
+    /// The node's state after an NMT command; `None` if the command is reserved.
     pub fn obey(&mut self, command: Command) -> Option<State> {
         let state = match command {
             Command::START => State::OPERATIONAL,

@@ -1,6 +1,6 @@
 //! Values of objects as numbers.
 
-/// A value of 1 to 4 bytes.
+/// The number in 1 to 4 bytes.
 pub fn number(data: &[u8]) -> Option<u32> {
     let mut bytes = [0; 4];
     bytes.get_mut(..data.len())?.copy_from_slice(data);

@@ -1,8 +1,8 @@
-//! The errors of a node that were reported by EMCY and not yet taken back.
+//! Errors of a node that were reported by EMCY and not yet taken back.
 
 use crate::wire::emcy::{Emcy, EmcyCode};
 
-/// The errors that are present at a node, each with whatever belongs to its first message.
+/// The present errors of a node, each with data about its first message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct OpenErrors<T> {
     rows: Vec<(EmcyCode, T)>,
@@ -15,14 +15,13 @@ impl<T> Default for OpenErrors<T> {
 }
 
 impl<T> OpenErrors<T> {
-    /// A node that reports more different errors than this without any end of one is in a storm.
+    /// Maximum number of present errors; more different errors without any end are a storm.
     pub const MOST: usize = 16;
 
-    /// Takes an EMCY message, and returns the errors that it ends. An error that is reported again stays as old as it
-    /// was.
+    /// Handles an EMCY message, and returns the errors that it ends. A repeated error keeps its age.
     ///
-    /// The code 00xxh does not say which error is gone. Where the error register that comes with it is 0, all are. Else
-    /// those are whose class has its bit in the register no more; and the only one, whatever the register says.
+    /// The code 00xxh does not tell which error is gone. If the error register in the message is 0, all are gone.
+    /// Otherwise those are gone whose class has no bit in the register; and a single error is gone with any register.
     pub fn handle(&mut self, emcy: &Emcy, what: impl FnOnce() -> T) -> Vec<(EmcyCode, T)> {
         let Some(code) = emcy.code() else { return Vec::new() };
         if !code.is_reset() {
@@ -40,12 +39,12 @@ impl<T> OpenErrors<T> {
         self.rows.extract_if(.., gone).collect()
     }
 
-    /// The errors that are present.
+    /// The present errors.
     pub fn iter(&self) -> impl Iterator<Item = (EmcyCode, &T)> {
         self.rows.iter().map(|row| (row.0, &row.1))
     }
 
-    /// The node has started anew: nothing of it is left.
+    /// Removes all errors, at a restart of the node.
     pub fn clear(&mut self) {
         self.rows.clear();
     }

@@ -1,9 +1,9 @@
-//! Which of the models that the user's program knows a node is, by what the node shows of itself: device type (1000h),
-//! name (1008h), identity (1018h), and whatever else tells models apart.
+//! Recognises the model of a node by the objects that it shows: device type (1000h), name (1008h), identity (1018h),
+//! and further objects that distinguish models.
 //!
-//! A model is a candidate as long as nothing that the trace has shown contradicts its facts. It is recognised when
-//! something also speaks for it: vendor-ID and product code, or device type and name. Where several are recognised at
-//! once, they differ in nothing that they show; the first of them stands for all if their PDOs are alike.
+//! A model is a candidate as long as the trace does not contradict its facts. It is recognised when the trace also
+//! confirms vendor-ID and product code, or device type and name. If several models are recognised at once, they do
+//! not differ in the objects shown; the first stands for all if their PDOs are alike.
 
 use super::number::number;
 use crate::dictionary::{KnownDevice, Value};
@@ -13,38 +13,38 @@ use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
-/// A model that nodes can be recognised as.
+/// A model as which nodes can be recognised.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// Its name.
     pub id: Arc<str>,
-    /// What a node of this model shows.
+    /// The values that a node of this model shows.
     pub facts: Vec<(Multiplexer, Fact)>,
-    /// What is then known of the node.
+    /// The knowledge of such a node.
     pub device: Arc<KnownDevice>,
-    /// Whether the user has said so: all its facts must have been seen, and models that nobody named stand back.
+    /// Whether the user named this model: all its facts must then be shown, and other models step back.
     pub is_said: bool,
 }
 
-/// The models that nodes can be recognised as: worked out when they are first needed, as that may cost more than a short
-/// capture does.
+/// The models as which nodes can be recognised; loaded at the first use, as loading may take longer than decoding a
+/// short capture.
 #[derive(Clone, Default)]
 pub struct Candidates(Option<Arc<LazyLock<Arc<[Candidate]>, Find>>>);
 
 type Find = Box<dyn FnOnce() -> Arc<[Candidate]> + Send>;
 
 impl Candidates {
-    /// What `find` gives when it is asked.
+    /// Calls `find` at the first use.
     pub fn new(find: impl FnOnce() -> Arc<[Candidate]> + Send + 'static) -> Self {
         Self(Some(Arc::new(LazyLock::new(Box::new(find)))))
     }
 
-    /// Whether the value of an object may tell what a node is.
+    /// Whether the value of an object may identify a node.
     pub(super) fn want(&self, object: Multiplexer) -> bool {
         self.0.is_some() && Self::OBJECTS.contains(&object)
     }
 
-    /// The objects that may tell what a node is.
+    /// The objects that may identify a node.
     pub const OBJECTS: [Multiplexer; 9] = [
         DEVICE_TYPE,
         NAME,
@@ -57,7 +57,7 @@ impl Candidates {
         Multiplexer::new(encoder::PROFILE_AND_SOFTWARE_VERSION, 0),
     ];
 
-    /// The models that a node may be that has shown this: nothing contradicts them, and something speaks for them.
+    /// The models that match the objects shown: no contradiction, and enough confirmation.
     pub fn fitting(&self, shown: &Shown) -> Vec<Arc<str>> {
         let candidates = self.get();
         let fitting = candidates.iter().filter(|candidate| candidate.evidence(shown).is_some());
@@ -69,25 +69,25 @@ impl Candidates {
     }
 }
 
-/// What a node of a model shows when an object is read: one of [`Candidates::OBJECTS`].
+/// The value that a node of a model has in one of [`Candidates::OBJECTS`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Fact {
     /// One of these numbers.
     Number(Vec<u32>),
     /// This text.
     Text(String),
-    /// A text that begins so.
+    /// A text with this beginning.
     Begins(String),
 }
 
-/// As what a node was recognised.
+/// The result of a recognition.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Recognition {
     /// The model.
     pub model: Arc<str>,
-    /// Others that it may as well be, which differ in nothing that was seen.
+    /// Other models that match equally well.
     pub or: Vec<Arc<str>>,
-    /// The objects that tell.
+    /// The objects that confirm the model.
     pub by: Vec<Multiplexer>,
 }
 
@@ -96,14 +96,14 @@ const NAME: Multiplexer = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
 const VENDOR: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
 const PRODUCT: Multiplexer = Multiplexer::new(object::IDENTITY, 2);
 
-/// What a node has shown of the objects that tell models apart: their values as they were transferred.
+/// The values of identifying objects that a node has shown, as transferred.
 pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;
 
-/// No name of a device is longer.
+/// Maximum length of a device name.
 pub(super) const LONGEST: usize = 64;
 
 impl Candidate {
-    /// The model of that description: its facts are the defaults of 1000h, 1008h and 1018h:01 and :02.
+    /// The model of a description: its facts are the defaults of 1000h, 1008h and 1018h:01 and :02.
     pub fn of(id: &str, device: Arc<KnownDevice>) -> Self {
         let fact = |object| {
             let value = device.description.dictionary.entry(object).ok()?.start_value(NodeId::MIN)?;
@@ -117,18 +117,18 @@ impl Candidate {
         Self { id: id.into(), facts, device, is_said: false }
     }
 
-    /// What the user says that a node is which shows all of this.
+    /// A model named by the user, for nodes that show all of these facts.
     pub fn said(id: &str, facts: Vec<(Multiplexer, Fact)>, device: Arc<KnownDevice>) -> Self {
         Self { id: id.into(), facts, device, is_said: true }
     }
 
-    /// Replaces or adds a fact.
+    /// Sets a fact.
     pub fn set(&mut self, object: Multiplexer, fact: Fact) {
         self.facts.retain(|known| known.0 != object);
         self.facts.push((object, fact));
     }
 
-    /// The objects whose facts were seen to hold; `None` if one does not hold or they are too few.
+    /// The objects that confirm the facts; `None` if one contradicts them or there are too few.
     fn evidence(&self, shown: &Shown) -> Option<Vec<Multiplexer>> {
         let mut seen = Vec::new();
         for (object, fact) in &self.facts {
@@ -147,7 +147,7 @@ impl Candidate {
         (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
     }
 
-    /// Whether the PDOs that both have are laid out and sent alike.
+    /// Whether the PDOs of both have the same layout and transmission.
     fn has_pdos_of(&self, other: &Self) -> bool {
         let start = |candidate: &Self, object| {
             let entry = candidate.device.description.dictionary.entry(object).ok()?;
@@ -161,7 +161,7 @@ impl Candidate {
 }
 
 impl Fact {
-    /// Whether an object's value is as it says.
+    /// Whether an object's value matches the fact.
     pub fn holds(&self, data: &[u8]) -> bool {
         match self {
             Self::Number(any) => number(data).is_some_and(|number| any.contains(&number)),
@@ -172,12 +172,12 @@ impl Fact {
     }
 }
 
-/// The model of a node that has shown this, and its place among the candidates.
+/// The model of a node that has shown these values, and its index among the candidates.
 pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usize, Recognition)> {
     let all = candidates.iter().enumerate();
     let mut fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?)));
     let (place, first, by) = fitting.next()?;
-    // Where the user says what a node is, other models need not be ruled out.
+    // With a model named by the user, other models need not be excluded.
     let others: Vec<_> =
         fitting.map(|(_, candidate, _)| candidate).filter(|other| other.is_said || !first.is_said).collect();
     others.iter().all(|other| first.has_pdos_of(other)).then(|| {

@@ -1,5 +1,5 @@
-//! Physical values of encoders (CiA 406), as the device is configured at this moment: degrees or millimetres of a
-//! position, the unit of a speed.
+//! Physical values of encoders (CiA 406) in the current configuration: degrees or millimetres of a position, the unit
+//! of a speed.
 
 use super::node::Node;
 use crate::dictionary::Unit;
@@ -27,8 +27,8 @@ pub const fn is_scaling_parameter(object: Multiplexer) -> bool {
     )
 }
 
-/// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
-/// object has no such unit or too little is known.
+/// The physical unit of an object that the device's configuration determines; `None` if there is none or too little
+/// is known.
 pub fn scale(node: &Node, id: NodeId, object: Multiplexer) -> Option<Unit> {
     if !may_scale(object) || node.profile(id) != Some(ENCODER_PROFILE) {
         return None;
@@ -41,7 +41,7 @@ pub fn scale(node: &Node, id: NodeId, object: Multiplexer) -> Option<Unit> {
     }
 }
 
-/// Positions, limits and offsets of positions, speeds.
+/// Positions, limits and offsets of positions, and speeds.
 const fn may_scale(object: Multiplexer) -> bool {
     match object.index.0 {
         encoder::PRESET_VALUE | encoder::POSITION_VALUE | encoder::POSITION_RAW_VALUE | encoder::OFFSET_VALUE => {
@@ -59,7 +59,7 @@ const fn may_scale(object: Multiplexer) -> bool {
     }
 }
 
-/// Steps of a position. `raw` ones are the sensor's own, whatever scaling is set.
+/// The unit of a position in steps. `raw` steps are the sensor's own, independent of the scaling.
 fn position(of: impl Fn(u16, u8) -> Option<u32>, raw: bool) -> Option<Unit> {
     match of(object::DEVICE_TYPE, 0)? >> 16 {
         // Rotary: 01h to 05h of CiA 406; 0Bh of newer devices.
@@ -87,8 +87,8 @@ fn position(of: impl Fn(u16, u8) -> Option<u32>, raw: bool) -> Option<Unit> {
     }
 }
 
-/// Speeds: the description may name a bit of 6000h "Speed format"; else it is known of one manufacturer; else
-/// multiplier and divisor of 6031h tell.
+/// The unit of a speed: from a bit of 6000h that the description calls "Speed format"; else by the rule of one
+/// manufacturer; else from multiplier and divisor in 6031h.
 fn speed(node: &Node, of: impl Fn(u16, u8) -> Option<u32>) -> Option<Unit> {
     let format = named_format(node, &of).or_else(|| format_of_kuebler(&of));
     match format {

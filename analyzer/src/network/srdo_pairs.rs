@@ -1,23 +1,24 @@
-//! The two frames of each SRDO, and which CAN-IDs of 101h to 180h carry SRDOs where no parameters tell.
+//! Pairs the two frames of each SRDO, and finds the CAN-IDs of 101h to 180h that carry SRDOs without known
+//! parameters.
 
 use crate::NodeId;
 use crate::wire::srdo::{Fit, Half, Pair, Srdo, is_inverse};
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::BTreeMap;
 
-/// The SRDO pairs of a bus. A pair is one only when the inverted data were seen after the data; until then its
-/// frames are of no known use.
+/// The SRDO pairs of a bus. Two CAN-IDs are a pair only after the inverted data followed the data; until then their
+/// frames have no known use.
 #[derive(Clone, Default)]
 pub struct SrdoPairs {
-    /// By [`Pair::position`]; not made before the first frame.
+    /// The pairs by [`Pair::position`]; empty before the first frame.
     pairs: Vec<PairState>,
-    /// Those whose parameters are known, by node and number.
+    /// The pairs with known parameters, by node and number.
     configured: BTreeMap<(NodeId, u8), PairState>,
 }
 
 #[derive(Clone, Copy, Default)]
 struct PairState {
-    /// It was seen to be a pair.
+    /// Whether it is known to be a pair.
     known: bool,
     /// The data whose inverse is due.
     normal: Option<(Timestamp, Frame)>,
@@ -28,7 +29,7 @@ struct PairState {
 const VALIDATION_TIME: Duration = Duration(255_000_000);
 
 impl SrdoPairs {
-    /// Takes a frame; `None` where it is not known to be of an SRDO.
+    /// Handles a frame; `None` if it is not known to be part of an SRDO.
     pub fn handle(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Option<(Pair, Srdo)> {
         let (pair, half) = Pair::of(can_id)?;
         if self.pairs.is_empty() {
@@ -40,7 +41,7 @@ impl SrdoPairs {
         state.known.then_some((pair, Srdo { number: None, half, fit }))
     }
 
-    /// Takes a frame of an SRDO whose parameters are known.
+    /// Handles a frame of an SRDO with known parameters.
     pub fn configured(&mut self, now: Timestamp, node: NodeId, number: u8, half: Half, frame: &Frame) -> Srdo {
         let state = self.configured.entry((node, number)).or_default();
         Srdo { number: Some(number), half, fit: state.take(now, half, frame) }

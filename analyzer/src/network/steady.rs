@@ -1,4 +1,4 @@
-//! Frames that change nothing: whoever does not want to see them need not have them decoded.
+//! Frames without effect: a reader that does not need them need not have them decoded.
 
 use super::Decoded;
 use super::bus::Bus;
@@ -8,27 +8,27 @@ use crate::message::{Message, Service};
 use crate::wire::srdo::Pair;
 use canvass_traces::{ChannelId, Frame, FrameKind, Record, SkipSet};
 
-/// Frames like one that was just taken, which change nothing of what is known of the bus and bring nothing about, and are
-/// about the same node and service; only their payloads tell something new.
+/// Frames like the current one, which change no state and cause no event, and concern the same node and service; only
+/// their payloads are new.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Steady {
     /// All classical data frames with this 11-bit CAN-ID.
     Id(u16),
-    /// Those with this CAN-ID and this byte alone.
+    /// Frames with this CAN-ID and this byte alone.
     Byte(u16, u8),
     /// All classical data frames with 29-bit CAN-IDs.
     Extended,
 }
 
 impl Steady {
-    /// Those that are like a classical data frame, as far as the CAN-ID tells.
+    /// The frames like this classical data frame, as far as the CAN-ID tells.
     pub fn like(frame: &Frame) -> Option<Self> {
         let is_extended =
             frame.id().is_extended() && frame.kind() == FrameKind::Data && !frame.is_fd() && !frame.is_xl();
         frame.cob_id().map(Self::Id).or_else(|| is_extended.then_some(Self::Extended))
     }
 
-    /// Skips them.
+    /// Adds them to the set of skipped frames.
     pub fn skip(self, channel: ChannelId, set: &mut SkipSet) {
         match self {
             Self::Id(can_id) => set.all(channel, can_id),
@@ -39,30 +39,30 @@ impl Steady {
 }
 
 impl Bus {
-    /// Another number whenever frames that changed nothing before may change something from now on, or may mean something
-    /// else.
+    /// A number that changes whenever frames without effect may get an effect or another meaning.
     #[inline]
     pub const fn turn(&self) -> u64 {
         self.turn + self.cob_ids.changes()
     }
 
-    /// Which frames like the last one change nothing, until [`Bus::turn`] is another number, or a frame with that CAN-ID
-    /// comes that is not like it. To be asked when it has been taken.
+    /// The frames like the last one that have no effect, until [`Bus::turn`] changes or a different frame with that
+    /// CAN-ID comes. Call it after the frame was handled.
     ///
-    /// All state that depends on a frame alone was made by the last one: the node is there, its PDO's layout is worked out.
+    /// All state that depends on a frame alone was made by the last one: the node exists, its PDO's layout is
+    /// computed.
     #[inline]
     pub fn steady(&self, record: &Record, decoded: &Decoded) -> Option<Steady> {
         let frame = &record.frame;
         let Some(can_id) = frame.cob_id() else { return Steady::like(frame) };
         let (used, source) = self.cob_ids.get(can_id);
         let is_steady = match used {
-            // What a multiplexed PDO is about is in its payload.
+            // The payload of a multiplexed PDO names its object.
             Use::Pdo(..) => matches!(decoded.message, Message::Pdo(_)),
             Use::ErrorControl(node) if source == Source::Predefined => {
                 let byte = heartbeat(self.node(node)?, decoded)?;
                 return (*frame.data() == [byte]).then_some(Steady::Byte(can_id, byte));
             }
-            // Of other sources, what fits and what does not is counted.
+            // Uses from other sources count which frames fit.
             Use::Sync | Use::Time | Use::GlobalFailSafe => source == Source::Predefined,
             // Two of these may turn out to be a pair.
             Use::Unknown => Pair::of(can_id).is_none() && !self.cob_ids.is_doubted(can_id),
@@ -72,29 +72,29 @@ impl Bus {
     }
 }
 
-/// The byte of a heartbeat that says once more what is known: that its node beats, and has this state.
+/// The byte of a heartbeat that only repeats the known state.
 fn heartbeat(node: &Node, decoded: &Decoded) -> Option<u8> {
     let Message::ErrorControl(message) = decoded.message else { return None };
     let is_known = node.state == Some((message.state, Cause::ErrorControl)) && node.guarding.beats();
     (decoded.service == Service::Heartbeat && is_known && !message.toggle).then_some(message.state.0)
 }
 
-/// Skips frames that change nothing and that nobody wants to see.
+/// Skips frames that have no effect and that the reader does not need.
 #[derive(Default, Debug)]
 pub struct Skipping {
     set: SkipSet,
-    /// The turn of each bus when its frames were last looked at.
+    /// The turn of each bus at the last check of its frames.
     turns: Vec<u64>,
 }
 
 impl Skipping {
-    /// What is skipped.
+    /// The skipped frames.
     pub const fn set(&mut self) -> &mut SkipSet {
         &mut self.set
     }
 
-    /// The bus has taken a frame. Those that are like it are skipped from now on, if `is_unwanted` says of them that
-    /// nobody wants to see them.
+    /// Handles a frame after the bus has: frames like it are skipped from now on, if `is_unwanted` says that the
+    /// reader does not need them.
     #[inline]
     pub fn taken(&mut self, bus: &Bus, record: &Record, decoded: &Decoded, is_unwanted: impl FnOnce(Steady) -> bool) {
         if self.turns.get(usize::from(record.channel.0)) != Some(&bus.turn()) {

@@ -1,26 +1,26 @@
-//! Objects that act when they are written. What they did is not undone by writing the value that they had before, so no tool
-//! puts them back, downloads them as a configuration, or tells its user to write them.
+//! Objects that act when they are written. Writing the former value does not undo the action, so no tool restores
+//! them, downloads them as a configuration, or tells its user to write them.
 
 use super::encoder;
 use crate::identity::Multiplexer;
 
-/// What an object does when it is written.
+/// The action of writing an object.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Acting {
     /// Clears a history or a counter: 1003h (CiA 301, 7.5.2.3).
     Clears,
     /// Takes a signature, and stores or restores parameters: 1010h, 1011h (CiA 301, 7.5.2.13, 7.5.2.14).
     Stores,
-    /// Sets a clock that goes on by itself: 1013h (CiA 301, 7.5.2.16).
+    /// Sets a running clock: 1013h (CiA 301, 7.5.2.16).
     SetsClock,
-    /// Carries out a command: an operating system command, a program download, an NMT request to others.
+    /// Carries out a command: an operating system command, a program download, an NMT request to other nodes.
     Commands,
     /// Moves the zero point of a position or an angle.
     MovesZeroPoint,
 }
 
 impl Acting {
-    /// What an object of the communication profile does (CiA 301, 7.5.2; CiA 302).
+    /// The action of an object of the communication profile (CiA 301, 7.5.2; CiA 302).
     pub const fn of_communication(at: Multiplexer) -> Option<Self> {
         Some(match at.index.0 {
             super::PREDEFINED_ERROR_FIELD => Self::Clears,
@@ -34,7 +34,7 @@ impl Acting {
         })
     }
 
-    /// What an object of the encoder profile does (CiA 406).
+    /// The action of an object of the encoder profile (CiA 406).
     pub const fn of_encoder(at: Multiplexer) -> Option<Self> {
         match at.index.0 {
             encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET | encoder::CHANNEL_PRESET_VALUES => {

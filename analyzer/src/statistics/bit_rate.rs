@@ -1,19 +1,19 @@
 //! The bit rate of a bus, inferred from frames that follow each other without a pause.
 //!
 //! When several nodes wait for the bus, the next frame begins right after the intermission: the distance of two time
-//! stamps is then the number of bits of the second frame, taken at the bit rate. Such pairs agree on one of the usual
-//! bit rates; all other pairs are further apart and agree on nothing.
+//! stamps is then the length of the second frame in bits, divided by the bit rate. Such pairs agree on one of the
+//! usual bit rates; all other pairs are further apart and agree on none.
 
 use super::peak::Peak;
 use canvass_traces::{Duration, Timestamp};
 
-/// The bit rates that CANopen buses have, in bit/s, the fastest first.
+/// The usual bit rates of CANopen buses in bit/s, the fastest first.
 pub const RATES: [u32; 9] = [1_000_000, 800_000, 500_000, 250_000, 125_000, 100_000, 50_000, 20_000, 10_000];
 
-/// The time of a bit at each of them, in nanoseconds.
+/// The duration of a bit at each of them, in nanoseconds.
 const BIT_TIMES: [u64; RATES.len()] = [1_000, 1_250, 2_000, 4_000, 8_000, 10_000, 20_000, 50_000, 100_000];
 
-/// Between each two of these times, in nanoseconds.
+/// The borders between these durations, in nanoseconds.
 const BETWEEN: [u32; RATES.len() - 1] = [1_120, 1_600, 3_000, 6_000, 9_000, 15_000, 35_000, 75_000];
 
 /// Infers the bit rate.
@@ -21,36 +21,36 @@ const BETWEEN: [u32; RATES.len() - 1] = [1_120, 1_600, 3_000, 6_000, 9_000, 15_0
 pub struct BitRate {
     last: Option<Timestamp>,
     votes: [u32; RATES.len()],
-    /// The one that was voted for last.
+    /// The rate with the latest vote.
     guess: usize,
-    /// Pairs that are closer than the guess of then allows.
+    /// Number of pairs closer than each guess allows.
     too_close: [u32; RATES.len()],
 }
 
 impl BitRate {
-    /// So many pairs of frames must agree.
+    /// Least number of agreeing pairs.
     const ENOUGH: u32 = 20;
-    /// And so many times more than on any other bit rate.
+    /// The best rate needs this many times more votes than any other.
     const CLEAR: u32 = 4;
-    /// A rate that one of so many pairs contradicts by being too close is none: a master that always leaves the same
-    /// pause looks like a slow bus.
+    /// A rate is rejected if one pair in this number contradicts it by being too close: a master that always leaves
+    /// the same pause looks like a slow bus.
     const CONTRADICTED: u32 = 20;
 
-    /// Takes a frame with its bits, intermission included.
+    /// Handles a frame with its length in bits, intermission included.
     #[inline]
     pub fn frame(&mut self, now: Timestamp, bits: u32) {
         let Some(last) = self.last.replace(now) else { return };
         let elapsed = now.since(last).nanos();
-        // No frame of 44 to 160 bits takes less or more at these rates.
+        // At these rates a frame of 44 to 160 bits takes neither less nor more.
         if bits == 0 || !(40_000..=20_000_000).contains(&elapsed) {
             return;
         }
         if !fits(self.guess, bits, elapsed) {
-            // By far: clocks of interfaces jitter.
+            // A clear margin, because the clocks of interfaces jitter.
             let closer = elapsed < u64::from(bits) * BIT_TIMES[self.guess] / 8 * 7;
             self.too_close[self.guess] = self.too_close[self.guess].saturating_add(u32::from(closer));
             let bit_time = elapsed as u32 / bits;
-            // The only one that it can be: what is tolerated is far less than they are apart.
+            // The only possible rate: the tolerance is far smaller than the distance between rates.
             let nearest = BETWEEN.iter().map(|between| usize::from(bit_time > *between)).sum();
             if !fits(nearest, bits, elapsed) {
                 return;
@@ -60,14 +60,14 @@ impl BitRate {
         self.votes[self.guess] = self.votes[self.guess].saturating_add(1);
     }
 
-    /// The next frame does not follow the last one.
+    /// Tells that the next frame does not directly follow the last one.
     pub const fn pause(&mut self) {
         self.last = None;
     }
 
-    /// The bit rate, if enough frames agree and times are fine enough: `slack` is how far they may be off. One at which
-    /// `fullest`, the most bits that came within [`Peak::WINDOW`], don't fit is wrong: then it is the next one at which
-    /// they do.
+    /// The bit rate, if enough frames agree and the times are fine enough: `slack` is the error of the times. A rate
+    /// at which `fullest`, the highest number of bits within [`Peak::WINDOW`], does not fit is replaced by the next
+    /// one at which it does.
     pub fn inferred(&self, slack: Duration, fullest: u64) -> Option<u32> {
         const FINE: Duration = Duration::from_micros(20);
         if slack >= FINE {
@@ -80,14 +80,14 @@ impl BitRate {
     }
 }
 
-/// The bit rate that clearly has the most votes.
+/// The bit rate with a clear majority of votes.
 fn elected(votes: [u32; RATES.len()]) -> Option<u32> {
     let (best, most) = RATES.into_iter().zip(votes).max_by_key(|row| row.1)?;
     let second = RATES.into_iter().zip(votes).filter(|row| row.0 != best).map(|row| row.1).max().unwrap_or(0);
     (most >= BitRate::ENOUGH && most / BitRate::CLEAR >= second).then_some(best)
 }
 
-/// Whether so many bits take that time, in nanoseconds, at one of the rates.
+/// Whether this number of bits takes that time, in nanoseconds, at one of the rates.
 #[inline]
 fn fits(rate: usize, bits: u32, elapsed: u64) -> bool {
     let exact = u64::from(bits) * BIT_TIMES[rate];

@@ -1,4 +1,4 @@
-//! Figures of one bus.
+//! Statistics of one bus.
 
 use super::bit_rate::BitRate;
 use super::load::Load;
@@ -12,7 +12,7 @@ use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
-/// Collects the figures of one bus.
+/// Collects the statistics of one bus.
 pub struct Statistics {
     frames: [u64; Service::ALL.len()],
     bits: [u64; Service::ALL.len()],
@@ -22,48 +22,48 @@ pub struct Statistics {
     bit_rate: BitRate,
     nodes: PerNode<Option<Box<NodeStatistics>>>,
     test_run: TestRun,
-    /// When the window of all peaks began.
+    /// The begin of the current window of all peaks.
     window: Timestamp,
     peak: Peak,
     peaks: [Peak; Service::ALL.len()],
     copies: u64,
-    /// Frames whose times are no multiples of 10 µs: without them, the clock is too coarse for a bit rate.
+    /// Number of frames whose times are no multiples of 10 µs: without them, the clock is too coarse for a bit rate.
     fine: u64,
-    /// For what nodes have many of.
+    /// Memory for the lists of nodes.
     room: Room,
 }
 
-/// The figures of one bus.
+/// The statistics of one bus.
 #[derive(Clone, Debug)]
 pub struct BusStatistics {
-    /// The frames by service: in the order of [`Service::ALL`].
+    /// Number of frames by service, in the order of [`Service::ALL`].
     pub frames: [u64; Service::ALL.len()],
-    /// The bits of these frames, with stuff bits and intermission.
+    /// Number of their bits, with stuff bits and intermission.
     pub bits: [u64; Service::ALL.len()],
-    /// The first frame.
+    /// Time of the first frame.
     pub first: Timestamp,
-    /// The last frame.
+    /// Time of the last frame.
     pub last: Timestamp,
-    /// The bit rate in bit/s, as said or inferred.
+    /// The bit rate in bit/s, given or inferred.
     pub bit_rate: Option<u32>,
     /// Whether it was inferred.
     pub is_inferred: bool,
     /// Bits over time.
     pub load: Load,
-    /// The fullest moment.
+    /// The fullest window.
     pub peak: Peak,
-    /// The fullest moment of each service, in the order of [`Service::ALL`].
+    /// The fullest window of each service, in the order of [`Service::ALL`].
     pub peaks: [Peak; Service::ALL.len()],
-    /// Frames that the interface recorded twice; they are counted as frames, and nowhere else.
+    /// Number of frames that the interface recorded twice; only the number of frames includes them.
     pub copies: u64,
-    /// The nodes that sent something, or were asked and did not answer.
+    /// The nodes that sent a frame, or did not answer a request.
     pub nodes: Vec<(NodeId, NodeStatistics)>,
     /// The cases of a conformance test, if there was one.
     pub test_run: TestRun,
 }
 
 impl Statistics {
-    /// No figures yet; what nodes have many of takes its memory from `room`.
+    /// Begins the statistics; lists of nodes take their memory from `room`.
     pub fn new(room: Room) -> Self {
         Self {
             frames: Default::default(),
@@ -83,8 +83,7 @@ impl Statistics {
         }
     }
 
-    /// Takes a frame.
-    /// `bits` are those that it takes on the bus, with the intermission; 0 where that is not known.
+    /// Counts a frame. `bits` is its length with the intermission; 0 if unknown.
     pub fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, bus: &Bus) {
         let now = record.timestamp;
         if now.since(self.window) >= Peak::WINDOW || now < self.window {
@@ -115,7 +114,7 @@ impl Statistics {
         }
     }
 
-    /// What was counted since the window began is that of the window.
+    /// Ends the window: the bits counted since its begin are its own.
     #[cold]
     fn end_window(&mut self) {
         self.peak.end(self.window, self.bits.iter().sum());
@@ -133,19 +132,19 @@ impl Statistics {
         self.copies += 1;
     }
 
-    /// How many frames were copies.
+    /// The number of copies.
     pub const fn copies(&self) -> u64 {
         self.copies
     }
 
-    /// The bit rate in bit/s as far as the frames show it.
+    /// The inferred bit rate in bit/s, if the frames show it.
     pub fn inferred_bit_rate(&self) -> Option<u32> {
         let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
         let fullest = self.peak.with(self.window, self.bits.iter().sum()).map_or(0, |best| best.1);
         self.bit_rate.inferred(slack, fullest)
     }
 
-    /// A command to all nodes has changed the states of those that are there.
+    /// Notes the states of existing nodes after a command to all nodes.
     fn commanded(&mut self, now: Timestamp, bus: &Bus) {
         for id in NodeId::all() {
             let Some((state, Cause::Command)) = bus.node(id).and_then(|node| node.state) else { continue };
@@ -158,7 +157,7 @@ impl Statistics {
         }
     }
 
-    /// The figures; the bit rate is the one that was said, or inferred.
+    /// The statistics, with the given bit rate or else the inferred one.
     pub fn finish(mut self, now: Timestamp, bit_rate: Option<u32>) -> BusStatistics {
         self.end_window();
         let first = self.first.unwrap_or(now);
@@ -181,39 +180,39 @@ impl Statistics {
 }
 
 impl BusStatistics {
-    /// From the first to the last frame.
+    /// Time from the first to the last frame.
     pub fn duration(&self) -> Duration {
         self.last.since(self.first)
     }
 
-    /// All frames.
+    /// Number of all frames.
     pub fn total(&self) -> u64 {
         self.frames.iter().sum()
     }
 
-    /// The bit rate in words, and whether it was inferred: `500 kbit/s (inferred)`.
+    /// The bit rate in words, and whether it is inferred: `500 kbit/s (inferred)`.
     pub fn bit_rate_text(&self) -> Option<String> {
         let inferred = if self.is_inferred { " (inferred)" } else { "" };
         self.bit_rate.map(|rate| format!("{} kbit/s{inferred}", f64::from(rate) / 1000.0))
     }
 
-    /// The mean load in percent, where the bit rate is known.
+    /// The mean load in percent, if the bit rate is known.
     pub fn mean_load(&self) -> Option<f64> {
         self.share_of_load(self.bits.iter().sum())
     }
 
-    /// The load of the fullest tenth of a second in percent, and when that was; where the bit rate is known.
+    /// The load of the fullest tenth of a second in percent and its time, if the bit rate is known.
     pub fn peak_load(&self) -> Option<(Timestamp, f64)> {
         self.peak.percent(self.bit_rate?)
     }
 
-    /// The mean load that some of the bits make in percent, where the bit rate is known.
+    /// The mean load of this number of bits in percent, if the bit rate is known.
     pub fn share_of_load(&self, bits: u64) -> Option<f64> {
         let bit_rate = self.bit_rate.filter(|_| self.duration() > Duration::ZERO)?;
         Some(Load::percent(bits, self.duration(), bit_rate))
     }
 
-    /// How many of so many frames came in a second, on average; `None` of a capture without duration.
+    /// The average rate of this number of frames per second; `None` for a capture without duration.
     pub fn rate(&self, frames: u64) -> Option<f64> {
         let seconds = self.duration().nanos() as f64 / 1e9;
         (seconds > 0.0).then(|| frames as f64 / seconds)

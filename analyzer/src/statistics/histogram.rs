@@ -1,5 +1,5 @@
-//! How often which times occurred, rounded to three digits: quantiles of any number of values in constant memory, exact
-//! to the digits that are shown.
+//! A histogram of times, rounded to three digits: quantiles of any number of values in constant memory, exact in
+//! the displayed digits.
 //!
 //! ```text
 //! 1 to 999 ns as they are; then 900 buckets from each power of ten to the next: 1.00 to 9.99 µs, 10.0 to 99.9 µs, ...
@@ -8,19 +8,19 @@
 use crate::room::Room;
 use canvass_traces::Duration;
 
-/// From 100 to 999.
+/// Number of buckets per decade: the digits from 100 to 999.
 const BUCKETS: usize = 900;
-/// The first three digits of a time have at most so many digits after them.
+/// Maximum number of digits after the first three.
 const DECADES: usize = 18;
 
-/// How often which times occurred.
+/// The number of occurrences of each time.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Histogram {
-    /// Times below 100 ns, then the decades; each is made when it is first needed.
+    /// Times below 100 ns, then the decades; each is allocated at its first use.
     short: Vec<u32>,
     decades: [Vec<u32>; DECADES],
     count: u64,
-    /// Those for whose decade there was no room.
+    /// Number of times whose decade had no room.
     unplaced: u64,
     max: Duration,
     min: Option<Duration>,
@@ -48,23 +48,23 @@ impl Histogram {
         self.min = Some(self.min.map_or(time, |min| min.min(time)));
     }
 
-    /// How many times were counted.
+    /// Number of times.
     pub const fn count(&self) -> u64 {
         self.count
     }
 
-    /// The longest; `None` of none.
+    /// The longest time; `None` if there is none.
     pub fn max(&self) -> Option<Duration> {
         (self.count > 0).then_some(self.max)
     }
 
-    /// The shortest; `None` of none.
+    /// The shortest time; `None` if there is none.
     pub const fn min(&self) -> Option<Duration> {
         self.min
     }
 
-    /// The time that `percent` of all do not exceed, rounded to three digits; `None` of none, or where there was no room
-    /// for all.
+    /// The time that `percent` of all times do not exceed, rounded to three digits; `None` if there is none, or room
+    /// was missing.
     pub fn quantile(&self, percent: u64) -> Option<Duration> {
         if self.unplaced > 0 {
             return None;
@@ -79,7 +79,7 @@ impl Histogram {
         found.map(|(time, _)| time).or(self.max())
     }
 
-    /// The times that have occurred, rounded to three digits, and how often each.
+    /// The times rounded to three digits, with the number of each.
     pub fn rows(&self) -> impl Iterator<Item = (Duration, u32)> {
         let short = self.short.iter().enumerate().map(|(nanos, count)| (Duration(nanos as u64), *count));
         let long = (0_u32..).zip(&self.decades).flat_map(|(decade, row)| {
@@ -90,12 +90,12 @@ impl Histogram {
     }
 }
 
-/// The first three digits of a number, rounded, and how many digits come after them.
+/// The first three digits of a number, rounded, and the number of digits after them.
 fn rounded(nanos: u64) -> (usize, usize) {
     let decade = nanos.checked_ilog10().unwrap_or(0).saturating_sub(2);
     let unit = 10_u64.pow(decade);
     let digits = nanos / unit + u64::from(nanos % unit >= unit.div_ceil(2) && unit > 1);
-    // 999.5 is 1000: the first of the next decade.
+    // 999.5 rounds to 1000, the first bucket of the next decade.
     if digits < 1000 { (decade as usize, digits as usize) } else { (decade as usize + 1, 100) }
 }
 

@@ -1,4 +1,4 @@
-//! Bits on the bus over time, in a bounded number of bins: when they don't suffice, each two become one.
+//! Bits on the bus over time, in a limited number of bins: when they are used up, pairs of bins are merged.
 
 use canvass_traces::{Duration, Timestamp};
 
@@ -9,22 +9,22 @@ pub struct Load {
     width: Duration,
     bins: Vec<u64>,
     extremes: Vec<Extremes>,
-    /// The [`Load::FINEST`] time that is being counted: its number since the start, and its bits.
+    /// The current interval of [`Load::FINEST`]: its number since the start, and its bits.
     current: (u64, u64),
-    /// When this time began.
+    /// The begin of this interval.
     begin: Timestamp,
-    /// The bin that this time belongs to.
+    /// The bin of this interval.
     bin: usize,
 }
 
-/// The emptiest and the fullest [`Load::FINEST`] time within a bin.
+/// The emptiest and the fullest interval of [`Load::FINEST`] within a bin.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Extremes {
-    /// The bits of the emptiest.
+    /// The bits of the emptiest interval.
     pub least: u64,
-    /// The bits of the fullest.
+    /// The bits of the fullest interval.
     pub most: u64,
-    /// How many of these times had frames.
+    /// Number of intervals with frames.
     counted: u32,
 }
 
@@ -43,15 +43,15 @@ impl Default for Load {
 }
 
 impl Load {
-    /// How many bins there are at most.
+    /// Maximum number of bins.
     pub const BINS: usize = 1024;
-    /// The width that bins begin with.
+    /// The initial width of bins.
     pub const FINEST: Duration = Duration::from_millis(100);
 
     /// Adds the bits of a frame.
     #[inline]
     pub fn add(&mut self, now: Timestamp, bits: u32) {
-        // Most frames come in the same time as the one before.
+        // Most frames are in the same interval as the one before.
         if now.since(self.begin) < Self::FINEST
             && now >= self.begin
             && let Some(bin) = self.bins.get_mut(self.bin)
@@ -63,11 +63,11 @@ impl Load {
         }
     }
 
-    /// Adds the bits of a frame in another time than the one before.
+    /// Adds the bits of a frame in another interval than the one before.
     #[cold]
     fn turn(&mut self, now: Timestamp, bits: u32) {
         let start = *self.start.get_or_insert(now);
-        // A clock that stepped back before the start counts for the first bin.
+        // If the clock stepped back before the start, frames count for the first bin.
         let elapsed = now.since(start).nanos();
         let finest = elapsed / Self::FINEST.nanos();
         if finest != self.current.0 {
@@ -97,7 +97,7 @@ impl Load {
         self.width = self.width.times(2);
     }
 
-    /// The time that was being counted is over.
+    /// Ends the current interval.
     fn settle(&mut self) {
         let (finest, bits) = self.current;
         let at = finest / (self.width.nanos() / Self::FINEST.nanos());
@@ -106,15 +106,15 @@ impl Load {
         }
     }
 
-    /// The emptiest and the fullest [`Load::FINEST`] time of each bin, as far as it was seen to its end: of the last
-    /// bin not all may have passed.
+    /// The emptiest and the fullest interval of [`Load::FINEST`] in each bin, among complete intervals; the last bin
+    /// may not be over.
     pub fn extremes(&self) -> Vec<Extremes> {
         let mut load = self.clone();
         load.settle();
         let times = (self.width.nanos() / Self::FINEST.nanos()) as u32;
         let last = load.extremes.len().saturating_sub(1);
         for (at, bin) in load.extremes.iter_mut().enumerate() {
-            // A time in which nothing was sent was never counted.
+            // Intervals without frames were never counted.
             if bin.counted < times && at < last {
                 bin.least = 0;
             }
@@ -122,12 +122,12 @@ impl Load {
         load.extremes
     }
 
-    /// When the first bin begins.
+    /// The begin of the first bin.
     pub const fn start(&self) -> Option<Timestamp> {
         self.start
     }
 
-    /// How long each bin is.
+    /// The width of each bin.
     pub const fn width(&self) -> Duration {
         self.width
     }
@@ -137,12 +137,12 @@ impl Load {
         &self.bins
     }
 
-    /// All bits.
+    /// Number of all bits.
     pub fn bits(&self) -> u64 {
         self.bins.iter().sum()
     }
 
-    /// A number of bits within a time, in percent of what fits.
+    /// This number of bits within a time, as a percentage of the capacity.
     pub fn percent(bits: u64, within: Duration, bit_rate: u32) -> f64 {
         let most = within.nanos() as f64 / 1e9 * f64::from(bit_rate);
         if most > 0.0 { bits as f64 * 100.0 / most } else { 0.0 }
@@ -156,7 +156,7 @@ impl Load {
 }
 
 impl Extremes {
-    /// Of several together.
+    /// The extremes of several bins together.
     fn of(parts: &[Self]) -> Self {
         let seen = || parts.iter().filter(|part| part.counted > 0);
         Self {

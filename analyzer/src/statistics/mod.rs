@@ -1,6 +1,6 @@
-//! Figures of a bus and its nodes: who was there, in which state, how much they sent, how quickly they answered.
+//! Statistics of a bus and its nodes: presence, states, traffic, response times.
 //!
-//! Everything is collected in constant memory: what could grow with the capture is folded or bounded, and says so.
+//! Memory is constant: lists that could grow with the capture are folded or limited, and say so.
 
 mod bit_rate;
 mod bus;

@@ -1,4 +1,4 @@
-//! Figures of one node.
+//! Statistics of one node.
 
 use super::histogram::Histogram;
 use super::peak::Peak;
@@ -12,59 +12,59 @@ use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
 use canvass_traces::Timestamp;
 
-/// Figures of one node.
+/// Statistics of one node.
 #[derive(Clone, Debug, Default)]
 pub struct NodeStatistics {
-    /// Its frames, and those to it, by service: in the order of [`Service::ALL`].
+    /// Number of frames from and to it, by service in the order of [`Service::ALL`].
     pub frames: [u64; Service::ALL.len()],
-    /// The bits of these frames.
+    /// Number of bits of these frames.
     pub bits: u64,
-    /// The first of them.
+    /// Time of the first one.
     pub first: Timestamp,
-    /// The last of them.
+    /// Time of the last one.
     pub last: Timestamp,
-    /// Whether it has sent anything itself: else it was only addressed.
+    /// Whether it has sent a frame itself; else it was only addressed.
     pub present: bool,
-    /// Its boot-ups.
+    /// Number of its boot-ups.
     pub boot_ups: u64,
     /// Its NMT states over time, at most [`NodeStatistics::STATES`].
     pub states: Vec<StateChange>,
-    /// How many more changes there were.
+    /// Number of further changes.
     pub states_omitted: u64,
     /// The response times of its SDO servers.
     pub responses: Histogram,
-    /// SDO transfers that were completed.
+    /// Number of completed SDO transfers.
     pub completed: u64,
-    /// SDO transfers that were aborted.
+    /// Number of aborted SDO transfers.
     pub aborted: u64,
     /// EMCY by code, at most [`NodeStatistics::CODES`] different ones.
     pub emcy: Vec<EmcyCount>,
     /// Its errors from their first EMCY to their end, at most [`NodeStatistics::ERRORS`].
     pub errors: Vec<ErrorEpisode>,
-    /// How many more there were.
+    /// Number of further errors.
     pub errors_omitted: u64,
-    /// The fullest moment of its frames.
+    /// The fullest window of its frames.
     pub peak: Peak,
-    /// Who it is, as was read from it.
+    /// Its identity, as read from it.
     pub identity: IdentityText,
-    /// The errors that are present, each with its place in `errors`.
+    /// The present errors, each with its index in `errors`.
     open_errors: OpenErrors<usize>,
-    /// SDO and guarding requests to it that it has not answered yet.
+    /// Number of SDO and guarding requests without an answer.
     pub unanswered: u64,
-    /// Whether there was a frame at all.
+    /// Whether there was any frame.
     begun: bool,
-    /// The latest SDO requests without an answer, by channel.
+    /// The unanswered SDO requests, by channel.
     asked: Vec<(ChannelIndex, Timestamp, Message)>,
 }
 
 /// A change of the NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StateChange {
-    /// When it was seen.
+    /// Time of the change.
     pub time: Timestamp,
-    /// The state from then on.
+    /// The new state.
     pub state: State,
-    /// How it is known.
+    /// The source of the knowledge.
     pub cause: Cause,
 }
 
@@ -73,40 +73,40 @@ pub struct StateChange {
 pub struct ErrorEpisode {
     /// The error code.
     pub code: EmcyCode,
-    /// The error register that came with it.
+    /// The error register in its EMCY.
     pub register: Option<ErrorRegister>,
-    /// When it was first reported.
+    /// Time of its first EMCY.
     pub raised: Timestamp,
-    /// When the node has taken it back, or started anew; `None` where the capture shows neither.
+    /// Time and kind of its end; `None` if the capture shows neither an EMCY nor a restart that ends it.
     pub ended: Option<(Timestamp, ErrorEnd)>,
 }
 
-/// How an error has ended.
+/// The end of an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ErrorEnd {
-    /// By an EMCY with the code 00xxh.
+    /// An EMCY with the code 00xxh.
     Reported,
-    /// By a boot-up of the node.
+    /// A boot-up of the node.
     BootUp,
 }
 
-/// How often an error code was sent.
+/// The number of EMCYs with an error code.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct EmcyCount {
     /// The code; 00xxh is the end of an error.
     pub code: EmcyCode,
-    /// How often.
+    /// The number.
     pub count: u64,
-    /// When first.
+    /// Time of the first one.
     pub first: Timestamp,
-    /// When last.
+    /// Time of the last one.
     pub last: Timestamp,
 }
 
-/// Who a node is, as was read from it by SDO.
+/// The identity of a node, as read from it by SDO.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct IdentityText {
-    /// 1000h.
+    /// 1000h: device type.
     pub device_type: Option<u32>,
     /// 1018h:1 to 4: vendor-ID, product code, revision number, serial number.
     pub numbers: [Option<u32>; 4],
@@ -115,20 +115,20 @@ pub struct IdentityText {
 }
 
 impl NodeStatistics {
-    /// How many changes of state are kept.
+    /// Maximum number of changes of state that are kept.
     pub const STATES: usize = 1000;
-    /// How many error codes are distinguished.
+    /// Maximum number of different error codes.
     pub const CODES: usize = 64;
-    /// How many errors are kept with their times.
+    /// Maximum number of errors kept with their times.
     pub const ERRORS: usize = 256;
-    /// How many channels of a node are waited for at a time.
+    /// Maximum number of channels of a node with an unanswered request.
     const CHANNELS: usize = 16;
-    /// How many characters of a name are kept.
+    /// Maximum number of characters of a name that are kept.
     pub const NAME: usize = 64;
-    /// A list that grows takes up to twice the memory of what is in it.
+    /// A growing list takes up to twice the memory of its content.
     const GROWTH: usize = 2;
 
-    /// Takes a frame of the node.
+    /// Counts a frame of the node.
     pub(super) fn frame(&mut self, now: Timestamp, bits: u32, decoded: &Decoded, bus: &Bus, room: &Room) {
         if !std::mem::replace(&mut self.begun, true) {
             self.first = now;
@@ -195,7 +195,7 @@ impl NodeStatistics {
         }
     }
 
-    /// A restart ends what was not taken back.
+    /// A restart ends errors that were not taken back.
     fn restarted(&mut self, now: Timestamp) {
         for (_, at) in self.open_errors.iter() {
             if let Some(error) = self.errors.get_mut(*at) {
@@ -205,7 +205,7 @@ impl NodeStatistics {
         self.open_errors.clear();
     }
 
-    /// A request; one that is repeated waits since the first time.
+    /// Handles a request; a repeated request counts from its first sending.
     fn asked(&mut self, channel: Option<ChannelIndex>, now: Timestamp, message: Message) {
         let Some(channel) = channel else { return };
         if self.asked.iter().any(|asked| asked.0 == channel && asked.2 == message) {
@@ -217,7 +217,7 @@ impl NodeStatistics {
         }
     }
 
-    /// When the request was sent that is answered or given up now.
+    /// The time of the request that is answered or abandoned.
     fn answered(&mut self, channel: Option<ChannelIndex>) -> Option<Timestamp> {
         let at = self.asked.iter().position(|asked| Some(asked.0) == channel)?;
         Some(self.asked.swap_remove(at).1)
@@ -225,7 +225,7 @@ impl NodeStatistics {
 
     fn sdo(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus, room: &Room) {
         match decoded.message {
-            // Segments of a block: the last one is answered.
+            // Only the last segment of a block is answered.
             Message::SdoRequest(Request::Abort(_) | Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
                 self.answered(decoded.channel);
             }
@@ -244,7 +244,7 @@ impl NodeStatistics {
         match transfer.outcome {
             Outcome::Complete => {
                 self.completed += 1;
-                // An answer about another object says nothing about the one that was asked for.
+                // An answer about another object says nothing about the requested one.
                 if !matches!(decoded.violation, Some(Violation::Multiplexer(_))) {
                     self.identify(transfer);
                 }
@@ -271,8 +271,8 @@ impl NodeStatistics {
         }
     }
 
-    /// The figures, if the node has sent something, or was asked and did not answer: who was only commanded may not
-    /// exist. A node that never sent anything has no state.
+    /// The statistics, if the node has sent a frame, or did not answer a request: a node that was only commanded may
+    /// not exist. A node without frames has no state.
     pub(super) fn shown(mut self) -> Option<Self> {
         if !self.present {
             self.states.clear();
@@ -280,14 +280,13 @@ impl NodeStatistics {
         (self.present || self.unanswered > 0).then_some(self)
     }
 
-    /// All frames.
+    /// Number of all frames.
     pub fn total(&self) -> u64 {
         self.frames.iter().sum()
     }
 }
 
-/// A name as a device tells it: in UTF-8, or as most firmware writes it in Latin-1. Control characters are escaped, and
-/// nothing else.
+/// A name sent by a device, in UTF-8 or, as in most firmware, in Latin-1. Only control characters are escaped.
 fn name(data: &[u8]) -> String {
     let text = match std::str::from_utf8(data) {
         Ok(text) => text.to_owned(),

@@ -1,33 +1,32 @@
-//! The fullest moment of a part of the traffic.
+//! The fullest window of a part of the traffic.
 
 use super::load::Load;
 use canvass_traces::{Duration, Timestamp};
 
-/// The window with the most bits, of windows that follow each other.
+/// The window with the most bits, among consecutive windows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Peak {
-    /// The bits of all windows that have ended.
+    /// The bits of all ended windows.
     before: u64,
     best: Option<(Timestamp, u64)>,
 }
 
 impl Peak {
-    /// How long a window is, beginning at times that are multiples of it.
+    /// Length of a window; windows begin at multiples of it.
     pub const WINDOW: Duration = Duration::from_millis(100);
 
-    /// When the window began that a time belongs to.
+    /// The begin of the window that contains a time.
     pub const fn begin(now: Timestamp) -> Timestamp {
         Timestamp(now.nanos() / Self::WINDOW.nanos() * Self::WINDOW.nanos())
     }
 
-    /// The window that began then has ended; `total` are the bits of all windows so far.
+    /// Ends the window with that begin; `total` is the number of bits of all windows so far.
     pub fn end(&mut self, begin: Timestamp, total: u64) {
         self.best = self.with(begin, total);
         self.before = total;
     }
 
-    /// The begin of the fullest window and its bits, with the one under way as that which ends; `None` where there was no
-    /// frame at all.
+    /// The begin of the fullest window and its bits, including the current window; `None` if there was no frame.
     pub const fn with(&self, begin: Timestamp, total: u64) -> Option<(Timestamp, u64)> {
         let bits = total - self.before;
         match self.best {
@@ -37,22 +36,22 @@ impl Peak {
         }
     }
 
-    /// The begin of the fullest window that has ended and its bits.
+    /// The begin of the fullest ended window and its bits.
     pub const fn best(&self) -> Option<(Timestamp, u64)> {
         self.best
     }
 
-    /// How many bits a window can hold at a bit rate: one frame may have begun before it.
+    /// Capacity of a window in bits at a bit rate: one frame may have begun before it.
     pub const fn most(bit_rate: u32) -> u64 {
         const LONGEST_FRAME: u64 = 160;
         Self::WINDOW.nanos() / 1_000 * bit_rate as u64 / 1_000_000 + LONGEST_FRAME
     }
 
-    /// The begin of the fullest window and its load in percent of what fits at that bit rate.
+    /// The begin of the fullest window and its load as a percentage of the capacity at that bit rate.
     pub fn percent(&self, bit_rate: u32) -> Option<(Timestamp, f64)> {
         let (at, bits) = self.best()?;
         let percent = Load::percent(bits, Self::WINDOW, bit_rate);
-        // What is beyond 100 % only because of the frame that has begun before is a full bus.
+        // A load above 100 % that is only due to the frame from before is a full bus.
         Some((at, if bits <= Self::most(bit_rate) { percent.min(100.0) } else { percent }))
     }
 }

@@ -1,4 +1,5 @@
-//! The cases of a conformance test, as marks cut a capture: comments of `canvass test`, frames on 7FFh of CiA's tool.
+//! The cases of a conformance test, as delimited by marks in a capture: comments of `canvass test`, frames on 7FFh of
+//! CiA's tool.
 
 use crate::CaseMark;
 use crate::room::Room;
@@ -12,16 +13,16 @@ use std::sync::Arc;
 pub struct TestRun {
     /// The cases in the order of their begin, at most [`TestRun::MOST`].
     pub cases: Vec<TestCase>,
-    /// How many more there were.
+    /// Number of further cases.
     pub omitted: u64,
 }
 
-/// What a case is called.
+/// The name of a case.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum CaseName {
-    /// By `canvass test`.
+    /// The id in `canvass test`.
     Id(Arc<str>),
-    /// By CiA's test tool.
+    /// The numbers in CiA's test tool.
     Numbered {
         /// Its group.
         group: u8,
@@ -33,34 +34,34 @@ pub enum CaseName {
 /// One case.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TestCase {
-    /// Which.
+    /// Its name.
     pub name: CaseName,
-    /// The verdict; `None` where the case was not ended.
+    /// The verdict; `None` if the end of the case is missing.
     pub verdict: Option<Arc<str>>,
-    /// When it began.
+    /// Time of its begin.
     pub begin: Timestamp,
-    /// When it ended, or the last frame of it was seen.
+    /// Time of its end, or of its last frame.
     pub end: Timestamp,
     /// The place of its first marker, or of its first frame.
     pub place: Place,
-    /// The place of its last marker, or of the last frame in it: all from `place` to here is the case.
+    /// The place of its last marker, or of its last frame.
     pub last_place: Place,
-    /// The frames in it, without the markers.
+    /// Number of frames in it, without markers.
     pub frames: u64,
 }
 
 impl TestCase {
-    /// Whether its verdict is that it has passed.
+    /// Whether its verdict is a pass.
     pub fn is_passed(&self) -> bool {
         self.verdict.as_deref() == Some("pass")
     }
 }
 
 impl TestRun {
-    /// How many cases are kept.
+    /// Maximum number of cases that are kept.
     pub const MOST: usize = 10_000;
 
-    /// A frame of CiA's test tool.
+    /// Handles a marker frame of CiA's test tool.
     pub fn marker(&mut self, now: Timestamp, place: Place, marker: CaseMarker, room: &Room) {
         let CaseMarker { group, case, verdict } = marker;
         let (name, verdict) = (CaseName::Numbered { group, case }, verdict.map(|verdict| verdict.to_string().into()));
@@ -70,13 +71,13 @@ impl TestRun {
         }
     }
 
-    /// The comment before a frame.
+    /// Handles the comment before a frame.
     #[cold]
     pub fn comment(&mut self, now: Timestamp, place: Place, comment: &str, room: &Room) {
         for CaseMark { id, verdict } in CaseMark::all(comment) {
             let name = CaseName::Id(id.into());
             let verdict = verdict.map(Arc::from);
-            // The frame after the end of a case is none of it.
+            // The frame after the end of a case does not belong to it.
             match self.open(&name).filter(|_| verdict.is_some()) {
                 Some(open) => open.verdict = verdict,
                 None if room.take(2 * id.len()) => self.begin(name, verdict, now, place, room),
@@ -85,14 +86,14 @@ impl TestRun {
         }
     }
 
-    /// The case that is under way, if it is that one.
+    /// The open case, if it has that name.
     fn open(&mut self, name: &CaseName) -> Option<&mut TestCase> {
         self.cases.last_mut().filter(|last| last.verdict.is_none() && last.name == *name)
     }
 
-    /// A begin, or the end of a case whose begin was not recorded.
+    /// Begins a case, or adds a case whose begin was not recorded, at its end.
     fn begin(&mut self, name: CaseName, verdict: Option<Arc<str>>, now: Timestamp, place: Place, room: &Room) {
-        // A list that grows takes up to twice the memory of what is in it.
+        // A growing list takes up to twice the memory of its content.
         if self.cases.len() < Self::MOST && room.take(2 * size_of::<TestCase>()) {
             self.cases.push(TestCase { name, verdict, begin: now, end: now, place, last_place: place, frames: 0 });
         } else {
@@ -100,7 +101,7 @@ impl TestRun {
         }
     }
 
-    /// Any other frame.
+    /// Handles any other frame.
     #[inline]
     pub fn frame(&mut self, now: Timestamp, place: Place) {
         if let Some(open) = self.cases.last_mut().filter(|last| last.verdict.is_none()) {

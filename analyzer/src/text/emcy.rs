@@ -1,4 +1,4 @@
-//! EMCY messages in words: those of CiA 301, and after them those of the device's manual.
+//! EMCY messages as text: the meaning by CiA 301, then that in the device's manual.
 
 use super::escaped::Escaped;
 use crate::NodeId;
@@ -10,12 +10,12 @@ use std::fmt;
 /// synchronisation failure`.
 pub struct EmcyText<'a> {
     emcy: &'a Emcy,
-    /// What the manual of the device says.
+    /// The meaning in the device's manual.
     known: Option<&'a str>,
 }
 
 impl<'a> EmcyText<'a> {
-    /// The message of a node of that bus.
+    /// The text of a node's message.
     pub fn of(emcy: &'a Emcy, node: NodeId, bus: &'a Bus) -> Self {
         let device = bus.node(node).and_then(|node| node.device.as_deref());
         let known = device.and_then(|device| device.manual.emergency(emcy));
@@ -27,7 +27,7 @@ impl fmt::Display for EmcyText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.emcy.fmt(f)?;
         let name = self.emcy.code().and_then(|code| code.name()).unwrap_or_default();
-        // Many manuals repeat the standard.
+        // Many manuals repeat the standard's text.
         match self.known.filter(|known| !name.to_lowercase().starts_with(&known.to_lowercase())) {
             Some(known) => write!(f, ": {}", Escaped(known)),
             None => Ok(()),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Escaped as by [`str::escape_debug`]. Most names need none, and are written at once.
+/// The text escaped as by [`str::escape_debug`]. Most names need no escaping and are written at once.
 pub struct Escaped<'a>(pub &'a str);
 
 impl fmt::Display for Escaped<'_> {

@@ -1,5 +1,4 @@
-//! Meanings that are the same for every such frame. Most of a bus's traffic has one, and a text that need not be made
-//! costs nothing.
+//! Fixed texts of frames: most frames of a bus have one, and need no formatting.
 
 use super::Meaning;
 use crate::message::{Message, PdoNumber, Service};
@@ -7,7 +6,7 @@ use crate::wire::error_control::{ErrorControl, State};
 use crate::wire::sync::Sync;
 
 impl Meaning<'_> {
-    /// The meaning, where it is a fixed text.
+    /// The text of the frame, if it is a fixed one.
     pub fn fixed(&self) -> Option<&'static str> {
         if self.decoded.violation.is_some() {
             return None;
@@ -24,7 +23,7 @@ impl Meaning<'_> {
         }
     }
 
-    /// One of the predefined PDOs whose mapping is not known.
+    /// A predefined PDO with unknown mapping.
     fn pdo_without_mapping(&self, number: PdoNumber) -> Option<&'static str> {
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
         if node.is_some_and(|node| node.known_layout(number).is_some()) {

@@ -1,4 +1,4 @@
-//! What a frame means, in words: one line, made for reading down a trace.
+//! The meaning of a frame as text: one line, for reading down a trace.
 
 mod emcy;
 mod escaped;
@@ -22,7 +22,7 @@ use crate::wire::error_frame::ErrorFrame;
 use canvass_traces::{ErrorClass, Record};
 use std::fmt;
 
-/// The meaning of a frame, as text. What came off the bus is escaped: the text never holds control characters.
+/// The meaning of a frame as text. Text from the bus is escaped, so that the result never has control characters.
 pub struct Meaning<'a> {
     record: &'a Record,
     decoded: &'a Decoded,
@@ -30,7 +30,7 @@ pub struct Meaning<'a> {
 }
 
 impl<'a> Meaning<'a> {
-    /// The meaning of `record`, which was just decoded on that bus.
+    /// The meaning of `record`, directly after it was decoded on that bus.
     pub const fn new(record: &'a Record, decoded: &'a Decoded, bus: &'a Bus) -> Self {
         Self { record, decoded, bus }
     }

@@ -1,4 +1,4 @@
-//! An object by its address and name, and its values in words.
+//! An object as text: its address, name and values.
 
 use super::escaped::Escaped;
 use super::value::ValueText;
@@ -48,18 +48,18 @@ impl<'a> Object<'a> {
         self.annotation.and_then(|annotation| annotation.choice(raw))
     }
 
-    /// The unit that the description or the standard gives the object.
+    /// The unit of the object in the description or the standard.
     pub fn unit(&self) -> Option<Cow<'a, Unit>> {
         let annotated = self.annotation.and_then(|annotation| annotation.unit.as_ref());
         annotated.map(Cow::Borrowed).or_else(|| unit(self.multiplexer, self.profile).map(Cow::Owned))
     }
 
-    /// The unit that the configuration of the device decides.
+    /// The unit of the object that the device's configuration determines.
     pub fn scale(&self) -> Option<Unit> {
         self.node.zip(self.id).and_then(|(node, id)| node.scale(id, self.multiplexer))
     }
 
-    /// What a bit says in that state, where that is worth saying.
+    /// The meaning of a bit in that state, if it is worth showing.
     pub fn bit(&self, bit: u8, set: bool) -> Option<&'a str> {
         match self.annotation.and_then(|annotation| annotation.bit(bit)) {
             Some(name) if set => Some(&name.name),
@@ -74,15 +74,14 @@ impl<'a> Object<'a> {
         ValueText { bytes, object: self, scale: None }
     }
 
-    /// The first bytes of a value, as many as the object's type has: of an SDO whose length is not said, or of a
-    /// PDO.
+    /// The value in the first bytes, as many as the object's type has: for an SDO without a length, or a PDO.
     pub fn leading<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
         let length = self.data_type().and_then(DataType::bytes).unwrap_or(bytes.len());
         self.value(&bytes[..length.min(bytes.len())])
     }
 }
 
-/// The names of the description; the standard's where there is none.
+/// The names of the description; without one, those of the standard.
 impl fmt::Display for Object<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.multiplexer.fmt(f)?;
@@ -98,12 +97,12 @@ impl fmt::Display for Object<'_> {
 }
 
 impl Object<'_> {
-    /// Whether the description or a standard names it.
+    /// Whether the description or a standard has a name for it.
     pub fn is_named(&self) -> bool {
         self.object.is_some() || self.standard.is_some()
     }
 
-    /// The name without the address, as it stands in the description: not escaped.
+    /// The name without the address, unescaped.
     pub fn name(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(object) = self.object else {
             return self.standard.map_or(Ok(()), |name| write!(f, "{name}"));

@@ -1,4 +1,4 @@
-//! PDOs in words: their signals where the mapping is known, else their bytes.
+//! PDOs as text: their signals if the mapping is known, else their bytes.
 
 use super::Meaning;
 use super::object::Object;
@@ -30,7 +30,7 @@ impl Meaning<'_> {
         }
     }
 
-    /// How the data of an SRDO are laid out; the inverted data say the same again.
+    /// The layout of an SRDO's data; the inverted data only repeats it.
     pub(super) fn srdo_layout(&self, srdo: &Srdo) -> Option<&Layout> {
         let node = self.bus.node(self.decoded.node?)?;
         srdo.number.filter(|_| srdo.half == Half::Normal).and_then(|number| node.known_srdo_layout(number))
@@ -41,7 +41,7 @@ impl Meaning<'_> {
         write!(f, "{number}, multiplexed, {mpdo}: {object} = {}", object.leading(&mpdo.data))
     }
 
-    /// The object is in the dictionary of the node that the address names.
+    /// The object belongs to the node that the address names.
     pub(super) fn mpdo_object(&self, mpdo: &Mpdo) -> Object<'_> {
         let addressed = match mpdo.addressing {
             Addressing::Source => NodeId::new(mpdo.node).or(self.decoded.node),

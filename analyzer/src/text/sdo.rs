@@ -1,4 +1,4 @@
-//! SDO messages in words.
+//! SDO messages as text.
 
 use super::Meaning;
 use super::object::Object;
@@ -89,7 +89,7 @@ impl Meaning<'_> {
         if segment.last { f.write_str(", the last") } else { Ok(()) }
     }
 
-    /// The transfer that the frame belongs to.
+    /// The transfer of the frame.
     fn transfer(&self) -> Option<&Transfer> {
         self.bus.transfer(self.decoded.channel?)
     }
@@ -98,7 +98,7 @@ impl Meaning<'_> {
         Object::new(self.decoded.node, self.decoded.node.and_then(|node| self.bus.node(node)), multiplexer)
     }
 
-    /// The object of the transfer under way.
+    /// The object of the open transfer.
     fn current(&self) -> Current<'_> {
         Current(self.decoded.object.map(|multiplexer| self.object(multiplexer)))
     }
@@ -132,7 +132,7 @@ impl Meaning<'_> {
         write!(f, "{side} aborts {}: {}", self.object(abort.multiplexer), abort.code)
     }
 
-    /// The whole value, at the frame that completed its transfer.
+    /// The whole value, at the frame that completes its transfer.
     fn result_if_complete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.decoded.event.is_none() || self.transfer().is_none_or(|t| t.outcome != Outcome::Complete) {
             return Ok(());
@@ -151,7 +151,7 @@ impl Meaning<'_> {
     }
 }
 
-/// The object of a transfer, where that is known.
+/// The object of a transfer, if known.
 struct Current<'a>(Option<Object<'a>>);
 
 impl fmt::Display for Current<'_> {

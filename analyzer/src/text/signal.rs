@@ -1,4 +1,4 @@
-//! The values of a PDO one by one, typed and in their units, for renderings that are not text.
+//! The values of a PDO one by one, typed and with units, for outputs other than text.
 
 use super::Meaning;
 use super::object::Object;
@@ -14,7 +14,7 @@ pub struct SignalValue<'a> {
     object: Object<'a>,
     /// The number of bits in the PDO.
     pub bits: u8,
-    /// The bits as a number of its type; `None` where the PDO is too short for it, or it has more than 64 bits.
+    /// The bits as a number of its type; `None` if the PDO is too short for it, or it has more than 64 bits.
     pub raw: Option<Number>,
     scale: Option<Cow<'a, Unit>>,
 }
@@ -26,20 +26,20 @@ pub enum Number {
     Boolean(bool),
     /// A signed number.
     Integer(i64),
-    /// A number from 0; also what has no type.
+    /// An unsigned number, also for an unknown type.
     Unsigned(u64),
     /// REAL32.
     Real32(f32),
-    /// REAL64, and every physical value that is not the raw one.
+    /// REAL64, or a physical value computed from a raw one.
     Real64(f64),
 }
 
-/// The name of an object as it stands in its description: nothing is escaped. Empty where it has none.
+/// The name of an object as in its description, unescaped. Empty if it has none.
 pub struct Name<'a>(pub(super) Object<'a>);
 
 impl Meaning<'_> {
-    /// The values of a PDO or SRDO whose layout is known, in the order of its mapping, or the one of a multiplexed PDO; none
-    /// of any other frame. Gaps in a mapping (dummy entries) are left out.
+    /// The values of a PDO or SRDO with known layout, in the order of its mapping, or the single value of a
+    /// multiplexed PDO; empty for other frames. Gaps in a mapping (dummy entries) are left out.
     pub fn signals(&self) -> impl Iterator<Item = SignalValue<'_>> {
         let id = self.decoded.node;
         let node = id.and_then(|id| self.bus.node(id));
@@ -55,7 +55,7 @@ impl Meaning<'_> {
         mapped.chain(multiplexed)
     }
 
-    /// The name of the object that the frame is about; `None` where it has no object or that has no name.
+    /// The name of the frame's object; `None` without an object or a name.
     pub fn object_name(&self) -> Option<Name<'_>> {
         let object = self.decoded.object?;
         let named = match &self.decoded.message {
@@ -67,10 +67,10 @@ impl Meaning<'_> {
 }
 
 impl Node {
-    /// The signals of a PDO as its mapping has them at this moment, without gaps, each with its value in a PDO of zeros:
-    /// names, types and units are those of every such PDO. None where the mapping is not known.
+    /// The signals of a PDO in its current mapping, without gaps, each with its value in a PDO of zeros: their names,
+    /// types and units hold for every such PDO. Empty if the mapping is unknown.
     pub fn signals(&mut self, id: NodeId, pdo: PdoNumber) -> impl Iterator<Item = (&Signal, SignalValue<'_>)> {
-        // It is worked out when somebody asks.
+        // The layout is computed on demand.
         self.layout(id, pdo);
         let node = &*self;
         let signals = node.known_layout(pdo).into_iter().flat_map(|layout| &layout.signals);
@@ -87,7 +87,7 @@ impl<'a> SignalValue<'a> {
         Self { object, bits: signal.bits, raw, scale: signal.scale.as_ref().map(Cow::Borrowed) }
     }
 
-    /// Of a multiplexed PDO, which has four bytes for any object.
+    /// The value of a multiplexed PDO, which has four bytes for any object.
     pub(super) fn multiplexed(object: Object<'a>, data: [u8; 4]) -> Self {
         let bits = object.data_type().and_then(DataType::bits).filter(|&bits| bits <= 32).unwrap_or(32) as u8;
         let raw = u64::from(u32::from_le_bytes(data)) & ((1 << bits) - 1);
@@ -99,19 +99,19 @@ impl<'a> SignalValue<'a> {
         self.object.multiplexer
     }
 
-    /// The object's name, where it has one.
+    /// The object's name, if it has one.
     pub fn name(&self) -> Option<Name<'_>> {
         self.object.is_named().then_some(Name(self.object))
     }
 
-    /// The value in the unit that the description or the standard gives it, else in that which the device's
-    /// configuration decides; the raw one where there is none.
+    /// The value in the unit of the description or the standard, else in the unit that the device's configuration
+    /// determines, else the raw value.
     pub fn value(&self) -> Option<(Number, Option<Cow<'_, Unit>>)> {
         let unit = self.object.unit().or_else(|| self.scale.as_deref().map(Cow::Borrowed));
         Some((physical(self.raw?, unit.as_deref()), unit))
     }
 
-    /// Beside that, the value in the unit that the device's configuration decides, such as degrees, where it is known.
+    /// Additionally, the value in the unit that the device's configuration determines, such as degrees, if known.
     pub fn scaled(&self) -> Option<(Number, &Unit)> {
         let scale = self.scale.as_deref()?;
         self.object.unit()?;
@@ -139,7 +139,7 @@ fn physical(raw: Number, unit: Option<&Unit>) -> Number {
     }
 }
 
-/// The bits as a number. Where a mapping has another length than the type, the sign is that of the mapped bits.
+/// The bits as a number. If the mapping has another length than the type, the sign is that of the mapped bits.
 fn typed(raw: u64, bits: u8, data_type: Option<DataType>) -> Number {
     let value = data_type.filter(|data_type| data_type.bits() == Some(u32::from(bits)));
     match value.and_then(|data_type| Value::from_raw(data_type, raw)) {

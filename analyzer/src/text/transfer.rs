@@ -1,4 +1,4 @@
-//! Whole SDO transfers in words.
+//! Whole SDO transfers as text.
 
 use super::object::Object;
 use super::signal::Name;
@@ -7,14 +7,14 @@ use crate::network::Bus;
 use crate::network::sdo::Transfer;
 use std::fmt;
 
-/// The object of a transfer and its value, as text. What came off the bus is escaped.
+/// The object of a transfer and its value, as text. Text from the bus is escaped.
 pub struct TransferText<'a> {
     object: Object<'a>,
     transfer: &'a Transfer,
 }
 
 impl<'a> TransferText<'a> {
-    /// A transfer with that server.
+    /// The text of a transfer with that server.
     pub fn new(bus: &'a Bus, server: NodeId, transfer: &'a Transfer) -> Self {
         Self { object: Object::new(Some(server), bus.node(server), transfer.multiplexer), transfer }
     }
@@ -24,12 +24,12 @@ impl<'a> TransferText<'a> {
         fmt::from_fn(|f| write!(f, "{}", self.object))
     }
 
-    /// The object's name, where it has one.
+    /// The object's name, if it has one.
     pub fn name(&self) -> Option<Name<'a>> {
         self.object.is_named().then_some(Name(self.object))
     }
 
-    /// The value in words, as far as it came.
+    /// The value as text, as far as it was transferred.
     pub fn value(&self) -> impl fmt::Display {
         fmt::from_fn(|f| write!(f, "{}", self.object.value(self.transfer.data())))
     }

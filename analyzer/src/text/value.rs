@@ -1,19 +1,19 @@
-//! Values in words.
+//! Values as text.
 
 use super::escaped::Escaped;
 use super::object::Object;
 use crate::dictionary::{DataClass, DataType, Unit, Value};
 use std::fmt;
 
-/// A value as text, as well as its type and meaning are known.
+/// A value as text, using its type and meaning if known.
 pub(super) struct ValueText<'v> {
     pub bytes: &'v [u8],
     pub object: &'v Object<'v>,
-    /// The unit that the configuration decides, where that is known already.
+    /// The unit that the configuration determines, if known already.
     pub scale: Option<&'v Unit>,
 }
 
-/// How many bytes of a long value are shown.
+/// Maximum number of bytes shown of a long value.
 const SHOWN: usize = 64;
 
 impl ValueText<'_> {
@@ -31,7 +31,7 @@ impl ValueText<'_> {
         self.bits(raw, f)
     }
 
-    /// The names of the bits that are set, and of clear ones whose clear state has a name.
+    /// The names of the set bits, and of clear bits whose clear state has a name.
     fn bits(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bits = 8 * self.bytes.len().min(8) as u8;
         let mut first = true;
@@ -46,7 +46,7 @@ impl ValueText<'_> {
         self.physical(value as f64, f).unwrap_or_else(|| write!(f, "{value}"))
     }
 
-    /// The value in its unit, and in that which the configuration decides; `None` if it has neither.
+    /// The value in its unit, and in the unit that the configuration determines; `None` if it has neither.
     fn physical(&self, raw: f64, f: &mut fmt::Formatter<'_>) -> Option<fmt::Result> {
         let computed = if self.scale.is_none() { self.object.scale() } else { None };
         match (self.object.unit(), self.scale.or(computed.as_ref())) {
@@ -99,7 +99,7 @@ impl fmt::Display for ValueText<'_> {
     }
 }
 
-/// Small numbers as they are, others as hexadecimal digits in the width of their type.
+/// Small numbers in decimal, others in hexadecimal with the width of their type.
 fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match (raw, bytes) {
         (0..=9, _) => write!(f, "{raw}"),
@@ -115,7 +115,7 @@ fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Resul
     }
 }
 
-/// Two digits for each byte: without the machinery of `{:0width$X}`.
+/// Two digits for each byte, faster than `{:0width$X}`.
 fn digits(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     const HEX: &[u8; 16] = b"0123456789ABCDEF";
     let mut text = [0; 16];

@@ -1,4 +1,5 @@
-//! Case markers of CiA's conformance test tool (CAN-ID 7FFh): where in a certification run a case begins and ends.
+//! Case markers of CiA's conformance test tool (CAN-ID 7FFh): they mark the beginning and end of cases in a
+//! certification run.
 //!
 //! ```text
 //! 01 gg cc 00 00 00    case c of group g begins
@@ -26,7 +27,7 @@ pub struct CaseMarker {
     pub group: u8,
     /// The case in the group.
     pub case: u8,
-    /// How the case ended; `None` where it begins.
+    /// The verdict; `None` at the beginning of a case.
     pub verdict: Option<Verdict>,
 }
 
@@ -57,7 +58,7 @@ impl Verdict {
 }
 
 impl Wire for CaseMarker {
-    /// Only the exact form is a marker: its content distinguishes it from other uses of the CAN-ID.
+    /// Only the exact form is a marker, which distinguishes it from other uses of the CAN-ID.
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         let zero = || named("a zero", tag([0_u8].as_slice()));
         let (rest, kind) = named("01 or 02", verify(u8, |kind| matches!(kind, 1 | 2))).parse(input)?;

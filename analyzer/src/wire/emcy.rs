@@ -4,8 +4,8 @@
 //! bytes 0..1: error code, little-endian    byte 2: error register (1001h)    bytes 3..7: manufacturer-specific
 //! ```
 //!
-//! Shorter messages occur in the field: the five-byte form of old profiles, and the empty one that devices before
-//! CiA 301 V4 send as boot-up.
+//! Shorter messages occur in the field: the five-byte form of old profiles, and the empty form, the boot-up message
+//! of devices before CiA 301 V4.
 
 use super::{Malformed, Wire};
 use canvass_traces::hex;
@@ -57,12 +57,12 @@ impl Emcy {
         if self.len >= 3 { Some(ErrorRegister(self.bytes[2])) } else { None }
     }
 
-    /// The manufacturer-specific bytes, as many as there are.
+    /// The manufacturer-specific bytes, as far as the message has them.
     pub fn manufacturer(&self) -> &[u8] {
         self.bytes.get(3..usize::from(self.len)).unwrap_or(&[])
     }
 
-    /// How many bytes the message has; 8 is legal.
+    /// Number of bytes of the message; 8 is the standard.
     pub const fn len(&self) -> usize {
         self.len as usize
     }
@@ -95,20 +95,19 @@ impl EmcyCode {
     /// RPDO timeout.
     pub const RPDO_TIMEOUT: Self = Self(0x8250);
 
-    /// Whether it says that an error is gone (00xxh).
+    /// Whether it reports the end of an error (00xxh).
     pub const fn is_reset(self) -> bool {
         self.0 >> 8 == 0
     }
 
-    /// What the code means: the meaning of the code itself where CiA 301 gives one, else that of its class;
-    /// `None` for a class that CiA 301 does not know.
+    /// The meaning of the code in CiA 301, else that of its class; `None` for an unknown class.
     pub fn name(self) -> Option<&'static str> {
         let find = |code: u16| EMCY_CODES.binary_search_by_key(&code, |row| row.0).ok().map(|at| EMCY_CODES[at].1);
-        // Where only the class is defined, its row is xx00h, as CiA 301 writes "xx" for any value.
+        // If only the class is defined, its row is xx00h: CiA 301 writes "xx" for any value.
         find(self.0).or_else(|| find(self.0 & 0xFF00)).or_else(|| find(self.0 & 0xF000))
     }
 
-    /// The bits of the error register that CiA 301 couples to the code's class; 0 where it couples none.
+    /// The bits of the error register that CiA 301 assigns to the code's class; 0 if there is none.
     pub const fn register_bits(self) -> u8 {
         match self.0 >> 12 {
             0x2 => ErrorRegister::CURRENT.0,
@@ -179,7 +178,7 @@ impl ErrorRegister {
     pub const BIT_NAMES: [&'static str; 8] =
         ["generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"];
 
-    /// The names of the bits that are set.
+    /// The names of the set bits.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         (0..8).filter(move |bit| self.0 >> bit & 1 != 0).map(|bit: usize| Self::BIT_NAMES[bit])
     }

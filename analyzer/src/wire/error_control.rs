@@ -14,7 +14,7 @@ use std::fmt;
 /// The CAN-ID of node 0; the node-ID is added.
 pub const CAN_ID_BASE: u16 = 0x700;
 
-/// What a node says of its state.
+/// The message of a node about its state.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct ErrorControl {
     /// The toggle bit of node guarding.

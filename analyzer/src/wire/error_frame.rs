@@ -1,4 +1,4 @@
-//! Error frames: what the CAN controller of the recording machine says of an error (`linux/can/error.h`).
+//! Error frames: reports of the recording machine's CAN controller about errors (`linux/can/error.h`).
 //!
 //! ```text
 //! identifier: class bits
@@ -8,7 +8,7 @@
 //! byte 6: transmit error counter        byte 7: receive error counter
 //! ```
 //!
-//! They were never on the bus, and other tools that write capture files may leave all bytes 0.
+//! They were never on the bus. Other tools that write capture files may leave all bytes 0.
 
 use canvass_traces::{ErrorClass, Frame};
 use std::fmt;
@@ -83,23 +83,23 @@ impl ErrorFrame {
         frame.error_class().map(|class| Self { class, detail: frame.bytes() })
     }
 
-    /// What the controller's state says, by its bits.
+    /// The controller's state, by its bits.
     pub fn controller(&self) -> impl Iterator<Item = &'static str> {
         names(&CONTROLLER, self.detail[1])
     }
 
-    /// What the type of a protocol violation says, by its bits.
+    /// The type of a protocol violation, by its bits.
     pub fn violation(&self) -> impl Iterator<Item = &'static str> {
         names(&VIOLATION, self.detail[2])
     }
 
-    /// Where in the frame a protocol violation was; `None` where that is not said.
+    /// The position of a protocol violation in the frame; `None` if unknown.
     pub fn location(&self) -> Option<&'static str> {
         LOCATION.iter().find(|row| row.0 == self.detail[3]).map(|row| row.1)
     }
 
-    /// The transmit and receive error counters, where the frame has them. Kernels before 6.0 set them in reports
-    /// of the controller's state without the class bit that announces them.
+    /// The transmit and receive error counters, if the frame has them. Kernels before 6.0 set them in reports of the
+    /// controller's state without the announcing class bit.
     pub fn counters(&self) -> Option<(u8, u8)> {
         let [.., transmit, receive] = self.detail;
         let announced = self.has(Self::COUNTERS);
@@ -111,7 +111,7 @@ impl ErrorFrame {
         self.class.0 & class != 0
     }
 
-    /// What the detail adds to a class.
+    /// The details of a class.
     fn detail(&self, class: u32, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match class {
             Self::LOST_ARBITRATION if self.detail[0] != 0 => write!(f, " in bit {}", self.detail[0]),
@@ -141,7 +141,7 @@ fn names(table: &'static [(u8, &'static str)], bits: u8) -> impl Iterator<Item =
     table.iter().filter(move |row| bits & row.0 != 0).map(|row| row.1)
 }
 
-/// ` (a, b)`, or nothing.
+/// A list ` (a, b)`, or nothing.
 fn list(names: impl Iterator<Item = impl fmt::Display>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let mut empty = true;
     for name in names {
@@ -157,7 +157,7 @@ impl fmt::Display for ErrorFrame {
         f.write_str("error frame")?;
         let mut separator = ": ";
         for (class, name) in ErrorClass::NAMES {
-            // The counters are reported at the end, with or without their class bit.
+            // The counters come at the end, with or without their class bit.
             if self.has(class) && class != Self::COUNTERS {
                 write!(f, "{separator}{name}")?;
                 self.detail(class, f)?;

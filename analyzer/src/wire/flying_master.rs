@@ -1,7 +1,7 @@
-//! Flying master: masters agree on who of them is the active one (CiA 302-2; CAN-IDs 071h to 076h).
+//! Flying master: masters negotiate which of them is active (CiA 302-2; CAN-IDs 071h to 076h).
 //!
 //! ```text
-//! 071h  the active master says who it is      byte 0: priority    byte 1: node-ID
+//! 071h  identity of the active master          byte 0: priority    byte 1: node-ID
 //! 072h  a master asks all for a negotiation   no data
 //! 073h  asks for the active master            no data; answered on 071h
 //! 074h  a master answers a master detection   no data
@@ -14,7 +14,7 @@ use canvass_traces::{CanId, Frame};
 use nom::{Parser, number::complete::u8};
 use std::fmt;
 
-/// A message of the negotiation. Its CAN-ID says which one it is.
+/// A message of the negotiation. The CAN-ID tells its kind.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum FlyingMaster {
     /// 071h.
@@ -43,7 +43,7 @@ impl FlyingMaster {
     /// Reads the message with that CAN-ID; bytes left over are ignored.
     ///
     /// # Errors
-    /// [`Malformed`] if the CAN-ID is none of [`FlyingMaster::CAN_IDS`], or 071h with fewer than two bytes.
+    /// [`Malformed`] if the CAN-ID is not one of [`FlyingMaster::CAN_IDS`], or 071h with fewer than two bytes.
     pub fn read(can_id: u16, payload: &[u8]) -> Result<Self, Malformed> {
         Ok(match can_id {
             0x071 => return active_master(payload),
@@ -56,7 +56,7 @@ impl FlyingMaster {
         })
     }
 
-    /// The CAN-ID that it is sent with.
+    /// The CAN-ID of the message.
     pub const fn can_id(self) -> u16 {
         match self {
             Self::ActiveMaster { .. } => 0x071,
@@ -76,7 +76,7 @@ impl FlyingMaster {
             _ => [0; 2],
         };
         let payload: &[u8] = if matches!(self, Self::ActiveMaster { .. }) { &pair } else { &[] };
-        // At most two bytes always fit a classical frame.
+        // A message of at most two bytes always fits a classical frame.
         Frame::new(id, payload).unwrap_or_else(|| Frame::full(id, [0; 8]))
     }
 }

@@ -1,12 +1,12 @@
-//! LMT: layer management, the forerunner of LSS (CiA DS-205).
+//! LMT: layer management, the predecessor of LSS (CiA DS-205).
 //!
 //! ```text
 //! 01h..03h  part, seven bytes                  05h..08h  bound, seven bytes    09h  identified
 //! 24h..26h                       24h..26h  part
 //! ```
 //!
-//! A slave is addressed by its manufacturer name, product name and serial number, seven bytes each, and not by the
-//! four numbers of LSS; that it was addressed, it does not answer. The rest is [`layer_setting`].
+//! A slave is addressed by its manufacturer name, product name and serial number, seven bytes each, instead of the
+//! four numbers of LSS. It does not answer that it was addressed. [`layer_setting`] has the rest.
 
 use super::{Malformed, layer_setting, named};
 use canvass_traces::hex;
@@ -51,11 +51,11 @@ numbered! {
     }
 }
 
-/// The seven bytes of a part of an LMT address. The digits of a serial number compare as the number does.
+/// The seven bytes of a part of an LMT address. Serial numbers compare by their digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Seven(pub [u8; 7]);
 
-/// The bit rates of table 0, in bit/s by index. Up to index 4 they are those of LSS; LSS has an empty row 5.
+/// The bit rates of table 0, in bit/s by index. Up to index 4 they are the same as in LSS, which has an empty row 5.
 const BIT_RATES: [u32; 8] = [1_000_000, 800_000, 500_000, 250_000, 125_000, 50_000, 20_000, 10_000];
 
 impl Seven {

@@ -6,7 +6,7 @@
 //! 5Ah..5Dh                       5Ah..5Dh  part           5Eh                            5Eh  node-ID
 //! ```
 //!
-//! A slave is addressed by the four numbers of 1018h. The rest is [`layer_setting`].
+//! A slave is addressed by the four numbers of 1018h. [`layer_setting`] has the rest.
 
 use super::{Malformed, layer_setting, named};
 use layer_setting::{Dialect, Limit, Protocol, Value, numbered};

@@ -1,12 +1,11 @@
-//! One frame understood alone: typed, without state, without allocation.
+//! Single frames without context: typed, without state, without allocation.
 //!
-//! One file per service. Each holds the layout as the standard draws it, the typed message, the parser, the
-//! encoder and the text. What a frame means beyond itself (which object, which transfer) is the network's
-//! matter.
+//! Each service is one file with the layout as in the standard, the typed message, the parser, the encoder and the
+//! text. The context of a frame (its object, its transfer) belongs to the network.
 //!
-//! What is illegal is represented, not refused, wherever its meaning is known: unknown command specifiers,
-//! reserved codes and surplus bytes pass through, because a trace shows what was on the bus and a test must be
-//! able to send it.
+//! Illegal values are represented, not refused, as long as the message has a meaning: unknown command specifiers,
+//! reserved codes and surplus bytes are kept, because a trace shows the real bus and a test must be able to send
+//! them.
 
 pub mod case_marker;
 pub mod emcy;
@@ -27,7 +26,7 @@ pub mod time;
 use canvass_traces::{CanId, Frame};
 use nom::{IResult, Parser};
 
-/// A message that has a layout of its own in at most eight bytes.
+/// A message with a layout of at most eight bytes.
 ///
 /// ```
 /// use canvass_analyzer::Multiplexer;
@@ -43,16 +42,16 @@ use nom::{IResult, Parser};
 /// # Ok::<(), canvass_analyzer::wire::Malformed>(())
 /// ```
 pub trait Wire: Sized {
-    /// Reads the message from the start of a payload; what is left over is returned with it.
+    /// Reads the message from the start of a payload; returns also the remaining bytes.
     ///
     /// # Errors
     /// [`Malformed`] if the payload is too short to have a meaning.
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed>;
 
-    /// Writes the message to the start of `buffer` and returns its length. Every byte up to there is written.
+    /// Writes the message to the start of `buffer` and returns its length. Every byte up to that length is written.
     fn emit(&self, buffer: &mut [u8; 8]) -> usize;
 
-    /// Reads the message from a payload; bytes left over are ignored.
+    /// Reads the message from a payload; remaining bytes are ignored.
     ///
     /// # Errors
     /// As [`Wire::parse`].
@@ -69,18 +68,18 @@ pub trait Wire: Sized {
         let mut buffer = [0; 8];
         let len = self.emit(&mut buffer).min(8);
         let id = CanId::standard_masked(u32::from(cob_id));
-        // At most eight bytes always fit a classical frame.
+        // A message of at most eight bytes always fits a classical frame.
         Frame::new(id, &buffer[..len]).unwrap_or_else(|| Frame::full(id, buffer))
     }
 }
 
-/// Why a payload has no meaning: too short for what its first bytes promise.
+/// Why a payload has no meaning: it is too short for the form that its first bytes announce.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("byte {offset}: expected {expected}")]
 pub struct Malformed {
-    /// The offset in the payload at which it failed; while parsing, how many bytes were left.
+    /// The offset of the error in the payload; during parsing, the number of remaining bytes.
     pub offset: usize,
-    /// What should have followed.
+    /// The expected bytes.
     pub expected: &'static str,
 }
 
@@ -105,7 +104,7 @@ impl nom::error::ParseError<&[u8]> for Malformed {
     }
 }
 
-/// Names what a parser reads, for its errors.
+/// Adds the expected text to a parser's errors.
 fn named<'a, T>(
     expected: &'static str,
     mut parser: impl Parser<&'a [u8], Output = T, Error = Malformed>,
@@ -115,7 +114,7 @@ fn named<'a, T>(
     }
 }
 
-/// Up to seven bytes, filled up with zeros, and what is left.
+/// Up to seven bytes, filled up with zeros, and the rest.
 fn tail_of(rest: &[u8]) -> ([u8; 7], &[u8]) {
     let (taken, rest) = rest.split_at(rest.len().min(7));
     let mut tail = [0; 7];

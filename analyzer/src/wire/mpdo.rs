@@ -13,31 +13,30 @@ use crate::Multiplexer;
 use nom::{IResult, Parser, bytes::complete::take, number::complete::u8};
 use std::fmt;
 
-/// Whose node-ID and object an MPDO names.
+/// The node whose node-ID and object an MPDO names.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Addressing {
-    /// The sender's (SAM).
+    /// The sender (SAM).
     Source,
-    /// The receiver's (DAM).
+    /// The receiver (DAM).
     Destination,
 }
 
 /// A multiplexed PDO.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Mpdo {
-    /// Whose object it is.
+    /// The node that owns the object.
     pub addressing: Addressing,
     /// The node-ID; 0 is all nodes in a destination address, and reserved in a source address.
     pub node: u8,
     /// The object.
     pub object: Multiplexer,
-    /// Its value; how many bytes count depends on the object.
+    /// Its value; the object determines how many bytes count.
     pub data: [u8; 4],
 }
 
 impl Addressing {
-    /// The addressing that the count of a mapping (sub-index 0 of 1600h.., 1A00h..) says; `None` for an ordinary
-    /// PDO.
+    /// The addressing for the count of a mapping (sub-index 0 of 1600h.., 1A00h..); `None` for an ordinary PDO.
     pub const fn of_mapping_count(count: u32) -> Option<Self> {
         match count {
             0xFE => Some(Self::Source),

@@ -14,9 +14,9 @@ pub const CAN_ID: u16 = 0x000;
 /// An NMT command to one node or to all.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Nmt {
-    /// What to do.
+    /// The command.
     pub command: Command,
-    /// The node-ID, 0 for all nodes; 128 to 255 address nobody.
+    /// The node-ID, 0 for all nodes; 128 to 255 address no node.
     pub node: u8,
 }
 
@@ -39,7 +39,7 @@ impl Command {
     pub const ALL: [Self; 5] =
         [Self::START, Self::STOP, Self::ENTER_PRE_OPERATIONAL, Self::RESET_NODE, Self::RESET_COMMUNICATION];
 
-    /// Whether it starts a node anew, as a whole or in its communication.
+    /// Whether it restarts a node or its communication.
     pub const fn is_reset(self) -> bool {
         matches!(self, Self::RESET_NODE | Self::RESET_COMMUNICATION)
     }

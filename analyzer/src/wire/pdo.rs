@@ -30,7 +30,7 @@ impl MappingEntry {
         Multiplexer::new((self.0 >> 16) as u16, (self.0 >> 8) as u8)
     }
 
-    /// The number of bits that it takes in the PDO.
+    /// Number of bits in the PDO.
     pub const fn bits(self) -> u8 {
         self.0 as u8
     }
@@ -41,7 +41,7 @@ impl MappingEntry {
     }
 }
 
-/// When a PDO is sent or its values take effect (sub-index 2 of 1400h.., 1800h..).
+/// The time at which a PDO is sent or its values take effect (sub-index 2 of 1400h.., 1800h..).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TransmissionType(pub u8);
 
@@ -57,7 +57,7 @@ impl TransmissionType {
     /// Event-driven, event of the device profile.
     pub const EVENT_PROFILE: Self = Self(255);
 
-    /// Every how many SYNCs the PDO is sent, for 1 to 240.
+    /// The number of SYNCs per PDO, for 1 to 240.
     pub const fn cycle(self) -> Option<u8> {
         match self.0 {
             n @ 1..=240 => Some(n),
@@ -92,7 +92,7 @@ pub fn extract(payload: &[u8], offset: usize, bits: u8) -> Option<u64> {
     }
     let (first, shift) = (offset / 8, offset % 8);
     let touched = payload.get(first..end.div_ceil(8))?;
-    // Bits 0 to 63, and what 64 bits have in a ninth byte if they begin within one.
+    // The first eight bytes hold bits 0 to 63; values that begin inside a byte may need bits of a ninth.
     let (lower, ninth) = touched.split_at(touched.len().min(8));
     let mut bytes = [0; 8];
     bytes[..lower.len()].copy_from_slice(lower);
@@ -101,14 +101,14 @@ pub fn extract(payload: &[u8], offset: usize, bits: u8) -> Option<u64> {
     Some(if bits == 64 { value } else { value & ((1 << bits) - 1) })
 }
 
-/// Puts the lower `bits` bits (at most 64) of a value to bit `offset` of a payload; `false` where it is too short,
-/// and then nothing is changed.
+/// Writes the lower `bits` bits (at most 64) of a value to bit `offset` of a payload; `false` if the payload is too
+/// short, which then stays unchanged.
 pub fn insert(payload: &mut [u8], offset: usize, bits: u8, value: u64) -> bool {
     let Some(end) = offset.checked_add(usize::from(bits)) else { return false };
     if bits > 64 || end > payload.len() * 8 {
         return false;
     }
-    // Nearly all objects are whole bytes at whole bytes.
+    // Nearly all objects consist of whole bytes at byte offsets.
     if offset.is_multiple_of(8) && bits.is_multiple_of(8) {
         let bytes = value.to_le_bytes();
         payload[offset / 8..end / 8].copy_from_slice(&bytes[..usize::from(bits / 8)]);

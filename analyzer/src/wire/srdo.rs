@@ -38,7 +38,7 @@ pub const fn mapping_index(number: u8) -> u16 {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Pair(u8);
 
-/// Which of the two frames of a pair.
+/// The half of a pair.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Half {
     /// The data.
@@ -50,15 +50,15 @@ pub enum Half {
 /// One frame of an SRDO.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Srdo {
-    /// Its number from 1, where its parameters (1301h and the following) are known.
+    /// Its number from 1, if its parameters (1301h and the following) are known.
     pub number: Option<u8>,
-    /// Which of the two.
+    /// The half.
     pub half: Half,
-    /// How it fits to the other one.
+    /// The relation to the other half.
     pub fit: Fit,
 }
 
-/// How the inverted data fit the data.
+/// The relation between the data and the inverted data.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Fit {
     /// Every bit is inverted.
@@ -70,13 +70,13 @@ pub enum Fit {
 }
 
 impl Pair {
-    /// The pair of a CAN-ID and which half of it that is; `None` outside [`CAN_IDS`].
+    /// The pair of a CAN-ID and its half; `None` outside [`CAN_IDS`].
     pub fn of(can_id: u16) -> Option<(Self, Half)> {
         let half = if can_id % 2 == 1 { Half::Normal } else { Half::Inverted };
         CAN_IDS.contains(&can_id).then(|| (Self(((can_id - CAN_ID_BASE) / 2) as u8), half))
     }
 
-    /// The pair of a node in the predefined set, which has 64.
+    /// The pair of a node in the predefined set, which covers 64 nodes.
     pub const fn of_node(node: NodeId) -> Option<Self> {
         if node.raw() <= 64 { Some(Self(node.raw())) } else { None }
     }
@@ -86,7 +86,7 @@ impl Pair {
         NodeId::new(self.0)
     }
 
-    /// 0 to 63.
+    /// The index, 0 to 63.
     pub const fn position(self) -> usize {
         self.0 as usize - 1
     }
@@ -101,7 +101,7 @@ impl Pair {
     }
 }
 
-/// Whether two payloads are each other's inverse. Empty ones are not: they would prove nothing.
+/// Whether two payloads are each other's inverse. Empty payloads prove nothing, so they are not.
 pub fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
     !normal.is_empty() && normal.len() == inverted.len() && normal.iter().zip(inverted).all(|(a, b)| *a == !*b)
 }

@@ -1,4 +1,4 @@
-//! SYNC: the beat of synchronous PDOs (CAN-ID 080h unless 1005h says otherwise).
+//! SYNC: the clock of synchronous PDOs (CAN-ID 080h unless 1005h says otherwise).
 //!
 //! ```text
 //! no byte, or byte 0: counter 1..240 where 1019h is not 0
@@ -14,7 +14,7 @@ pub const CAN_ID: u16 = 0x080;
 /// A SYNC message.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Sync {
-    /// The counter, where the producer counts. 1 to 240 is legal.
+    /// The counter, if the producer counts. 1 to 240 is legal.
     pub counter: Option<u8>,
 }
 

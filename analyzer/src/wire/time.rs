@@ -18,7 +18,7 @@ pub const CAN_ID: u16 = 0x100;
 /// A value of the type TIME_OF_DAY, also TIME_DIFFERENCE.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct TimeOfDay {
-    /// The first four bytes as they are; the upper four bits are reserved.
+    /// The first four bytes unchanged; the upper four bits are reserved.
     pub raw_milliseconds: u32,
     /// Days since 1984-01-01.
     pub days: u16,
@@ -33,15 +33,16 @@ impl TimeOfDay {
         self.raw_milliseconds & 0x0FFF_FFFF
     }
 
-    /// The reserved bits, 0 where the sender follows the standard.
+    /// The reserved bits; 0 if the sender follows the standard.
     pub const fn reserved(self) -> u8 {
         (self.raw_milliseconds >> 28) as u8
     }
 
     /// Year, month and day of the Gregorian calendar.
     pub const fn date(self) -> (u32, u32, u32) {
-        // Days are counted from a 1 March, so that a leap day ends its year; 1983-03-01 is 306 days before 1984-01-01.
-        // Four-year cycles suffice: 1984 + 65535 days ends in 2163, and only 2100 breaks them.
+        // Days are counted from a 1 March, so that a leap day ends its year; 1983-03-01 is 306 days before
+        // 1984-01-01. Four-year cycles suffice: 1984 + 65535 days ends in 2163, and the only exception, 2100, is
+        // handled below.
         let mut since_march_1983 = self.days as u32 + 306;
         let days_to_end_of_february_2100 = 42_734;
         if since_march_1983 >= days_to_end_of_february_2100 {

@@ -311,7 +311,7 @@ fn a_client_that_gives_up_late() {
     let mut late = traffic.clone();
     late.at(2_800, "582#4355550001000000");
     let found = late.only(&["sdo/late", "sdo/aborted", "sdo/protocol-violation"]);
-    says(one(&found, "sdo/late"), &["took 799.99", "nobody waited for it any more after 599.99"]);
+    says(one(&found, "sdo/late"), &["took 799.99", "the client had given up after 599.99"]);
     let found = traffic.only(&["sdo/unanswered", "sdo/aborted"]);
     says(one(&found, "sdo/unanswered"), &["gave up after 599.99"]);
 }

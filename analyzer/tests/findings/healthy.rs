@@ -39,6 +39,6 @@ fn regular_times_hide_nothing() {
     let [finding] = findings.as_slice() else { panic!("{findings:?}") };
     assert_eq!(
         (finding.rule.id, finding.message.as_str()),
-        ("nodes/heartbeat-missing", "no heartbeat for 200 ms, its period is 100 ms: 1 missing",)
+        ("nodes/heartbeat-missing", "no heartbeat for 200 ms, but its period is 100 ms: 1 missing",)
     );
 }

@@ -21,7 +21,7 @@ fn the_master_does_not_hear_its_own_commands() {
     assert_eq!((found.len(), found[0].count), (1, 3), "{found:?}");
     for finding in found {
         assert_eq!((finding.node.map(|node| node.raw()), finding.severity), (Some(127), Severity::Info));
-        assert!(finding.message.ends_with("it is right if this is the NMT master itself"), "{}", finding.message);
+        assert!(finding.message.ends_with("correct if this is the NMT master itself"), "{}", finding.message);
     }
 }
 

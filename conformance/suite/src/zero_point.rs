@@ -92,7 +92,7 @@ impl ZeroPoint {
     }
 
     /// By how much it has moved until `now`; `None` if not at all, or if the shaft turns and nothing tells.
-    pub(crate) fn moved(&self, now: &Self) -> Option<Moved> {
+    pub fn moved(&self, now: &Self) -> Option<Moved> {
         let Self { preset, takes_position, position, range, .. } = *self;
         let by_offset = self.offset.zip(now.offset).map(|(before, after)| shorter_way(before, after, range));
         let by_position = shorter_way(self.shown, now.shown, range);

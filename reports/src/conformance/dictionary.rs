@@ -1,6 +1,7 @@
 //! The object dictionary before and after a run, in words: the same in all reports that are for people.
 
 use super::Run;
+use crate::page_text::capitalised;
 use canvass_analyzer::dictionary::Value;
 use canvass_bus::client::sdo::Bytes;
 use canvass_suite::comparison::{Change, Comparison};
@@ -49,11 +50,6 @@ pub(super) fn sentence(comparison: &Comparison) -> String {
     let zero_points = comparison.zero_points.iter().map(|moved| sentence(moved.to_string()));
     let behaviour = comparison.behaviour.iter().map(|changed| sentence(changed.to_string()));
     [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().into_iter().flat_map(char::to_uppercase).chain(chars).collect()
 }
 
 fn names(comparison: &Comparison) -> String {

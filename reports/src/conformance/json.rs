@@ -78,14 +78,16 @@ fn compared(comparison: &Comparison) -> Compared {
         changes: comparison.changes.iter().map(changed).collect(),
         commands: comparison.commands.clone(),
         stored: comparison.stored.iter().map(changed).collect(),
-        zero_points: comparison.zero_points.iter().map(zero_point).collect(),
+        zero_points: comparison.zero_points.iter().map(MovedZeroPoint::from).collect(),
         behaviour: comparison.behaviour.iter().map(ToString::to_string).collect(),
     }
 }
 
-fn zero_point(moved: &Moved) -> MovedZeroPoint {
-    let (steps, uncertain, stored) = (moved.steps, moved.is_uncertain, moved.is_stored);
-    MovedZeroPoint { steps, uncertain, stored, text: moved.to_string() }
+impl From<&Moved> for MovedZeroPoint {
+    fn from(moved: &Moved) -> Self {
+        let (steps, uncertain, stored) = (moved.steps, moved.is_uncertain, moved.is_stored);
+        Self { steps, uncertain, stored, text: moved.to_string() }
+    }
 }
 
 fn changed(change: &Change) -> ObjectChange {

@@ -1,29 +1,28 @@
-//! Reports of a conformance run. All are made from the same events.
-//!
-//! - [`Terminal`](terminal::Terminal) shows the progress and prints the result;
-//! - [`json`], [`junit`], [`html`] and [`markdown`] write a document when the run is over: see [`Document`].
+//! The report of a conformance run, made from its events: see [`RunReport`].
 
+mod case;
+mod delays;
 pub mod dictionary;
 mod host;
-pub mod html;
-pub mod json;
-pub mod junit;
-pub mod markdown;
-mod screen;
+mod json;
+mod report;
 mod skipped;
-pub mod terminal;
+mod suites;
+mod timeline;
 mod told;
 
 #[cfg(test)]
 mod hostile;
 
+use crate::document::{Form, Report as _, Tone};
+use crate::escape::{Printable, Visible, printable};
 use crate::provenance::Provenance;
 use canvass_suite::bench::Exhibit;
 use canvass_suite::comparison::Comparison;
 use canvass_suite::foreign::ForeignMessages;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
-use canvass_traces::{Record, Timestamp, hex};
+use canvass_traces::{Record, hex};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -56,6 +55,8 @@ pub struct Run {
     pub notices: Vec<String>,
     /// The outcome.
     pub summary: Summary,
+    /// What a user types before the name of a permission; may be empty.
+    pub allow: &'static str,
 }
 
 impl Run {
@@ -69,61 +70,111 @@ impl Run {
     }
 }
 
-/// Writes a document about a whole run.
-pub type Render = fn(&Run, &mut dyn Write) -> io::Result<()>;
-
-/// A reporter that writes its document when the run is over.
-#[derive(Debug)]
-pub struct Document<W> {
+/// A reporter that writes its report when the run is over; as text it begins with what is tested, and may show how far the
+/// run is.
+pub struct RunReport<W> {
     out: W,
-    render: Render,
-    info: Option<RunInfo>,
-    provenance: Provenance,
-    cases: Vec<CaseReport>,
-    comparison: Option<Comparison>,
-    other_clients: Vec<ForeignMessages>,
+    form: Form,
+    /// Shows a line in place of the one before it.
+    progress: Option<fn(&Printable)>,
+    allow: &'static str,
     notices: Vec<String>,
+    provenance: Provenance,
+    run: Option<Run>,
 }
 
-impl<W: Write> Document<W> {
-    /// A document that `render` writes to `out`.
-    pub fn new(out: W, render: Render) -> Self {
-        let provenance = Provenance::default();
-        let (cases, notices, other_clients) = (Vec::new(), Vec::new(), Vec::new());
-        Self { out, render, info: None, provenance, cases, comparison: None, other_clients, notices }
+impl<W: Write> RunReport<W> {
+    /// A report in that form, which goes to `out`.
+    pub fn new(out: W, form: Form) -> Self {
+        let (notices, provenance) = (Vec::new(), Provenance::default());
+        Self { out, form, progress: None, allow: "", notices, provenance, run: None }
+    }
+
+    /// With what a user types before the name of a permission.
+    #[must_use]
+    pub fn allowed_by(self, allow: &'static str) -> Self {
+        Self { allow, ..self }
+    }
+
+    /// With a line that tells how far the run is.
+    #[must_use]
+    pub fn with_progress(self, progress: fn(&Printable)) -> Self {
+        Self { progress: Some(progress), ..self }
+    }
+
+    fn show_progress(&self, text: &str) {
+        if let Some(progress) = self.progress {
+            progress(&Printable::line(text));
+        }
+    }
+
+    fn start(&mut self, info: &RunInfo) -> io::Result<()> {
+        self.run = Some(Run {
+            info: info.clone(),
+            provenance: Provenance::default(),
+            cases: Vec::new(),
+            comparison: None,
+            other_clients: Vec::new(),
+            notices: Vec::new(),
+            summary: Summary::default(),
+            allow: self.allow,
+        });
+        if !matches!(self.form, Form::Text(_)) {
+            return Ok(());
+        }
+        let [name, _, software] = info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("?"));
+        let (name, software, bus) = (printable(name), printable(software), printable(&info.bus));
+        let cases = if info.cases == 1 { "1 case".to_owned() } else { format!("{} cases", info.cases) };
+        let out = &mut Visible::new(&mut self.out, false);
+        writeln!(out, "node {} on {bus}: {name}, software {software}; {cases}\n", info.node)
+    }
+
+    fn finish(&mut self, summary: &Summary) -> io::Result<()> {
+        self.show_progress("");
+        let Some(mut run) = self.run.take() else { return Ok(()) };
+        run.summary = *summary;
+        run.notices = std::mem::take(&mut self.notices);
+        run.provenance = std::mem::take(&mut self.provenance);
+        run.write(self.form, &mut self.out)?;
+        self.out.flush()
     }
 }
 
-impl<W: Write> Reporter for Document<W> {
+impl<W: Write> Reporter for RunReport<W> {
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()> {
-        match event {
-            RunEvent::RunStarted(info) => self.info = Some((*info).clone()),
-            RunEvent::CaseStarted { .. } => {}
-            RunEvent::CaseFinished(report) => self.cases.push((*report).clone()),
-            RunEvent::DictionaryCompared(comparison) => self.comparison = Some((*comparison).clone()),
-            RunEvent::OtherClients(messages) => self.other_clients = messages.to_vec(),
-            RunEvent::Noticed(text) => self.notices.push((*text).to_owned()),
-            RunEvent::RunFinished(summary) => {
-                if let Some(info) = self.info.take() {
-                    let run = Run {
-                        info,
-                        provenance: std::mem::take(&mut self.provenance),
-                        cases: std::mem::take(&mut self.cases),
-                        comparison: self.comparison.take(),
-                        other_clients: std::mem::take(&mut self.other_clients),
-                        notices: std::mem::take(&mut self.notices),
-                        summary: **summary,
-                    };
-                    (self.render)(&run, &mut self.out)?;
-                    self.out.flush()?;
-                }
+        match (event, &mut self.run) {
+            (RunEvent::RunStarted(info), _) => return self.start(info),
+            (RunEvent::RunFinished(summary), _) => return self.finish(summary),
+            (RunEvent::CaseStarted { case, number, of }, _) => {
+                self.show_progress(&format!("[{number}/{of}] {}", case.id));
             }
+            (RunEvent::Noticed(text), _) => self.notices.push((*text).to_owned()),
+            (RunEvent::CaseFinished(report), Some(run)) => run.cases.push((*report).clone()),
+            (RunEvent::DictionaryCompared(comparison), Some(run)) => run.comparison = Some((*comparison).clone()),
+            (RunEvent::OtherClients(messages), Some(run)) => run.other_clients = messages.to_vec(),
+            (_, None) => {}
         }
         Ok(())
     }
 
     fn comes_from(&mut self, provenance: &Provenance) {
         self.provenance = provenance.clone();
+    }
+}
+
+/// Whether somebody has to look into a case that ended so.
+pub(crate) const fn is_bad(kind: Kind) -> bool {
+    matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive)
+}
+
+/// The tone of a verdict.
+const fn tone(kind: Kind) -> Tone {
+    match kind {
+        Kind::Pass => Tone::Good,
+        Kind::Tolerated | Kind::Deviation => Tone::Doubt,
+        Kind::Fail | Kind::Error => Tone::Bad,
+        Kind::Inconclusive => Tone::Odd,
+        Kind::NotApplicable => Tone::Faint,
     }
 }
 
@@ -179,7 +230,7 @@ fn repetitions(report: &CaseReport) -> Option<String> {
 
 /// Until when its failure does not count, and who looks into it.
 fn quarantined(report: &CaseReport) -> Option<String> {
-    report.quarantine.as_ref().map(|quarantine| crate::escape::printable(&quarantine.to_string()).into_owned())
+    report.quarantine.as_ref().map(ToString::to_string)
 }
 
 /// The frames that show a case's verdict best, at most so many, and how many came before them: those up to the worst breach,
@@ -223,12 +274,6 @@ fn outcome(summary: &Summary) -> String {
     };
     let plural = if summary.total() == 1 { "" } else { "s" };
     format!("Of {} case{plural} {good}{quarantined}{cancelled}{flaky}{stores}", summary.total())
-}
-
-/// Milliseconds with three digits since `start`: what a person compares.
-fn milliseconds_since(start: Timestamp, record: &Record) -> String {
-    let nanos = record.timestamp.since(start).nanos();
-    format!("{}.{:03}", nanos / 1_000_000, nanos / 1_000 % 1_000)
 }
 
 /// The payload in hexadecimal, bytes apart.

@@ -4,15 +4,17 @@ pub mod dbc;
 pub mod difference;
 pub mod github;
 pub mod json;
-pub mod junit;
-pub mod markdown;
+mod report;
 pub mod rules;
 pub mod sarif;
 pub mod show;
 pub mod text;
 pub mod verification;
 
+pub use report::CheckedFiles;
+
 use crate::escape::printable;
+use crate::page_text::none_or_counted;
 use canvass_analyzer::dictionary::check::{Checked, Finding};
 use canvass_analyzer::dictionary::{Rule, Severity};
 
@@ -128,13 +130,14 @@ impl Counts {
 /// `1 error, 2 warnings, no hints`.
 impl std::fmt::Display for Counts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let named = |count: usize, name: &str| match count {
-            0 => format!("no {name}s"),
-            1 => format!("1 {name}"),
-            _ => format!("{count} {name}s"),
-        };
         let (errors, warnings, hints) = (self.errors, self.warnings, self.hints);
-        write!(f, "{}, {}, {}", named(errors, "error"), named(warnings, "warning"), named(hints, "hint"))?;
+        write!(
+            f,
+            "{}, {}, {}",
+            none_or_counted(errors, "error"),
+            none_or_counted(warnings, "warning"),
+            none_or_counted(hints, "hint")
+        )?;
         match self.waived {
             0 => Ok(()),
             waived => write!(f, ", {waived} waived"),

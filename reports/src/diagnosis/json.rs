@@ -10,7 +10,6 @@ use crate::{provenance, quality};
 use canvass_analyzer::findings::{self, Severity};
 use canvass_analyzer::statistics::{self, BusStatistics, ErrorEnd, Histogram, NodeStatistics};
 use canvass_analyzer::{NodeId, Service};
-use canvass_suite::runner::DeviceIdentity;
 use canvass_traces::hex;
 use serde::ser::{Serialize, Serializer};
 use std::cell::Cell;
@@ -113,8 +112,6 @@ fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &findings::Exhibit) -> Exhibit {
 }
 
 fn node(id: NodeId, channel: &str, node: &NodeStatistics, bus: &BusStatistics) -> Node {
-    let statistics::IdentityText { device_type, numbers, names } = &node.identity;
-    let identity = DeviceIdentity { device_type: *device_type, identity: *numbers, names: names.clone() };
     Node {
         bits: node.bits,
         boot_ups: node.boot_ups,
@@ -125,7 +122,7 @@ fn node(id: NodeId, channel: &str, node: &NodeStatistics, bus: &BusStatistics) -
         errors_omitted: node.errors_omitted,
         first_t: node.first.nanos(),
         frames: node.total(),
-        identity: Device::from(&identity),
+        identity: Device::from(&provenance::identity_of(&node.identity)),
         last_t: node.last.nanos(),
         load_percent: bus.share_of_load(node.bits),
         node: id.raw(),

@@ -1,21 +1,19 @@
 //! What was on the buses of a capture and what was wrong: as a table, JSON, Markdown, JUnit and an HTML page.
 
+mod findings;
 pub mod html;
 mod json;
-mod junit;
-mod markdown;
 mod node_table;
 mod reading;
+mod report;
 mod rules;
 mod story;
-mod terminal;
+mod suites;
 
-pub use json::{evidence, render as json};
-pub use junit::render as junit;
-pub use markdown::render as markdown;
+pub use json::evidence;
 pub use reading::Reading;
+pub use report::{Advice, DiagnosisReport};
 pub use rules::{explain, handbook};
-pub use terminal::{Advice, Style, render as table};
 
 use crate::provenance::Provenance;
 use crate::quality::CaptureQuality;

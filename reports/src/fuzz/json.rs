@@ -5,6 +5,7 @@ use crate::provenance;
 use crate::results::fuzz::{
     Coverage, Interruptions, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation,
 };
+use crate::results::test::MovedZeroPoint;
 use crate::results::{self, Contract, FuzzResult};
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::{FinalState, Start, Stimulus, Then, reproducer};
@@ -42,6 +43,7 @@ fn result(run: &Run) -> FuzzResult {
         target: run.targets.to_string(),
         unjudged: run.outcome.unjudged,
         version: provenance::VERSION.into(),
+        zero_point: run.zero_point.as_ref().map(MovedZeroPoint::from),
         violations: run.violations().map(|(found, words)| violation(run, found, words)).collect(),
     }
 }

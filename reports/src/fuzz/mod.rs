@@ -1,15 +1,11 @@
-//! Reports of a run of the fuzzer: [`text`], [`json`], [`junit`], [`markdown`] and [`html`]. All are made from one
-//! [`Run`], and on the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
+//! The report of a run of the fuzzer, made from one [`Run`]. On the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
 //! provenance is of the wall clock.
 
 pub mod detection;
 pub mod faults_page;
-pub mod html;
-pub mod json;
-pub mod junit;
-pub mod markdown;
+mod json;
 pub mod properties;
-pub mod text;
+mod report;
 
 use crate::provenance::Provenance;
 use canvass_analyzer::NodeId;
@@ -19,10 +15,10 @@ use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
 use canvass_fuzzer::{FinalState, Kept, Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
-use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use canvass_suite::zero_point::Moved;
+use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::{self, Write};
 
 /// A whole run, as the reports need it.
 #[derive(Clone, Debug)]
@@ -51,6 +47,8 @@ pub struct Run {
     /// What of LSS can be reached.
     pub reach: LssReach,
     pub outcome: Outcome,
+    /// The zero point of the device on a bus that goes on, if it is not where it was before the run.
+    pub zero_point: Option<Moved>,
     /// The words for the frames of each violation.
     pub words: Vec<Words>,
 }
@@ -81,9 +79,6 @@ impl Words {
         Self { sequence, evidence }
     }
 }
-
-/// Writes a report.
-pub type Render = fn(&Run, &mut dyn Write) -> io::Result<()>;
 
 /// Of that many combinations of state and command so many were exercised.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -173,6 +168,12 @@ fn trouble(run: &Run) -> String {
 
 /// How the run left the device's settings; empty where nothing was to be left.
 fn left(run: &Run) -> String {
+    let zero_point = run.zero_point.as_ref().map(ToString::to_string);
+    let settings = Some(settings_left(run)).filter(|text| !text.is_empty());
+    settings.into_iter().chain(zero_point).collect::<Vec<_>>().join("; ")
+}
+
+fn settings_left(run: &Run) -> String {
     let outcome = &run.outcome;
     let Some(FinalState { settings, compared, different }) = &outcome.left else {
         let is_live = outcome.dead || !outcome.is_simulated;
@@ -229,7 +230,7 @@ fn then(then: Then) -> String {
 fn annotated(found: &Found, words: &Words) -> String {
     let stimuli = found.sequence.stimuli.iter().zip(&words.sequence);
     stimuli.fold(String::new(), |mut text, (stimulus, words)| {
-        let frame = compact(&stimulus.frame);
+        let frame = stimulus.frame.to_string();
         let then = match then(stimulus.then) {
             then if then.is_empty() => then,
             then => format!(" [{then}]"),
@@ -238,11 +239,6 @@ fn annotated(found: &Found, words: &Words) -> String {
         let _ = writeln!(text, "{frame:24} {words}{then}");
         text
     })
-}
-
-/// As candump writes it, without the time.
-fn compact(frame: &Frame) -> String {
-    frame.to_string()
 }
 
 /// The Rust test that shows the violation.

@@ -1,9 +1,11 @@
 //! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
 
 use super::*;
+use crate::document::{Form, Report, Style};
+use canvass_analyzer::Multiplexer;
 use canvass_bus::Interruptions;
 use canvass_fuzzer::{Property, Sequence, Spent, Start, Stimulus, Violation};
-use canvass_traces::{CanId, Duration};
+use canvass_traces::{CanId, Duration, Frame};
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";
 
@@ -25,7 +27,7 @@ fn run() -> Run {
         state: Vec::new(),
         is_cut_off: false,
     };
-    let kept = Kept { at: canvass_analyzer::Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
+    let kept = Kept { at: Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
     let outcome = Outcome {
         executions: 7,
         frames: 8,
@@ -55,32 +57,48 @@ fn run() -> Run {
         sdo_reach: SdoReach { blocks: true, long_values: true },
         reach: LssReach::default(),
         outcome,
+        zero_point: None,
         words: vec![Words { sequence: vec![HOSTILE.to_owned()], evidence: vec![HOSTILE.to_owned()] }],
     }
 }
 
-fn rendered(render: Render) -> String {
+const TEXT: Form = Form::Text(Style { color: false, width: None });
+
+fn rendered(form: Form) -> String {
     let mut out = Vec::new();
-    render(&run(), &mut out).unwrap();
+    run().write(form, &mut out).unwrap();
     String::from_utf8(out).unwrap()
 }
 
 #[test]
 fn hostile_words_stay_words() {
-    for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
-        let text = rendered(render);
+    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html] {
+        let text = rendered(form);
         assert!(!text.contains('\u{1b}'), "{text}");
         assert!(text.contains("PROP-02"), "{text}");
         assert!(text.contains("601#4000100000000000"), "{text}");
     }
-    assert!(!rendered(html::render).contains("<script>alert"));
-    assert!(rendered(markdown::render).contains("````"), "a longer fence than any inside");
+    assert!(!rendered(Form::Html).contains("<script>alert"));
+    assert!(rendered(Form::Markdown).contains("````"), "a longer fence than any inside");
+}
+
+fn moved() -> Moved {
+    Moved {
+        steps: 307,
+        preset: Multiplexer::new(0x6003, 0),
+        takes_position: true,
+        position: Multiplexer::new(0x6004, 0),
+        range: 10_000,
+        is_uncertain: false,
+        is_denied: false,
+        is_stored: false,
+    }
 }
 
 #[test]
 fn what_the_run_leaves_is_told() {
-    for render in [text::render as Render, markdown::render, html::render] {
-        let text = rendered(render);
+    for form in [TEXT, Form::Markdown, Form::Html] {
+        let text = rendered(form);
         assert!(
             text.contains("1 of 9 settings is not as before the run: 1015h:00 holds FF00h instead of 0h"),
             "{text}"
@@ -92,6 +110,11 @@ fn what_the_run_leaves_is_told() {
     assert_eq!(left(&run), "the device's settings are as before the run (9 were read)");
     run.outcome.left = Some(FinalState { settings: 9, compared: 4, different: Vec::new() });
     assert_eq!(left(&run), "4 of the device's 9 settings were read again, and are as before the run");
+    run.zero_point = Some(moved());
+    let told = "; the zero point was moved by +307 steps. To set it right by hand, at rest: read 6004h:00, and give 6003h:00 \
+                that value minus 307, modulo 10000";
+    assert!(left(&run).ends_with(told), "{}", left(&run));
+    run.zero_point = None;
     run.outcome.left = None;
     assert!(left(&run).contains("is not known"));
     run.outcome.is_simulated = true;
@@ -108,24 +131,24 @@ fn a_lost_bus_is_told() {
     lost.outcome.ended_by = Some("the bus was not back within 120 s".to_owned());
     lost.outcome.left = None;
     lost.outcome.violations[0].is_cut_off = true;
-    let rendered = |render: Render| {
+    let rendered = |form: Form| {
         let mut out = Vec::new();
-        render(&lost, &mut out).unwrap();
+        lost.write(form, &mut out).unwrap();
         String::from_utf8(out).unwrap()
     };
-    for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
-        let text = rendered(render);
+    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html] {
+        let text = rendered(form);
         assert!(text.contains("the bus was not back within 120 s"), "{text}");
         assert!(!text.contains('\u{1b}'), "{text}");
     }
-    for render in [text::render as Render, junit::render, markdown::render, html::render] {
-        let text = rendered(render);
+    for form in [TEXT, Form::Junit, Form::Markdown, Form::Html] {
+        let text = rendered(form);
         assert!(text.contains("2 interruptions of the bus, for 1.5 s in all so far"), "{text}");
         assert!(text.contains("was seen once, and the bus was lost before it could be repeated"), "{text}");
     }
-    assert!(rendered(text::render).contains("is not known: the bus was lost"));
-    assert!(rendered(junit::render).contains("<error"), "{}", rendered(junit::render));
-    let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
+    assert!(rendered(TEXT).contains("is not known: the bus was lost"));
+    assert!(rendered(Form::Junit).contains("<error"), "{}", rendered(Form::Junit));
+    let document: serde_json::Value = serde_json::from_str(&rendered(Form::Json)).unwrap();
     let interruptions = &document["interruptions"];
     assert_eq!((&interruptions["count"], &interruptions["over"]), (&2.into(), &false.into()));
     assert_eq!(
@@ -136,7 +159,7 @@ fn a_lost_bus_is_told() {
 
 #[test]
 fn the_contract_has_its_members() {
-    let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&rendered(Form::Json)).unwrap();
     assert_eq!((&document["schema"], &document["seed"]), (&"canvass/fuzz/1".into(), &7.into()));
     let left = serde_json::json!({ "index": 0x1015, "sub": 0, "value": 0xFF00, "power_on": 0 });
     assert_eq!(document["left"], serde_json::json!({ "settings": 9, "compared": 9, "different": [left] }));
@@ -144,6 +167,6 @@ fn the_contract_has_its_members() {
     assert_eq!(violation["frames"][0]["data"], "4000100000000000");
     assert_eq!((&violation["confirmed"], &violation["evidence"][0]["t"]), (&false.into(), &1.into()));
     assert!(violation["test"].as_str().unwrap().contains("#[test]"));
-    assert!(rendered(text::render).contains("seen once"));
-    assert!(rendered(text::render).contains("; 1 sequence could not be judged"));
+    assert!(rendered(TEXT).contains("seen once"));
+    assert!(rendered(TEXT).contains("; 1 sequence could not be judged"));
 }

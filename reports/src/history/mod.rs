@@ -2,16 +2,10 @@
 //!
 //! Results of the same release are its samples: a case of it is as bad as in the worst of them, and flaky if they differ.
 
-mod html;
 mod json;
-mod markdown;
-mod text;
+mod report;
 
-pub use html::render as html;
-pub use json::render as json;
-pub use markdown::render as markdown;
-pub use text::render as text;
-
+use crate::conformance::is_bad;
 use crate::provenance::Provenance;
 use crate::results::history::{self, Cell};
 use crate::results::{TestResult, Verdict};
@@ -61,10 +55,6 @@ pub struct Course {
     pub new_in: Option<usize>,
     /// The release from which on it did not run any more.
     pub gone_in: Option<usize>,
-}
-
-const fn is_bad(kind: Kind) -> bool {
-    matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive)
 }
 
 impl History {

@@ -1,6 +1,7 @@
 //! Since when which case is bad, whatever else happened in between.
 
 use super::*;
+use crate::document::{Form, Report, Style};
 use serde_json::json as value;
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J|";
@@ -61,18 +62,17 @@ fn samples_that_differ_are_flaky_and_the_worst_counts() {
 fn every_format_tells_it_and_harms_nobody() {
     let history = history();
     // In a terminal and in JSON markup is text.
-    type Render = fn(&History, &mut dyn std::io::Write) -> std::io::Result<()>;
-    let formats: [(Render, bool); 4] = [(text, false), (json, false), (markdown, true), (html, true)];
-    for (render, is_markup) in formats {
+    let text = Form::Text(Style::default());
+    for (form, is_markup) in [(text, false), (Form::Json, false), (Form::Markdown, true), (Form::Html, true)] {
         let mut out = Vec::new();
-        render(&history, &mut out).unwrap();
+        history.write(form, &mut out).unwrap();
         let shown = String::from_utf8(out).unwrap();
         assert!(shown.contains("1.1") && shown.contains("1.3") && shown.contains("gone"), "{shown}");
         assert!(!shown.contains(['\u{1b}']), "{shown}");
         assert!(!is_markup || !shown.contains("<script>alert"), "{shown}");
     }
     let mut out = Vec::new();
-    json(&history, &mut out).unwrap();
+    history.json(&mut out).unwrap();
     let document: serde_json::Value = serde_json::from_slice(&out).unwrap();
     assert_eq!(
         (&document["cases"][0]["first_bad"], &document["cases"][1]["became_bad"][1]),

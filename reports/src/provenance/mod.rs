@@ -3,15 +3,15 @@
 //! One type for all reports of `test`, `fuzz`, `diagnose` and `compare`; each format shows all of it.
 
 mod json;
-mod render;
 
 pub use json::json;
-pub(crate) use render::{html, junit_properties, markdown, short_text, text};
 
+use crate::document::{Block, Depth, Fact, Section};
+use crate::page_text::packed;
 use canvass_analyzer::findings::Results;
+use canvass_analyzer::statistics::IdentityText;
 use canvass_suite::runner::DeviceIdentity;
 use canvass_traces::Channels;
-use std::fmt::Write as _;
 
 /// The version of canvass.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -118,9 +118,7 @@ impl Provenance {
     pub fn add_nodes_of(&mut self, results: &Results, channels: &Channels) {
         for (channel, bus) in &results.buses {
             for (node, figures) in &bus.nodes {
-                let of = &figures.identity;
-                let identity =
-                    DeviceIdentity { device_type: of.device_type, identity: of.numbers, names: of.names.clone() };
+                let identity = identity_of(&figures.identity);
                 if identity != DeviceIdentity::default() {
                     self.devices.push((format!("node {node} on {}", channels.name(*channel)), identity));
                 }
@@ -128,8 +126,33 @@ impl Provenance {
         }
     }
 
+    /// All of it as a section. Where there is room for no more, of the options those that somebody chose.
+    pub(crate) fn section(&self, depth: Depth, are_all_options: bool) -> Section {
+        let (mut facts, mut settings) = (self.facts(), self.settings());
+        if !are_all_options {
+            settings.truncate(self.options.iter().filter(|choice| choice.by != ChosenBy::Default).count());
+        }
+        let mut blocks = Vec::new();
+        match depth {
+            Depth::Screen => facts.extend(lines(&settings)),
+            Depth::Paper => facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value))),
+            Depth::Page if settings.is_empty() => {}
+            Depth::Page => blocks.push(Block::fold("Options", vec![Block::Facts(settings)])),
+        }
+        blocks.insert(0, Block::Facts(facts));
+        Section { id: "about", title: "About this report".to_owned(), blocks }
+    }
+
+    /// For JUnit files: names that programs can look for, and values.
+    pub(crate) fn properties(&self) -> Vec<(String, String)> {
+        let facts =
+            self.facts().into_iter().map(|(name, value)| (format!("canvass.{}", name.replace(' ', ".")), value));
+        let settings = self.settings().into_iter().map(|(name, value)| (format!("canvass.option.{name}"), value));
+        facts.chain(settings).collect()
+    }
+
     /// All of it but the options, as names and values for people.
-    fn facts(&self) -> Vec<(String, String)> {
+    fn facts(&self) -> Vec<Fact> {
         let mut facts = vec![("canvass".to_owned(), VERSION.to_owned())];
         let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
         match &self.date {
@@ -162,7 +185,7 @@ impl Provenance {
     }
 
     /// The options with what they stand at; what was chosen comes first.
-    fn settings(&self) -> Vec<(String, String)> {
+    fn settings(&self) -> Vec<Fact> {
         let shown = |choice: &Choice| {
             let or_none = |values: &[String]| if values.is_empty() { "-".to_owned() } else { values.join(", ") };
             let value = or_none(&choice.value);
@@ -177,26 +200,41 @@ impl Provenance {
     }
 }
 
-/// What a device says of itself, in a line.
-fn identity_text(identity: &DeviceIdentity) -> String {
-    let [name, hardware, software] = identity.names.each_ref().map(|text| text.as_deref().unwrap_or("-"));
-    let mut text = format!("{name}, hardware {hardware}, software {software}");
-    let [vendor, product, revision, serial] = identity.identity;
-    let numbers = [
-        ("device type", identity.device_type),
+/// As many options in a line as fit; the first is named.
+fn lines(settings: &[Fact]) -> impl Iterator<Item = Fact> {
+    /// The columns that a line takes.
+    const WIDTH: usize = 110;
+    let settings: Vec<String> = settings.iter().map(|(name, value)| format!("{name}: {value}")).collect();
+    let lines = packed(&settings, ";", WIDTH).into_iter().enumerate();
+    lines.map(|(at, line)| (if at == 0 { "options" } else { "" }.to_owned(), line))
+}
+
+/// What a node of a capture said of itself.
+pub(crate) fn identity_of(text: &IdentityText) -> DeviceIdentity {
+    DeviceIdentity { device_type: text.device_type, identity: text.numbers, names: text.names.clone() }
+}
+
+/// What a device says of itself, each with its name.
+pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Option<String>); 8] {
+    let hex = |number: Option<u32>| number.map(|number| format!("{number:08X}h"));
+    let [name, hardware, software] = identity.names.clone();
+    let [vendor, product, revision, serial] = identity.identity.map(hex);
+    [
+        ("name", name),
+        ("hardware", hardware),
+        ("software", software),
+        ("device type", hex(identity.device_type)),
         ("vendor-ID", vendor),
         ("product code", product),
         ("revision", revision),
         ("serial number", serial),
-    ];
-    for (name, number) in numbers {
-        // Writing to a string can't fail.
-        let _ = match number {
-            Some(number) => write!(text, ", {name} {number:08X}h"),
-            None => write!(text, ", {name} -"),
-        };
-    }
-    text
+    ]
+}
+
+/// The same in a line.
+fn identity_text(identity: &DeviceIdentity) -> String {
+    let told = identity_facts(identity).map(|(name, value)| format!("{name} {}", value.as_deref().unwrap_or("-")));
+    told.join(", ")
 }
 
 #[cfg(test)]

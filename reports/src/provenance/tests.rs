@@ -2,6 +2,33 @@
 
 use super::*;
 
+use crate::document::junit::Suite;
+use crate::document::{Document, Form, Report, Style};
+use std::io::{self, Write};
+
+const TEXT: Form = Form::Text(Style { color: false, width: None });
+
+/// A report of nothing but where it comes from.
+struct Alone<'a>(&'a Provenance);
+
+impl Report for Alone<'_> {
+    fn document(&self, depth: Depth) -> Document {
+        let mut suite = Suite::new("alone");
+        suite.add_properties(self.0.properties());
+        Document { about: Some(self.0.section(depth, true)), suites: vec![suite], ..Document::default() }
+    }
+
+    fn json(&self, _: &mut dyn Write) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn written(provenance: &Provenance, form: Form) -> String {
+    let mut out = Vec::new();
+    Alone(provenance).write(form, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
 const HOSTILE: &str = "\x1b[2J<script>|`\u{202e}";
 
 fn provenance() -> Provenance {
@@ -53,24 +80,14 @@ const TOLD: [&str; 13] = [
 #[test]
 fn every_format_tells_all_of_it() {
     let provenance = provenance();
-    let (mut plain, mut page) = (Vec::new(), Vec::new());
-    text(&provenance, &mut plain).unwrap();
-    markdown(&provenance, &mut page).unwrap();
-    let properties = junit_properties(&provenance);
-    let properties: Vec<String> = properties.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    let formats = [
-        String::from_utf8(plain).unwrap(),
-        String::from_utf8(page).unwrap(),
-        html(&provenance).into_string(),
-        properties.join("\n"),
-    ];
+    let formats = [TEXT, Form::Markdown, Form::Html, Form::Junit].map(|form| written(&provenance, form));
     for format in &formats {
         for told in TOLD {
             assert!(format.contains(told), "{told} is missing in {format}");
         }
         assert!(!format.contains(['\x1b', '\u{202e}']), "{format}");
     }
-    assert!(!formats[2].contains("<script>") && !formats[1].contains("<script>"));
+    assert!(!formats[2].contains("<script>|") && !formats[1].contains("<script>"));
     assert!(formats[0].contains("repeat: 3 (default 5); tolerance: 5"), "what was chosen comes first: {}", formats[0]);
     assert!(formats[0].contains("83.333 kbit/s") && formats[0].contains("can't be read twice"));
 }
@@ -91,9 +108,7 @@ fn json_has_values_and_defaults_as_data() {
 #[test]
 fn a_simulated_run_has_no_date_of_its_own() {
     let without = Provenance::default();
-    let mut shown = Vec::new();
-    text(&without, &mut shown).unwrap();
-    let shown = String::from_utf8(shown).unwrap();
+    let shown = written(&without, TEXT);
     assert!(shown.contains("date         not given") && !shown.contains("host"), "{shown}");
     assert_eq!(json(&without).date, None);
 }

@@ -1,5 +1,6 @@
 //! `canvass fuzz`.
 
+use super::test::MovedZeroPoint;
 use super::{Contract, Provenance, Word};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,8 @@ pub struct FuzzResult {
     pub version: Word,
     /// Each once.
     pub violations: Vec<Violation>,
+    /// The zero point of a device on a bus that goes on, where it is not where it was before the run; else `null`.
+    pub zero_point: Option<MovedZeroPoint>,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]

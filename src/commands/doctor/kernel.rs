@@ -1,26 +1,26 @@
-//! Why a kernel has no CAN.
+//! Reasons why a kernel offers no CAN.
 
 use flate2::read::GzDecoder;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-/// What the files of this machine tell.
+/// Facts about the running kernel, from files of this machine.
 #[derive(Default)]
 struct Kernel {
     /// Its release, as `uname -r` prints it.
     release: String,
-    /// How it was built, where it tells: `/proc/config.gz` or `/boot/config-RELEASE`.
+    /// The build configuration, if the kernel publishes it in `/proc/config.gz` or `/boot/config-RELEASE`.
     config: Option<String>,
-    /// Whether it can load modules.
+    /// Whether the kernel can load modules.
     has_modules: bool,
-    /// Whether modules for it are installed.
+    /// Whether modules of this kernel are installed.
     has_folder: bool,
-    /// Whether the module `can-raw` is among them.
+    /// Whether the module `can-raw` is installed.
     has_module: bool,
 }
 
-/// The reason, and what to do.
+/// Why there is no CAN, and what to do.
 pub fn why_no_can() -> String {
     Kernel::here().why_no_can()
 }
@@ -39,7 +39,7 @@ impl Kernel {
         }
     }
 
-    /// How that option was set: `y`, `m`, or not at all; `None` if the kernel does not tell.
+    /// The value of a build option: `y`, `m`, or `n` if not set; `None` if the configuration is unknown.
     fn option(&self, name: &str) -> Option<&str> {
         let config = self.config.as_deref()?;
         let value = |line: &'_ str| line.strip_prefix(name).is_some_and(|rest| rest.starts_with('='));
@@ -47,7 +47,7 @@ impl Kernel {
     }
 
     fn why_no_can(&self) -> String {
-        const ELSE: &str = "boot one that has it, or use an adapter by slcan:PORT";
+        const ELSE: &str = "boot a kernel with CAN, or use a serial adapter by slcan:PORT";
         let release = &self.release;
         let missing = ["CONFIG_CAN", "CONFIG_CAN_RAW"].into_iter().find(|name| self.option(name) == Some("n"));
         if let Some(missing) = missing {
@@ -57,7 +57,7 @@ impl Kernel {
             return format!("kernel {release} has no CAN and can't load modules (there is no /proc/modules): {ELSE}");
         }
         if self.has_module {
-            return "the kernel's module can-raw is there and not loaded: modprobe can-raw (as root)".to_owned();
+            return "the kernel's module can-raw is installed but not loaded: run modprobe can-raw as root".to_owned();
         }
         if self.has_folder {
             return format!("kernel {release} has no module net/can/can-raw.ko in /lib/modules/{release}: {ELSE}");
@@ -69,7 +69,7 @@ impl Kernel {
     }
 }
 
-/// A kernel's configuration has some 200 KiB.
+/// Limit for reading a kernel's configuration, which usually has some 200 KiB.
 const LONGEST: u64 = 16 << 20;
 
 fn unpacked(path: &str) -> Option<String> {

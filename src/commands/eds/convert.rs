@@ -16,14 +16,14 @@ use clap::ValueEnum;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// More losses are only counted, unless all are asked for.
+/// Losses printed without `--all-losses`; the rest is only counted.
 const SHOWN: usize = 20;
 
 /// Convert a device description to another format: EDS and XDD, DCF and XDC, and its PDOs to a DBC
 ///
-/// The output format is given by the extension of OUT, or by --to. Whatever the output format can't hold is reported on
-/// standard error, each item with its place. A DCF becomes an EDS without the configured values. A DBC has the PDOs of
-/// the device at one node-ID, for tools that know no CANopen.
+/// The extension of OUT or --to gives the output format. Standard error reports each item that the output format
+/// can't hold, with its place. An EDS made of a DCF has no configured values. A DBC has the PDOs of the device at one
+/// node-ID, for tools without CANopen.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -41,7 +41,7 @@ pub struct Args {
     /// The format to write
     #[arg(long, value_enum)]
     to: Option<To>,
-    /// The node-ID that the PDOs of a DBC are for [default: that of a DCF]
+    /// The node-ID for the PDOs of a DBC [default: that of a DCF]
     #[arg(long, value_name = "N", value_parser = parse_node)]
     node: Option<NodeId>,
     /// Overwrite OUT if it exists
@@ -54,19 +54,19 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum To {
-    /// CiA 306, for a type of device
+    /// EDS (CiA 306): a type of device
     Eds,
-    /// CiA 306, for a configured device
+    /// DCF (CiA 306): a configured device
     Dcf,
-    /// CiA 311, for a type of device
+    /// XDD (CiA 311): a type of device
     Xdd,
-    /// CiA 311, for a configured device
+    /// XDC (CiA 311): a configured device
     Xdc,
-    /// A CAN database with the PDOs
+    /// DBC: a CAN database with the PDOs
     Dbc,
 }
 
-/// A description in another format, or its PDOs.
+/// The output: a description in another format, or a DBC.
 #[derive(Clone, Copy)]
 enum Target {
     Form(Form),
@@ -111,10 +111,10 @@ impl Args {
         Ok(Status::Good)
     }
 
-    /// The file in the other format, and what is not in it.
+    /// Converts the description; returns the file and the items that it can't hold.
     fn converted(&self, bytes: &[u8], form: Form) -> Result<(Vec<u8>, Vec<String>)> {
         if self.node.is_some() {
-            bail!("--node is for a DBC: the {form} says itself which node it is for");
+            bail!("--node is for a DBC: the {form} names its own node-ID");
         }
         let name = self.output.file_name().filter(|name| *name != "-");
         let name = name.map(|name| name.to_string_lossy().into_owned());
@@ -123,16 +123,16 @@ impl Args {
         Ok((converted.text.into_bytes(), converted.losses.iter().map(ToString::to_string).collect()))
     }
 
-    /// The PDOs as a CAN database, and those that are not in it.
+    /// Converts the PDOs to a DBC; returns the file and the PDOs that it can't hold.
     fn database(&self, description: DeviceDescription) -> Result<(Vec<u8>, Vec<String>)> {
         let input = self.input.display();
         let configured = description.commissioning.as_ref().and_then(|it| it.node_id);
         let node = self.node.or(configured);
-        let node = node.with_context(|| format!("{input} is for every node-ID: use --node N for the DBC"))?;
+        let node = node.with_context(|| format!("{input} names no node-ID: use --node N for the DBC"))?;
         let database = dbc::database(KnownDevice::described(description), node);
         if database.messages == 0 {
             let reasons = database.left_out.join("; ");
-            let reasons = if reasons.is_empty() { "none is described" } else { &reasons };
+            let reasons = if reasons.is_empty() { "the description has none" } else { &reasons };
             bail!("{input} has no PDO that a DBC could hold: {reasons}");
         }
         Ok((database.bytes, database.left_out))
@@ -158,7 +158,7 @@ impl Args {
         }
         if losses.len() > shown {
             let rest = losses.len() - shown;
-            diagnostic(&format!("{name}: {rest} more things are lost: --all-losses lists all"));
+            diagnostic(&format!("{name}: {rest} more items are lost: --all-losses lists all"));
         }
     }
 }

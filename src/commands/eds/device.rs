@@ -1,4 +1,4 @@
-//! The device that a command reads.
+//! Options for commands that read a device.
 
 use crate::commands::test::which_node;
 use crate::devices::parse_node;
@@ -16,12 +16,12 @@ use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp};
 use std::time::Instant;
 
-/// A device on a bus.
+/// A device on a bus, as typed.
 #[derive(clap::Args)]
 pub struct DeviceArgs {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
     pub bus: String,
-    /// The device's node-ID; without it the one of the simulated device
+    /// The device's node-ID (default: that of the simulated device)
     #[arg(long, value_parser = parse_node)]
     pub node: Option<NodeId>,
     /// How long to wait for each response, such as 500ms
@@ -38,29 +38,30 @@ pub struct DeviceArgs {
 /// A device on an open bus.
 pub struct Opened {
     live: Live,
-    /// Its node-ID.
+    /// The device's node-ID.
     pub node: NodeId,
     patience: Duration,
     limit: UploadLimit,
     reconnect: ReconnectArg,
 }
 
-/// What was read of a device.
+/// The result of reading a device.
 pub struct Surveyed<T> {
     pub survey: Survey,
-    /// What reading it all came to, or why it did not come to its end.
+    /// The result of the survey, or the error that ended it.
     pub done: Result<T, SurveyError>,
-    /// The entry at which it ended before its end.
+    /// The first entry that was not read, if the survey ended early.
     pub unread: Option<Multiplexer>,
 }
 
 impl DeviceArgs {
-    /// Opens the bus; `usual` is the node-ID if none was given and the device is not simulated.
+    /// Opens the bus; `usual` is the node-ID of a real device without `--node`.
     pub fn open(&self, usual: Option<NodeId>) -> Result<Opened, Failure> {
         let mut live = Live::open(&self.bus, self.node, &[], self.client)?;
         let node = self.node.or(live.simulated_node()).or(usual).ok_or_else(|| which_node(&self.bus, live.model))?;
         let id = u16::from(node.raw());
-        // Only the two directions of this server, however busy the bus is.
+        // The bus filter admits only the two COB-IDs of this SDO server, so that a busy bus does not overflow the
+        // queue.
         live.bus.only(&[(0x580 + id, 0x7FF), (0x600 + id, 0x7FF)]).map_err(Failure::unreachable)?;
         let limit = self.limit.or(UploadLimit::OF_MANY);
         Ok(Opened { live, node, patience: self.timeout, limit, reconnect: self.reconnect })
@@ -73,7 +74,7 @@ impl Opened {
         self.live.bus.bit_rate().and_then(|rate| u16::try_from(rate / 1_000).ok())
     }
 
-    /// Lets `read` read what it wants. Ctrl-C ends it. What could not be read to its end is told.
+    /// Runs `read` on the device. Ctrl-C ends it. Incomplete uploads are reported.
     pub fn survey<T>(
         &mut self,
         read: impl FnOnce(&mut Surveyor<'_, '_>) -> Result<T, SurveyError>,
@@ -103,5 +104,5 @@ impl Opened {
     }
 }
 
-/// Between one showing of the progress and the next.
+/// Interval between two updates of the progress.
 const PAUSE: std::time::Duration = std::time::Duration::from_millis(200);

@@ -7,8 +7,7 @@ use anyhow::{Result, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::difference::{Class, compare};
 use canvass_reports::descriptions::difference::Compared;
-use canvass_reports::escape::Printable;
-use std::io::Write;
+use canvass_reports::document::{Form, Report as _, Style};
 use std::path::{Path, PathBuf};
 
 /// Compare two device descriptions: what a release changed, and which changes are breaking
@@ -23,7 +22,7 @@ pub struct Args {
     old: PathBuf,
     /// The description of the new release; - is standard input
     new: PathBuf,
-    /// How to print what differs
+    /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
     format: DiffFormat,
     /// The least serious class of changes that makes the exit status 1
@@ -33,7 +32,7 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum DiffFormat {
-    /// For people: each kind of change with where it is and what follows from it
+    /// For people: each kind of change, its places and its consequence
     #[default]
     Text,
     /// One JSON object
@@ -44,14 +43,14 @@ enum DiffFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
-    /// Breaking changes
+    /// Exit status 1 with breaking changes
     #[default]
     Breaking,
-    /// Notable changes too
+    /// Exit status 1 with breaking or notable changes
     Notable,
-    /// Every change
+    /// Exit status 1 with any change
     Harmless,
-    /// Nothing: the status tells only whether the files could be read
+    /// Never exit status 1 for changes; the status tells only whether the files could be read
     Never,
 }
 
@@ -69,20 +68,21 @@ impl FailOn {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let compared = self.compare()?;
-        let mut output = Output::text(color.on_stdout());
-        let text = match self.format {
-            DiffFormat::Text => compared.text(color.on_stdout()),
-            DiffFormat::Json => Printable::pretty_json(&compared.json()).into_string(),
-            DiffFormat::Markdown => compared.markdown(),
+        let style = Style { color: color.on_stdout(), width: None };
+        let form = match self.format {
+            DiffFormat::Text => Form::Text(style),
+            DiffFormat::Json => Form::Json,
+            DiffFormat::Markdown => Form::Markdown,
         };
-        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let mut output = Output::text(style.color);
+        unless_closed(compared.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
         let fails = self.fail_on_change.least().is_some_and(|least| compared.has(least));
         Ok(if fails { Status::Findings } else { Status::Good })
     }
 
     fn compare(&self) -> Result<Compared> {
         if [&self.old, &self.new].iter().all(|path| path.as_os_str() == "-") {
-            bail!("standard input can be one of the two descriptions, not both");
+            bail!("standard input can be only one of the two descriptions");
         }
         let (old, new) = (read(&self.old)?, read(&self.new)?);
         let name = |path: &Path| path.display().to_string();

@@ -1,4 +1,4 @@
-//! The device descriptions that a command reads: as named, those of folders, and standard input.
+//! The device descriptions that a command reads: files, folders and standard input.
 
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
@@ -8,13 +8,13 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// How descriptions are called.
+/// Extensions of device descriptions.
 const ENDINGS: [&str; 4] = ["eds", "dcf", "xdd", "xdc"];
 
-/// Folders in folders, no deeper: a link could lead back.
+/// Depth limit for folders: a symbolic link could lead back to a parent.
 const DEEPEST: usize = 32;
 
-/// Every file that is meant, folders by name.
+/// All files that the arguments name; folders are searched, in alphabetical order.
 pub fn descriptions(named: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for path in named {
@@ -59,7 +59,7 @@ pub struct Description {
     /// As the user named it.
     pub name: String,
     pub path: PathBuf,
-    /// Without folders; standard input has none.
+    /// The file's name without folders; `None` for standard input.
     pub file_name: Option<String>,
     pub bytes: Vec<u8>,
 }
@@ -80,14 +80,14 @@ impl Description {
         Ok(Self { name: path.display().to_string(), path: path.to_owned(), file_name, bytes })
     }
 
-    /// The folder that it stands in; standard input stands in none.
+    /// The folder of the file; `None` for standard input.
     pub fn folder(&self) -> Option<Beside> {
         let parent = self.path.parent().filter(|_| !self.is_input())?;
         let here = parent.as_os_str().is_empty();
         Some(Beside(if here { PathBuf::from(".") } else { parent.to_owned() }))
     }
 
-    /// Whether it came from standard input.
+    /// Whether the description came from standard input.
     pub fn is_input(&self) -> bool {
         self.file_name.is_none()
     }
@@ -106,7 +106,7 @@ impl Folder for Beside {
     }
 }
 
-/// The description in a file; one of which half can't be read describes nothing.
+/// Reads the description in a file. A description with unreadable parts is refused: it would describe another device.
 pub fn description(bytes: &[u8], path: &Path) -> Result<DeviceDescription> {
     let read = DeviceDescription::read(bytes);
     let description = read.with_context(|| format!("{} is no device description", path.display()))?;

@@ -1,4 +1,4 @@
-//! `canvass eds from-device`: a description made from a device.
+//! `canvass eds from-device`: makes a description from a device.
 
 use super::device::DeviceArgs;
 use crate::commands::sdo::object::hexadecimal;
@@ -17,12 +17,13 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Make a description of a device from what it has, as a start where none exists; nothing is written to the device
+/// Make a description from a device, as a start where none exists; nothing is written to the device
 ///
-/// Every index is read by SDO. Names, types and access of objects that CiA 301, 302, 304 or 406 define are the standard's;
-/// those of others are guessed from what was read, and comments in the file say so. Defaults are the values that the device
-/// had. All indexes take some minutes on a live bus: --range reads fewer. What was read before the bus or the device was
-/// lost, or before Ctrl-C, is written too; the file says what is missing, and the status is not 0.
+/// canvass reads every index by SDO. Objects that CiA 301, 302, 304 or 406 define get their names, types and access
+/// from the standard; those of other objects are guessed from the values read, and comments in the file say so.
+/// Defaults are the values read. Reading all indexes takes some minutes on a live bus: --range reads fewer. If the
+/// bus or the device is lost, or on Ctrl-C, the objects read until then are written; the file says which are missing,
+/// and the exit status is not 0.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -31,7 +32,7 @@ Examples:
 pub struct Args {
     #[command(flatten)]
     device: DeviceArgs,
-    /// The EDS to write; without it, standard output
+    /// The EDS to write (default: standard output)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite FILE if it exists
@@ -77,11 +78,11 @@ impl Args {
         }
         tell(&scanned);
         let Some(Missing { what, status }) = missing else { return Ok(Status::Good) };
-        diagnostic(&format!("canvass: {what}: the description holds what was read before"));
+        diagnostic(&format!("canvass: {what}: the description holds the objects read until then"));
         Ok(status)
     }
 
-    /// Reads the device; what of it is missing, too.
+    /// Reads the device; the second value names the part that was not read.
     fn scan(&self) -> Result<(Scanned, Option<Missing>), Failure> {
         let mut opened = self.device.open(None)?;
         let surveyed = opened.survey(|surveyor| {
@@ -100,7 +101,7 @@ impl Args {
         let missing = match surveyed.done {
             Ok(None) => None,
             Ok(Some(index)) => Some(Missing::area(node, index)),
-            // There is nothing to describe.
+            // Without a single object there is nothing to describe.
             Err(error) if is_empty => return Err(Failure::unreachable(error)),
             Err(error) => Some(Missing::since(&error, surveyed.unread)),
         };
@@ -108,7 +109,7 @@ impl Args {
         Ok((Scan { survey: &surveyed.survey, node, bit_rate, file }.describe(), missing))
     }
 
-    /// What the file says about itself.
+    /// The description's section on the file itself.
     fn file(&self, missing: Option<&Missing>) -> Result<FileInfo> {
         let name = self.output.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let at = date_of_file()?;
@@ -130,23 +131,23 @@ impl Args {
     }
 }
 
-/// What of a device was not read.
+/// The part of a device that was not read.
 struct Missing {
     what: String,
     status: Status,
 }
 
 impl Missing {
-    /// From that index on, as the device gives no answer where it has no object.
+    /// All objects from that index on: the device stays silent for absent objects, so each would cost a timeout.
     fn area(node: NodeId, index: Index) -> Self {
         let what = format!(
-            "node {node} does not answer where it has no object, instead of abort 0602 0000h: from {index} on nothing was \
-             read; --range tells where to look"
+            "node {node} does not answer requests for absent objects (expected: abort 0602 0000h): nothing was read \
+             from {index} on; name the indexes with --range"
         );
         Self { what, status: Status::Unreachable }
     }
 
-    /// From that entry on, for that reason.
+    /// All objects from that entry on, for the given reason.
     fn since(error: &SurveyError, unread: Option<Multiplexer>) -> Self {
         let from = unread.map(|at| format!(", from {at} on")).unwrap_or_default();
         match error {
@@ -169,7 +170,7 @@ fn tell(scanned: &Scanned) {
     let dictionary = &scanned.description.dictionary;
     let (objects, entries) = (dictionary.objects().len(), dictionary.entries().count());
     let guessed = scanned.guesses.len();
-    diagnostic(&format!("canvass: {objects} objects with {entries} entries, {guessed} of them guessed in part"));
+    diagnostic(&format!("canvass: {objects} objects with {entries} entries, {guessed} of them partly guessed"));
 }
 
 #[cfg(test)]

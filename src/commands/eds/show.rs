@@ -1,4 +1,4 @@
-//! `canvass eds show`: a device description to read.
+//! `canvass eds show`: prints a device description.
 
 use super::found::{Description, description};
 use crate::commands::sdo::object::resolve;
@@ -26,12 +26,12 @@ Examples:
 pub struct Args {
     /// An EDS, DCF, XDD or XDC file; - is standard input
     file: PathBuf,
-    /// One object: its index in hexadecimal, or a name
+    /// One object: its index in hexadecimal, or its name
     object: Option<String>,
     /// The node-ID for values and COB-IDs that depend on it [default: that of a DCF]
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
-    /// How to show it
+    /// How to print the description
     #[arg(long, value_enum, default_value_t)]
     format: ShowFormat,
 }
@@ -69,7 +69,7 @@ impl Args {
     }
 }
 
-/// The object that is meant: an index, the name of an object, or the name of one of its sub-indexes.
+/// Finds the object with this index, this name, or a sub-index of this name.
 fn index(text: &str, description: &DeviceDescription) -> Result<Index> {
     let wanted = text.to_lowercase();
     let objects = description.dictionary.objects();

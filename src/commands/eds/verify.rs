@@ -1,22 +1,21 @@
-//! `canvass eds verify`: a device against its description.
+//! `canvass eds verify`: compares a device with its description.
 
 use super::device::DeviceArgs;
 use super::found::{Description, description};
 use crate::output::{Color, Output, terminal_width, unless_closed};
 use crate::status::{Failure, Status};
 use canvass_analyzer::dictionary::survey::compare::{IDENTITY, compare};
-use canvass_reports::descriptions::verification::{Style, Verification};
-use canvass_reports::escape::Printable;
-use std::io::Write;
+use canvass_reports::descriptions::verification::Verification;
+use canvass_reports::document::{Form, Report as _, Style};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Compare a device with its description: read everything, write nothing
 ///
-/// Every described entry is read by SDO and checked: whether it exists, its length, its value against limits and
-/// default, COB-IDs and the mapping of PDOs. Objects that are not described are looked for in the communication profile
-/// area or, with --all, everywhere. A value that can be written may have been configured: a difference from its default
-/// is shown, but makes the exit status 1 only with --as-delivered. What can't be checked without writing is left out.
+/// canvass reads every described entry by SDO and checks its existence, length, value (against limits and default),
+/// COB-IDs and PDO mapping. Undescribed objects are looked for in the communication profile area or, with --all,
+/// everywhere. A writable value may have been configured: a difference from its default is shown, but makes the exit
+/// status 1 only with --as-delivered. Checks that need writing are left out.
 #[derive(clap::Args)]
 pub struct Args {
     /// An EDS, DCF, XDD or XDC file; - is standard input
@@ -26,10 +25,10 @@ pub struct Args {
     /// Look for undescribed objects at every index from 1000h to FFFFh: a minute or more on a live bus
     #[arg(long)]
     all: bool,
-    /// The device was never configured: values other than the defaults count as differences
+    /// Count every value that differs from its default: the device was never configured
     #[arg(long)]
     as_delivered: bool,
-    /// How to print what differs
+    /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
     format: VerifyFormat,
 }
@@ -45,21 +44,21 @@ enum VerifyFormat {
     Markdown,
 }
 
-/// Where undescribed objects are looked for.
+/// The default range for undescribed objects.
 const COMMUNICATION_PROFILE: RangeInclusive<u16> = 0x1000..=0x1FFF;
 const ALL: RangeInclusive<u16> = 0x1000..=0xFFFF;
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let verification = self.verify()?;
-        let style = Style { colors: color.on_stdout(), width: terminal_width().unwrap_or(120) };
-        let text = match self.format {
-            VerifyFormat::Text => verification.text(style),
-            VerifyFormat::Json => Printable::pretty_json(&verification.json()).into_string(),
-            VerifyFormat::Markdown => verification.markdown(),
+        let style = Style { color: color.on_stdout(), width: terminal_width() };
+        let form = match self.format {
+            VerifyFormat::Text => Form::Text(style),
+            VerifyFormat::Json => Form::Json,
+            VerifyFormat::Markdown => Form::Markdown,
         };
-        let mut output = Output::text(style.colors);
-        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let mut output = Output::text(style.color);
+        unless_closed(verification.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
         let differs = verification.differences().next().is_some();
         Ok(if differs { Status::Findings } else { Status::Good })
     }

@@ -1,4 +1,4 @@
-//! The device that is fuzzed: a simulated one, new for each sequence, or one on a live bus.
+//! The device to fuzz: a simulated one, made anew for each sequence, or one on a live bus.
 
 use crate::devices::describe;
 use crate::live::{CLIENT, limited, open_bus_of, open_device_bus};
@@ -13,9 +13,10 @@ use canvass_fuzzer::Knowledge;
 use canvass_fuzzer::Live;
 use canvass_fuzzer::stand::{Simulated, TestStand, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
-use canvass_suite::bench::{Decoder, Target};
+use canvass_suite::bench::{Decoder, Target, zero_point_of};
+use canvass_suite::zero_point::ZeroPoint;
 
-/// The device, and how it is reached.
+/// The device with its bus.
 pub struct Device {
     place: Place,
     knowledge: Knowledge,
@@ -28,7 +29,7 @@ enum Place {
 }
 
 impl Device {
-    /// Opens the bus. `device` is what the user says the device is.
+    /// Opens the bus. `device` is the value of `--device`.
     pub fn open(address: &str, node: Option<NodeId>, device: Option<&str>, seed: u64) -> Result<Self, Failure> {
         let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         if let BusAddress::Simulated(devices) = address.parse()? {
@@ -65,17 +66,17 @@ impl Device {
         matches!(self.place, Place::Simulated(_))
     }
 
-    /// What is known of it before it is asked.
+    /// The knowledge of the device from its model or description.
     pub fn knowledge(&self) -> &Knowledge {
         &self.knowledge
     }
 
-    /// What the user calls it.
+    /// The device's name as the user typed it.
     pub fn name(&self) -> &str {
         &self.target.model
     }
 
-    /// Whether it can be had without node-ID.
+    /// Whether the device can be put into the state without node-ID.
     pub fn has_unconfigured(&self) -> bool {
         match &self.place {
             Place::Simulated(stand) => stand.has_unconfigured(),
@@ -83,7 +84,7 @@ impl Device {
         }
     }
 
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub fn bit_rate(&self) -> Option<u32> {
         match &self.place {
             Place::Simulated(stand) => Some(stand.bit_rate()),
@@ -91,7 +92,7 @@ impl Device {
         }
     }
 
-    /// Lets `work` use a bus with the device as it was when the run began: a simulated one is made anew.
+    /// Runs `work` on a bus with the device in its initial state: a simulated device is made anew.
     pub fn on_bus<T>(
         &mut self,
         address: &str,
@@ -105,12 +106,20 @@ impl Device {
         }
     }
 
-    /// What gives its frames their words.
+    /// Where its zero point is; `None`: nothing moves one, it does not answer, or it is simulated and made anew.
+    pub fn zero_point(&mut self) -> Option<ZeroPoint> {
+        match &mut self.place {
+            Place::Live(bus) => zero_point_of(bus.as_mut(), &self.target),
+            Place::Simulated(_) => None,
+        }
+    }
+
+    /// A decoder that knows the device, for the text of its frames.
     pub fn decoder(&self) -> Decoder {
         Decoder::new(&self.target)
     }
 
-    /// Lets `work` use the device.
+    /// Runs `work` on the fuzzer's stand for this device.
     pub fn on_stand<T>(
         &mut self,
         time: &TimeLimit,

@@ -1,4 +1,4 @@
-//! How far a run is, on a terminal.
+//! Progress of a fuzzing run, on a terminal.
 
 use crate::output::{diagnostic, is_seen, show_progress};
 use canvass_fuzzer::campaign::{self, Outcome};
@@ -6,7 +6,7 @@ use canvass_reports::escape::Printable;
 use canvass_traces::Duration;
 use std::time::Instant;
 
-/// A line that is written again and again.
+/// A line of the terminal that is rewritten.
 pub struct Progress {
     begun: Instant,
     shown: Option<Instant>,
@@ -14,16 +14,16 @@ pub struct Progress {
     terminal: bool,
 }
 
-/// Times a second.
+/// Maximum number of updates per second.
 const RATE: u128 = 5;
 
 impl Progress {
-    /// Of a run that may take so long.
+    /// Begins the display; `span` is the time limit of the run.
     pub fn new(span: Option<Duration>) -> Self {
         Self { begun: Instant::now(), shown: None, span, terminal: is_seen() }
     }
 
-    /// Shows the state, if somebody sees it and it was not shown a moment ago.
+    /// Updates the line, at most [`RATE`] times a second, if standard error is a terminal.
     pub fn show(&mut self, state: &campaign::Progress<'_>) {
         if !self.terminal || self.shown.is_some_and(|shown| shown.elapsed().as_millis() < 1_000 / RATE) {
             return;
@@ -40,7 +40,7 @@ impl Progress {
         )));
     }
 
-    /// The run is over.
+    /// Prints the totals at the end of the run.
     pub fn end(&self, outcome: &Outcome) {
         if self.terminal {
             show_progress(&Printable::line(""));

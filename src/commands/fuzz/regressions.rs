@@ -13,15 +13,15 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::Path;
 
-/// Sequences of earlier runs.
+/// The sequences of a file.
 #[derive(Default)]
 pub struct Regressions {
-    /// Those that may be sent.
+    /// The sequences that may be sent.
     pub sequences: Vec<Sequence>,
 }
 
 impl Regressions {
-    /// A log or reproducer; all of it may be sent, or nothing is.
+    /// Reads a log or reproducer. One forbidden frame refuses the whole file: a partial replay proves nothing.
     pub fn replay(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
         let bytes = small_file::read(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
         let sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
@@ -29,12 +29,12 @@ impl Regressions {
             return Err(anyhow!("{}: {why}", path.display()).into());
         }
         if sequences.is_empty() {
-            return Err(unreadable(path, "it holds no frame").into());
+            return Err(unreadable(path, "the file holds no frame").into());
         }
         Ok(Self { sequences })
     }
 
-    /// A file of regressions, if there is one already.
+    /// Opens a file of regressions, if it exists. Sequences with forbidden frames are left out.
     pub fn open(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
         let bytes = match small_file::read(path, OF_PROGRAM) {
             Ok(bytes) => bytes,
@@ -55,9 +55,10 @@ impl Regressions {
         Ok(Self { sequences })
     }
 
-    /// Appends what is new.
+    /// Appends the new sequences.
     pub fn append(&self, path: &Path, found: &[Found], seed: u64) -> Result<(), Failure> {
-        // A log has no way to tell apart what its times can't; what it is read as is compared.
+        // Log times are coarser than those of a sequence; so the comparison uses each sequence as it reads back from
+        // a log.
         let known: BTreeSet<String> = self.sequences.iter().map(reproducer::candump).collect();
         let new: String = found
             .iter()
@@ -72,7 +73,7 @@ impl Regressions {
     }
 }
 
-/// Appends all of it or, if there is no room for that, nothing: half of a frame would make the file unreadable.
+/// Appends all bytes or, if the disk is full, none: half a frame would make the file unreadable.
 fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = OpenOptions::new().create(true).append(true).open(path)?;
     let before = file.metadata()?.len();
@@ -82,7 +83,7 @@ fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     })
 }
 
-/// The first frame that is not allowed, with the reason and how it is allowed.
+/// The reason why the first forbidden frame is refused, with the option that permits it.
 fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<String> {
     sequence.stimuli.iter().find_map(|stimulus| {
         let frame = &stimulus.frame;

@@ -1,4 +1,4 @@
-//! `--reproducers`: a file for each violation.
+//! `--reproducers`: a log file for each violation.
 
 use crate::status::Failure;
 use crate::whole_file::WholeFile;
@@ -8,8 +8,8 @@ use canvass_fuzzer::reproducer;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes them. The same violation of the same seed has the same name in every run. One that can't be written keeps no other
-/// from being.
+/// Writes one file per violation. The violation and the seed determine the file's name. An error with one file does
+/// not stop the others.
 pub fn write(folder: &Path, found: &[Found], seed: u64) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).with_context(|| failed(folder))?;
     let found = found.iter().filter(|found| !found.sequence.stimuli.is_empty());

@@ -1,4 +1,4 @@
-//! What is answered of one file.
+//! Answers to requests about one file.
 
 use super::document::{Document, Units};
 use crate::commands::eds::found::Beside;
@@ -21,20 +21,21 @@ use serde_json::{Value, json, to_string};
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-/// A file, and how places in it are counted.
+/// An open file, and the unit of positions in it.
 pub struct Answers<'a> {
     pub uri: &'a Uri,
     pub document: &'a Document,
     pub units: Units,
-    /// Whether the editor asks for the edits of an action when somebody chooses it.
+    /// Whether the editor fetches the edits of a code action only when the user chooses it.
     pub resolves: bool,
 }
 
-/// The JSON text of an answer: a tree of values in between would take longer than all the rest.
+/// The JSON text of an answer. It is written directly: building a tree of values would take longer than everything
+/// else.
 pub type Answer = Result<String, serde_json::Error>;
 
 impl Answers<'_> {
-    /// The answer to a request about the file; `None`: it is not served.
+    /// The answer to a request about the file; `None` if the method is not supported.
     pub fn to(&self, method: &str, params: Value) -> Option<Answer> {
         Some(match method {
             HoverRequest::METHOD => {
@@ -74,12 +75,12 @@ impl Answers<'_> {
         Location::new(self.uri.clone(), self.document.range(range, self.units))
     }
 
-    /// All that a check finds and the file does not itself leave so.
+    /// All findings that no comment in the file waives.
     pub fn findings(&self) -> Vec<Diagnostic> {
         self.open().map(|finding| self.diagnostic(finding)).collect()
     }
 
-    /// What the file does not itself leave so.
+    /// The findings that no comment in the file waives.
     fn open(&self) -> impl Iterator<Item = &Finding> {
         self.checked().open()
     }
@@ -100,10 +101,10 @@ impl Answers<'_> {
         check_source(source, name.as_deref(), beside)
     }
 
-    /// Where the file is, as far as its address is one of files.
+    /// The path of the file; empty if its URI is not a file's.
     fn path(&self) -> PathBuf {
         let path = self.uri.path().as_estr().decode().into_string_lossy().into_owned();
-        // On Windows a drive follows the first slash.
+        // On Windows a drive letter follows the first slash.
         let drive = path.strip_prefix('/').filter(|rest| rest.as_bytes().get(1) == Some(&b':'));
         PathBuf::from(drive.unwrap_or(&path))
     }
@@ -146,7 +147,7 @@ impl Answers<'_> {
             kind: Some(CompletionItemKind::FIELD),
             documentation: Some(Documentation::String(found.detail))
                 .filter(|text| *text != Documentation::String(String::new())),
-            // In this order, and not by the alphabet.
+            // The editor keeps this order instead of sorting by name.
             sort_text: Some(format!("{order:04}")),
             filter_text: Some(found.label),
             text_edit: Some(CompletionTextEdit::Edit(TextEdit {
@@ -158,7 +159,7 @@ impl Answers<'_> {
         to_string(&found.into_iter().enumerate().map(item).collect::<Vec<_>>())
     }
 
-    #[expect(deprecated, reason = "the type has a member that nobody sets any more")]
+    #[expect(deprecated, reason = "the type has a deprecated member that is left unset")]
     fn symbol(&self, symbol: Symbol) -> DocumentSymbol {
         DocumentSymbol {
             name: symbol.name,
@@ -172,7 +173,7 @@ impl Answers<'_> {
         }
     }
 
-    /// What fixes the findings of a place, and all that can be fixed.
+    /// The fixes of the findings at a place, and the action that fixes everything.
     fn actions(&self, asked: &CodeActionParams) -> Answer {
         let wanted = |kind: &CodeActionKind| {
             let asked = asked.context.only.as_ref();
@@ -197,8 +198,8 @@ impl Answers<'_> {
         to_string(&actions)
     }
 
-    /// The action that fixes all. To find what it changes takes several checks, and editors ask for actions wherever the
-    /// cursor goes: those that can get the changes when somebody chooses it.
+    /// The action that fixes everything. Computing its edits takes several checks, and editors ask for actions at
+    /// every move of the cursor; so editors that can do it fetch the edits later.
     fn all_at_once(&self) -> Option<CodeAction> {
         self.open().find(|finding| finding.fix.as_ref().is_some_and(|fix| !fix.edits.is_empty()))?;
         let (title, kind) = ("fix all that needs no guessing".to_owned(), CodeActionKind::SOURCE_FIX_ALL);
@@ -210,13 +211,16 @@ impl Answers<'_> {
         (!edits.is_empty()).then(|| self.action(title, kind, edits, None))
     }
 
-    /// The edits of an action that was offered without them: of all that can be fixed.
+    /// The edits of a code action that was offered without them.
     fn resolved(&self, offered: CodeAction) -> Answer {
         let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.fixed(), None);
         to_string(&CodeAction { edit: all.edit, ..offered })
     }
 
-    #[expect(clippy::mutable_key_type, reason = "the protocol's own type; the name of a file does not change")]
+    #[expect(
+        clippy::mutable_key_type,
+        reason = "lsp_types prescribes this map; its keys do not change while it is in use"
+    )]
     fn action(
         &self,
         title: String,
@@ -234,7 +238,7 @@ impl Answers<'_> {
         }
     }
 
-    /// The edit that fixes everything that needs no guessing; none if there is nothing to fix.
+    /// The edits that apply every fix without guessing; empty if there are none.
     fn fixed(&self) -> Vec<TextEdit> {
         let fixed =
             apply_fixes(self.text().as_bytes(), |_| true).ok().and_then(|fixed| String::from_utf8(fixed.bytes).ok());
@@ -244,7 +248,7 @@ impl Answers<'_> {
     }
 }
 
-/// Where two texts differ first, and how much of each up to where they are the same again.
+/// The first differing byte of two texts, and the differing part of each.
 fn changed<'a>(old: &str, new: &'a str) -> (usize, usize, &'a str) {
     let same = |(a, b): &(char, char)| a == b;
     let start: usize = old.chars().zip(new.chars()).take_while(same).map(|(character, _)| character.len_utf8()).sum();

@@ -1,4 +1,4 @@
-//! An open file, and places in it as the protocol counts them.
+//! An open file, and conversion between bytes and the protocol's positions.
 
 use canvass_analyzer::dictionary::check::Checked;
 use canvass_analyzer::dictionary::source::{LARGEST_FILE, Source};
@@ -9,18 +9,18 @@ use std::cell::OnceCell;
 pub struct Document {
     pub text: String,
     pub version: i32,
-    /// Where each line begins.
+    /// The byte at which each line begins.
     starts: Vec<usize>,
-    /// The text with what a check finds in it, since it has changed.
+    /// The result of the check; empty after a change.
     checked: OnceCell<Checked<'static>>,
 }
 
-/// In what the characters of a position are counted.
+/// The unit in which the protocol counts characters of a position.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Units {
-    /// Bytes, where the editor offers that.
+    /// Bytes, if the editor offers them.
     Utf8,
-    /// What every editor knows.
+    /// UTF-16 code units, which every editor supports.
     Utf16,
 }
 
@@ -52,7 +52,7 @@ impl Document {
         document
     }
 
-    /// Lines end with LF, CR LF or CR: so the protocol has it.
+    /// The protocol defines LF, CR LF and CR as line ends.
     fn find_lines(&mut self) {
         let bytes = self.text.as_bytes();
         self.starts.clear();
@@ -64,7 +64,8 @@ impl Document {
         }
     }
 
-    /// Takes changes over, each on top of the one before. What would make the file too large for a description is left out.
+    /// Applies changes one after the other. A change that makes the text larger than the limit of descriptions is
+    /// ignored.
     pub fn change(&mut self, changes: Vec<TextDocumentContentChangeEvent>, version: i32, units: Units) {
         for change in changes {
             match change.range {
@@ -82,12 +83,12 @@ impl Document {
         self.checked.take();
     }
 
-    /// The text as it is checked, once.
+    /// The checked text; checks it at the first call after a change.
     pub fn checked(&self, check: impl FnOnce(Source<'static>) -> Checked<'static>) -> &Checked<'static> {
         self.checked.get_or_init(|| check(Source::of_text(self.text.clone())))
     }
 
-    /// The byte of a position; the end of its line or of the text where it is beyond.
+    /// The byte of a position. A position beyond the end of its line or of the text means that end.
     pub fn offset(&self, position: Position, units: Units) -> usize {
         let Some(&start) = self.starts.get(position.line as usize) else { return self.text.len() };
         let end = self.starts.get(position.line as usize + 1).copied().unwrap_or(self.text.len());

@@ -15,7 +15,7 @@ use session::Session;
 /// Editors start it and communicate with it by the Language Server Protocol over standard input and output.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Standard input and output, as always: some editors say so
+    /// Accepted and ignored: some editors pass it, and the server always uses standard input and output
     #[arg(long)]
     stdio: bool,
 }
@@ -24,12 +24,18 @@ impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let _ = self.stdio;
         let (connection, threads) = pipes::connect();
-        let (id, asked) = connection.initialize_start().context("no editor has begun a session").map_err(failed)?;
+        let (id, asked) = connection
+            .initialize_start()
+            .context("expected an editor that starts a session, found end of input")
+            .map_err(failed)?;
         let mut session = Session::new(serde_json::from_value(asked).context("initialize").map_err(failed)?);
         let capabilities = serde_json::to_value(session.capabilities()).map_err(failed)?;
-        connection.initialize_finish(id, capabilities).context("no editor has begun a session").map_err(failed)?;
+        connection
+            .initialize_finish(id, capabilities)
+            .context("expected an editor that starts a session, found end of input")
+            .map_err(failed)?;
         let ended = session.serve(&connection, &mut raw());
-        // The threads end when nobody can send any more.
+        // The writing thread ends when its last sender is dropped.
         drop(connection);
         threads.join().map_err(failed)?;
         ended.map_err(failed)?;

@@ -1,7 +1,8 @@
-//! Standard input and output as a connection, with room for messages that are written past it.
+//! A connection on standard input and output that also takes ready-made JSON text.
 //!
-//! The connection of `lsp_server` takes messages as trees of values, and keeps standard output to itself. An outline is
-//! megabytes: its text goes straight to standard output, and only what begins and ends a session through the connection.
+//! The connection of `lsp_server` takes messages as trees of values and owns standard output. An outline has
+//! megabytes; so its text goes to standard output directly, and the connection serves only the start and the end of a
+//! session.
 
 use crate::output::raw;
 use anyhow::{Result, anyhow};
@@ -9,13 +10,13 @@ use lsp_server::{Connection, Message};
 use std::io;
 use std::thread::{JoinHandle, spawn};
 
-/// What reads and writes until the session ends.
+/// The reading and the writing thread of a session.
 pub struct Threads {
     reader: JoinHandle<io::Result<()>>,
     writer: JoinHandle<io::Result<()>>,
 }
 
-/// Connects with the editor at standard input and output.
+/// Connects to the editor at standard input and output.
 pub fn connect() -> (Connection, Threads) {
     let (ours, theirs) = Connection::memory();
     let Connection { sender, receiver } = theirs;
@@ -34,10 +35,10 @@ pub fn connect() -> (Connection, Threads) {
 }
 
 impl Threads {
-    /// Waits for both; the connection has to be gone.
+    /// Waits for both threads; the connection must have been dropped.
     pub fn join(self) -> Result<()> {
         for thread in [self.reader, self.writer] {
-            thread.join().map_err(|_| anyhow!("a thread of the session has panicked"))??;
+            thread.join().map_err(|_| anyhow!("a thread of the session panicked"))??;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! A session with an editor: requests are answered, changes followed, findings published.
+//! A session with an editor: answers requests, follows changes, publishes findings.
 
 use super::answers::Answers;
 use super::document::{Document, Units};
@@ -23,7 +23,7 @@ use std::io::{self, Write};
 pub struct Session {
     documents: HashMap<Uri, Document>,
     units: Units,
-    /// Whether the editor asks for the edits of an action when somebody chooses it.
+    /// Whether the editor fetches the edits of a code action only when the user chooses it.
     resolves: bool,
     /// Files that have changed since their findings were published.
     changed: Vec<Uri>,
@@ -36,7 +36,7 @@ impl Session {
         Self { documents: HashMap::new(), units: Units::agreed(offered.as_deref()), resolves, changed: Vec::new() }
     }
 
-    /// What the editor may ask for.
+    /// The capabilities that the server announces.
     pub fn capabilities(&self) -> Value {
         let capabilities = ServerCapabilities {
             position_encoding: Some(self.units.kind()),
@@ -60,11 +60,11 @@ impl Session {
         json!({ "capabilities": capabilities, "serverInfo": { "name": "canvass", "version": VERSION } })
     }
 
-    /// Serves until the editor says that it is over, or is gone.
+    /// Serves requests until the editor ends the session or disconnects.
     pub fn serve(&mut self, connection: &Connection, editor: &mut impl Write) -> Result<()> {
         while let Ok(message) = connection.receiver.recv() {
             let mut next = Some(message);
-            // While the editor has more to say, what it says next would make the findings old.
+            // While more messages wait, findings would be outdated at once; so they are published after the last one.
             while let Some(message) = next {
                 if self.take(connection, message, editor)? {
                     return Ok(());
@@ -76,7 +76,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes a message; whether the session is over with it.
+    /// Handles a message; returns whether the session is over.
     fn take(&mut self, connection: &Connection, message: Message, editor: &mut impl Write) -> Result<bool> {
         match message {
             Message::Request(request) => {
@@ -87,7 +87,7 @@ impl Session {
             }
             Message::Notification(notification) => {
                 for uri in self.follow(notification) {
-                    // What is closed has no findings any more.
+                    // An empty list removes the findings of a closed file from the editor.
                     write(editor, &published(uri, Vec::new(), None)?)?;
                 }
             }
@@ -105,7 +105,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes over what has become of the files; those that were closed.
+    /// Applies opened, changed and closed files; returns the closed ones.
     fn follow(&mut self, said: Notification) -> Vec<Uri> {
         match said.method.as_str() {
             DidOpenTextDocument::METHOD => {
@@ -143,16 +143,16 @@ impl Session {
     /// The message that answers a request.
     fn answer(&self, asked: Request) -> serde_json::Result<String> {
         let Request { id, method, params } = asked;
-        // An action that is asked for again has the name of its file with it.
+        // A request to resolve an action carries the file's URI in the action's data.
         let named = params.pointer("/textDocument/uri").or_else(|| params.pointer("/data/uri"));
         let uri = named.cloned().and_then(read::<Uri>);
         let Some((uri, document)) = uri.and_then(|uri| Some((uri.clone(), self.documents.get(&uri)?))) else {
-            return refused(&id, ErrorCode::InvalidParams, "no open file of that name is known");
+            return refused(&id, ErrorCode::InvalidParams, "no open file has this name");
         };
         match self.answers(&uri, document).to(&method, params) {
             Some(Ok(answer)) => Ok(format!(r#"{{"jsonrpc":"2.0","id":{},"result":{answer}}}"#, to_string(&id)?)),
             Some(Err(error)) => refused(&id, ErrorCode::InvalidParams, &error.to_string()),
-            None => refused(&id, ErrorCode::MethodNotFound, &format!("{method} is not served")),
+            None => refused(&id, ErrorCode::MethodNotFound, &format!("{method} is not supported")),
         }
     }
 }
@@ -161,14 +161,14 @@ fn refused(id: &RequestId, code: ErrorCode, message: &str) -> serde_json::Result
     to_string(&json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code as i32, "message": message } }))
 }
 
-/// A message as the protocol frames it.
+/// Writes a message with the protocol's header.
 fn write(editor: &mut impl Write, message: &str) -> io::Result<()> {
     write!(editor, "Content-Length: {}\r\n\r\n", message.len())?;
     editor.write_all(message.as_bytes())?;
     editor.flush()
 }
 
-/// Whether the editor asks for the edits of an action by itself, and keeps what is said with the action for that.
+/// Whether the editor can fetch the edits of an action later and keeps the action's data until then.
 fn resolves(capabilities: &ClientCapabilities) -> bool {
     let actions = capabilities.text_document.as_ref().and_then(|of| of.code_action.as_ref());
     actions.is_some_and(|actions| {
@@ -177,13 +177,13 @@ fn resolves(capabilities: &ClientCapabilities) -> bool {
     })
 }
 
-/// The message that tells the findings of a file.
+/// The message that publishes the findings of a file.
 fn published(uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) -> serde_json::Result<String> {
     let params = to_string(&PublishDiagnosticsParams { uri, diagnostics, version })?;
     Ok(format!(r#"{{"jsonrpc":"2.0","method":"{}","params":{params}}}"#, PublishDiagnostics::METHOD))
 }
 
-/// What an editor says that is not as the protocol has it is passed over.
+/// Parses parameters; a notification with wrong parameters is ignored.
 fn read<T: DeserializeOwned>(value: Value) -> Option<T> {
     serde_json::from_value(value).ok()
 }

@@ -1,5 +1,5 @@
-//! Devices that have LMT (CiA DS-205) in place of LSS: both protocols have the same CAN-IDs and most commands, and different
-//! tables of bit rates.
+//! Devices that have LMT (CiA DS-205) in place of LSS. Both protocols share the CAN-IDs and most commands, but their
+//! tables of bit rates differ.
 
 use super::{Master, PATIENCE};
 use crate::status::Failure;
@@ -9,8 +9,8 @@ use canvass_analyzer::wire::lmt::{Lmt, Part, Request, Response};
 use canvass_analyzer::wire::lss::{self, Lss};
 
 impl Master<'_> {
-    /// What a slave of LMT that is in configuration says of itself: a slave of LSS does not know its inquiries. `None`: no
-    /// such slave answers.
+    /// The identity of an LMT slave in configuration; LSS slaves do not know this inquiry. `None` if no LMT slave
+    /// answers.
     fn find_lmt_slave(&mut self) -> Result<Option<String>, Failure> {
         let mut parts = Vec::new();
         for part in Part::ALL {
@@ -32,7 +32,7 @@ impl Master<'_> {
         })
     }
 
-    /// Refuses a bus on which no slave of LSS answers and one of LMT does.
+    /// Refuses a bus on which an LMT slave answers and no LSS slave.
     pub(super) fn refuse_only_lmt(&mut self) -> Result<(), Failure> {
         let patience = self.patience.max(PATIENCE);
         let vendor_id = lss::Request::Inquire { part: lss::Part::VendorId };
@@ -41,21 +41,21 @@ impl Master<'_> {
         }
         match self.find_lmt_slave()? {
             Some(slave) => Err(Failure::unreachable(anyhow!(
-                "no device answers to LSS, and one does to LMT (CiA DS-205): {slave}"
+                "no device answers to LSS, but a device answers to LMT (CiA DS-205): {slave}"
             ))),
             None => Ok(()),
         }
     }
 
-    /// Refuses to set a bit rate where a slave of LMT would take the number of a row for that of another table.
+    /// Refuses to set a bit rate where an LMT slave would read the index in its own, different table.
     pub(super) fn refuse_lmt(&mut self, index: u8) -> Result<(), Failure> {
         let Some(slave) = self.find_lmt_slave()? else { return Ok(()) };
         let rate =
             |rate: Option<u32>| rate.map_or_else(|| "none".to_owned(), |rate| format!("{} kbit/s", rate / 1_000));
         let (wanted, meant) = (rate(Lss::bit_rate(index)), rate(Lmt::bit_rate(index)));
         Err(anyhow!(
-            "a device speaks LMT (CiA DS-205), not LSS: {slave}; its table of bit rates is another one: row {index} is {wanted} \
-             in that of LSS and {meant} in that of LMT; nothing was configured"
+            "a device speaks LMT (CiA DS-205), not LSS: {slave}; its table of bit rates differs: row {index} means \
+             {wanted} in LSS and {meant} in LMT; nothing was configured"
         )
         .into())
     }

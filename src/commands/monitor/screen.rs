@@ -20,16 +20,16 @@ use ratatui::text::Line;
 use ratatui::widgets::{Block, Paragraph, Row, Table};
 use std::collections::{BTreeMap, VecDeque};
 
-/// What the screen shows.
+/// The state of the screen.
 #[derive(Default)]
 pub struct Screen {
     title: String,
     bit_rate: Option<u32>,
-    /// `None`: frames of no node, such as SYNC.
+    /// Nodes by their node-ID; `None` collects frames without node, such as SYNC.
     nodes: BTreeMap<Option<NodeId>, NodeRow>,
     ids: Ids,
     recent: VecDeque<String>,
-    /// Whether the last frames stand in the place of the CAN-IDs.
+    /// Whether the last frames take the place of the CAN-IDs.
     shows_frames: bool,
     bits: Rate,
     frames: Rate,
@@ -37,17 +37,17 @@ pub struct Screen {
     paused: bool,
 }
 
-/// What is known of a node.
+/// The row of a node.
 #[derive(Default)]
 struct NodeRow {
     state: Option<State>,
     frames: Rate,
     last_seen: Timestamp,
-    /// The last meaning of each service, which is what its values are: PDOs, SDO transfers, errors.
+    /// The latest text of each service with values: PDOs, SDO transfers, errors.
     last: BTreeMap<&'static str, String>,
 }
 
-/// A count, and by how much it grew in the last second.
+/// A counter, and its increase during the last second.
 #[derive(Default)]
 struct Rate {
     total: u64,
@@ -66,11 +66,11 @@ impl Rate {
     }
 }
 
-/// So many of the last frames are kept.
+/// Number of latest frames that are kept.
 const RECENT: usize = 200;
-/// How often the screen is drawn.
+/// Interval between two drawings of the screen.
 const REFRESH: Duration = Duration::from_millis(100);
-/// Over what rates are taken.
+/// Interval over which rates are computed.
 const TICK: Duration = Duration::from_secs(1);
 
 impl Screen {
@@ -78,7 +78,7 @@ impl Screen {
         Self { title: title.to_owned(), bit_rate, ..Self::default() }
     }
 
-    /// Takes in a frame.
+    /// Adds a frame.
     fn record(&mut self, record: &Record, decoded: &Decoded, network: &Network) {
         let bits = bit_length(&record.frame).unwrap_or(0);
         self.bits.add(u64::from(bits));
@@ -98,7 +98,7 @@ impl Screen {
             self.recent.pop_front();
         }
         self.recent.push_back(format!("{}  {}  {text}", record.timestamp, record.frame));
-        // Heartbeats are told by the state.
+        // The column of the state shows heartbeats already.
         if !matches!(decoded.service, Service::Heartbeat | Service::Guarding)
             && let Some(row) = self.nodes.get_mut(&decoded.node)
         {
@@ -106,7 +106,7 @@ impl Screen {
         }
     }
 
-    /// Does what a key asks for; whether that is to end.
+    /// Handles a key; returns whether it ends the program.
     fn is_ended_by(&mut self, key: KeyEvent) -> bool {
         match key.code {
             KeyCode::Char('q') | KeyCode::Esc => return true,
@@ -131,7 +131,7 @@ impl Screen {
 
     fn draw(&self, frame: &mut Frame<'_>, now: Timestamp) {
         let rows: Vec<Row<'_>> = self.nodes.iter().map(|(node, row)| row.cells(*node, now)).collect();
-        // Half of the screen stays for what is below.
+        // The table of nodes gets at most half of the screen; the rest stays for the frames.
         let height = (rows.len() as u16 + 3).min(frame.area().height / 2);
         let areas = [Constraint::Length(1), Constraint::Max(height), Constraint::Min(3), Constraint::Length(1)];
         let [head, nodes, below, foot] = Layout::vertical(areas).areas(frame.area());
@@ -181,7 +181,7 @@ impl Screen {
     }
 }
 
-/// A line of the screen: nothing that the bus, or its address, holds acts on the terminal.
+/// A line of the screen, with control characters made visible: names from the bus must not act on the terminal.
 fn shown(text: &str) -> Line<'static> {
     Line::raw(Printable::line(text).into_string())
 }
@@ -205,7 +205,7 @@ impl NodeRow {
     }
 }
 
-/// Shows a bus until a key, an interruption or the end.
+/// Shows a bus until a key, Ctrl-C or the end of the bus.
 pub fn show(
     bus: &mut dyn Bus,
     network: &mut Network,
@@ -214,13 +214,11 @@ pub fn show(
     interrupt: &Interrupt,
 ) -> Result<()> {
     if is_dumb() {
-        return Err(anyhow!(
-            "--screen needs a terminal that can place its cursor, and TERM says that this one is dumb"
-        ));
+        return Err(anyhow!("--screen needs a terminal with a movable cursor, but TERM is \"dumb\""));
     }
     let mut terminal = ratatui::try_init().context("--screen needs a terminal")?;
     let shown = run(&mut terminal, bus, network, title, end, interrupt);
-    // Whatever happened, the terminal is given back as it was.
+    // The terminal is restored also after an error.
     ratatui::restore();
     shown
 }

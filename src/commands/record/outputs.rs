@@ -1,4 +1,4 @@
-//! The files of a recorder: begun anew when they are long enough, the oldest removed.
+//! The files of a recorder: a full file is followed by a new one, and the oldest is deleted.
 
 use crate::destination::Destination;
 use crate::output::{Output, diagnostic, raw};
@@ -12,14 +12,14 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// When the next file begins, and how many are kept.
+/// When a new file begins, and how many files are kept.
 #[derive(Clone, Copy)]
 pub struct Rotation {
-    /// After so many bytes.
+    /// Maximum size of a file in bytes.
     pub size: Option<u64>,
-    /// After that time.
+    /// Maximum time span of a file.
     pub time: Option<Duration>,
-    /// How many files of each output are kept.
+    /// Number of files kept of each output.
     pub keep: Option<u32>,
 }
 
@@ -33,7 +33,7 @@ impl Rotation {
 pub struct Outputs(Vec<Series>);
 
 impl Outputs {
-    /// Opens all files before anything is recorded: one that can't be written is known at once.
+    /// Creates all files before recording starts, so that an unwritable path is reported at once.
     pub fn open(
         paths: &[PathBuf],
         format: Option<Format>,
@@ -45,23 +45,23 @@ impl Outputs {
         paths.iter().map(series).collect::<Result<_>>().map(Self)
     }
 
-    /// Writes a frame into all of them.
+    /// Writes a frame into every output.
     pub fn write(&mut self, record: &Record, channels: &Channels) -> Result<()> {
         self.0.iter_mut().try_for_each(|series| series.write(record, channels))
     }
 
-    /// Hands everything to the system, which keeps it even if this program is killed.
+    /// Passes all buffered bytes to the system, which keeps them even if this program is killed.
     pub fn flush(&mut self) -> Result<()> {
         self.0.iter_mut().try_for_each(|series| series.checked(Recording::flush))
     }
 
-    /// Ends all files.
+    /// Completes all files.
     pub fn finish(&mut self) -> Result<()> {
         self.0.iter_mut().try_for_each(Series::finish)
     }
 }
 
-/// One output: a file, or several one after the other.
+/// One output: a file, or a series of files.
 struct Series {
     path: PathBuf,
     format: Option<Format>,
@@ -70,9 +70,9 @@ struct Series {
     time_base: TimeBase,
     number: u32,
     recording: Recording,
-    /// What was written into the file under way.
+    /// Number of bytes written into the current file.
     written: Rc<Cell<u64>>,
-    /// The time of its first frame.
+    /// Time of the current file's first frame.
     begun: Option<Timestamp>,
     files: VecDeque<PathBuf>,
 }
@@ -80,7 +80,7 @@ struct Series {
 impl Series {
     fn open(path: &Path, format: Option<Format>, force: bool, rotation: Rotation, time_base: TimeBase) -> Result<Self> {
         if rotation.is_on() && path.as_os_str() == "-" {
-            bail!("standard output can't be begun anew: --rotate-size and --rotate-time need a file");
+            bail!("standard output can't be split into files: --rotate-size and --rotate-time need a file");
         }
         let written = Rc::new(Cell::new(0));
         let first = if rotation.is_on() { numbered(path, 1) } else { path.to_owned() };
@@ -154,21 +154,22 @@ fn create(
     let live = destination.is_stdout();
     let file: Box<dyn Write> = if live { Box::new(raw()) } else { destination.open_growing(&Output::capture())? };
     let sink = Box::new(Counted { file, written: Rc::clone(written) });
-    // A live file of MCAP has no chunks; one that is flushed four times a second can afford them.
+    // A live MCAP file usually has no chunks, so that each frame is readable at once; the recorder flushes four times
+    // a second, and chunks cost nothing then.
     let options = WriteOptions { time_base, live, ..WriteOptions::default() };
     Ok(Recording::create(sink, destination.format, destination.compression, &options)?)
 }
 
-/// `out.log.gz` becomes `out-0001.log.gz`.
+/// The name of the file with this number: `out.log.gz` becomes `out-0001.log.gz`.
 fn numbered(path: &Path, number: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // A hidden file's dot begins no ending.
+    // The leading dot of a hidden file begins no extension.
     let at = name.get(1..).and_then(|rest| rest.find('.')).map_or(name.len(), |at| at + 1);
     let (stem, ending) = name.split_at(at);
     path.with_file_name(format!("{stem}-{number:04}{ending}"))
 }
 
-/// Counts what is written.
+/// Counts the bytes written through it.
 struct Counted {
     file: Box<dyn Write>,
     written: Rc<Cell<u64>>,

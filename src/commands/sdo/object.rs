@@ -1,4 +1,4 @@
-//! Objects as they are typed: by address or by name.
+//! Objects as typed: by address or by name.
 
 use anyhow::{Result, bail};
 use canvass_analyzer::Multiplexer;
@@ -27,7 +27,7 @@ pub fn resolve(text: &str, description: Option<&DeviceDescription>) -> Result<Mu
     }
 }
 
-/// All entries by name, in lower case: that of a single object, else those of object and entry.
+/// All entries by lower-case name: the object's name for a VAR, else object and entry.
 fn names(description: &DeviceDescription) -> Vec<(String, Multiplexer)> {
     let objects = description.dictionary.objects().iter();
     let entries = objects.flat_map(|object| object.entries().iter().map(move |entry| (object, entry)));
@@ -39,7 +39,7 @@ fn names(description: &DeviceDescription) -> Vec<(String, Multiplexer)> {
     named.collect()
 }
 
-/// A hexadecimal number as people write it: `1018`, `0x1018`, `1018h`.
+/// Parses a hexadecimal number: `1018`, `0x1018`, `1018h`.
 pub fn hexadecimal(text: &str) -> Option<u16> {
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).unwrap_or(text);
     let digits = digits.strip_suffix(['h', 'H']).unwrap_or(digits);
@@ -48,7 +48,8 @@ pub fn hexadecimal(text: &str) -> Option<u16> {
 
 fn parse(text: &str) -> Option<Multiplexer> {
     let (index, sub) = text.split_once(':').unwrap_or((text, "0"));
-    // A name such as "Dead" must not become an address.
+    // "Dead" is a valid hexadecimal number, but more likely a name; so an address needs a digit, a prefix or a
+    // suffix.
     let is_index = index.trim_start_matches("0x").trim_end_matches('h').len() == 4;
     let sub = u8::try_from(hexadecimal(sub)?).ok()?;
     is_index.then(|| hexadecimal(index).map(|index| Multiplexer::new(index, sub)))?

@@ -1,4 +1,4 @@
-//! Values as they are typed and printed.
+//! Values: parsed as typed, and printed.
 
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::Multiplexer;
@@ -6,7 +6,7 @@ use canvass_analyzer::dictionary::{DataClass, DataType, DeviceDescription, Value
 use canvass_traces::hex;
 use serde_json::json;
 
-/// A data type's short or standard name.
+/// Parses a data type by its short or standard name.
 pub fn parse_type(text: &str) -> Result<DataType> {
     let short = [
         ("bool", DataType::BOOLEAN),
@@ -31,7 +31,7 @@ pub fn parse_type(text: &str) -> Result<DataType> {
     })
 }
 
-/// The type by the description, or else by the standard.
+/// The data type from the description, else from the standard.
 pub fn known_type(address: Multiplexer, description: Option<&DeviceDescription>) -> Option<DataType> {
     let described = description.and_then(|description| description.dictionary.entry(address).ok());
     let profile = description.and_then(DeviceDescription::device_profile);
@@ -39,10 +39,10 @@ pub fn known_type(address: Multiplexer, description: Option<&DeviceDescription>)
     described.map(|entry| entry.data_type).or_else(standard)
 }
 
-/// The bytes of a value as typed.
+/// Encodes a typed value.
 pub fn encode(text: &str, address: Multiplexer, data_type: Option<DataType>) -> Result<Vec<u8>> {
     let data_type =
-        data_type.with_context(|| format!("the type of {address} is not known: use --type, or --device"))?;
+        data_type.with_context(|| format!("the data type of {address} is not known: use --type, or --device"))?;
     let not_a = || anyhow!("expected {} for {address}, found \"{text}\"", data_type.name().unwrap_or("another type"));
     let value = match data_type.class().ok_or_else(not_a)? {
         DataClass::Boolean => Value::Boolean(match &*text.to_lowercase() {
@@ -58,12 +58,12 @@ pub fn encode(text: &str, address: Multiplexer, data_type: Option<DataType>) -> 
         DataClass::UnicodeString => Value::UnicodeString(text.encode_utf16().collect()),
         DataClass::OctetString => Value::OctetString(bytes(text)?),
         DataClass::Domain => Value::Domain(bytes(text)?),
-        _ => bail!("{address} is of a type that can't be typed in: give its bytes with --type bytes"),
+        _ => bail!("{address} has a data type without a text form: give its bytes with --type bytes"),
     };
     Ok(value.encode(data_type)?)
 }
 
-/// A number, or the letters of a signature such as `save`.
+/// Parses a number, or the letters of a signature such as `save`.
 fn unsigned(text: &str, data_type: DataType) -> Option<u64> {
     let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         Some(hex) => u64::from_str_radix(hex, 16).ok(),
@@ -87,7 +87,7 @@ fn bytes(text: &str) -> Result<Vec<u8>> {
     hex::parse(&digits).with_context(|| format!("expected pairs of hexadecimal digits, found \"{text}\""))
 }
 
-/// A number as a number, a text as a text; `null` where the type is not known.
+/// Numbers become JSON numbers, texts become strings; `null` if the data type is not known.
 pub fn json(bytes: &[u8], data_type: Option<DataType>) -> serde_json::Value {
     match data_type.and_then(|data_type| Value::decode(data_type, bytes).ok()) {
         Some(Value::Boolean(value)) => json!(value),

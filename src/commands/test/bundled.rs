@@ -1,4 +1,4 @@
-//! `--bundle`: the run is listened to, and all that there is of it goes into one file.
+//! `--bundle`: records the run and packs everything about it into one file.
 
 use super::course::Course;
 use super::recorder::Recorder;
@@ -18,7 +18,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A bundle on its way.
+/// A bundle that is being written.
 pub struct Bundle {
     file: WholeFile,
     frames: Frames,
@@ -27,7 +27,7 @@ pub struct Bundle {
 }
 
 impl Bundle {
-    /// Begins before the device is touched.
+    /// Creates the bundle before the device is touched, so that an unwritable path is reported at once.
     pub fn begin(path: &Path, force: bool, reports: &mut Reports) -> Result<Self> {
         if !force {
             refuse_existing(path)?;
@@ -36,7 +36,7 @@ impl Bundle {
         Ok(Self { file: WholeFile::create(path)?, frames: Frames::begin()?, result, page })
     }
 
-    /// Runs the cases, and packs what came of it.
+    /// Runs the cases, and packs the result.
     pub fn run(
         mut self,
         mut course: Course<'_>,
@@ -71,7 +71,7 @@ impl Bundle {
     }
 }
 
-/// What the run was made with.
+/// The options and inputs of the run, for `run.json`.
 fn setup(course: &Course<'_>, transcript: &Transcript, was_interrupted: bool) -> Setup {
     let Course { args, cases, options, target, today, .. } = course;
     let why = match (transcript.trouble(), was_interrupted, &options.power_cycle) {
@@ -84,7 +84,7 @@ fn setup(course: &Course<'_>, transcript: &Transcript, was_interrupted: bool) ->
     setup.bus.clone_from(&args.bus);
     setup.node = target.node.raw();
     setup.device = args.device.as_deref().map(|device| named(device).to_owned());
-    // Nothing else depends on it, and a simulated run is the same on every day.
+    // Only waivers depend on the day; without them a simulated run gives the same bundle on every day.
     if args.waivers.is_some() {
         setup.day.clone_from(today);
     }

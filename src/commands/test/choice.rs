@@ -1,4 +1,4 @@
-//! Which cases run: `--select`, `--exclude`, `--failed-from`, `--shard`.
+//! Selection of cases: `--select`, `--exclude`, `--failed-from`, `--shard`.
 
 use crate::output::diagnostic;
 use crate::status::Failure;
@@ -10,27 +10,27 @@ use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Which cases run.
+/// Options that select cases.
 #[derive(clap::Args)]
 pub struct CaseChoice {
-    /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
+    /// Cases to run: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<Selector>,
-    /// Leave these cases out; written as for --select
+    /// Cases to leave out; written as for --select
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     exclude: Vec<Selector>,
-    /// Only the cases that failed or could not be judged in this result of `canvass test --format json`
+    /// Run only the cases that failed or could not be judged in this result of `canvass test --format json`
     #[arg(long, value_name = "FILE")]
     failed_from: Option<PathBuf>,
-    /// Only this part of the cases, such as 2/5, to divide them among several runs
+    /// Run only this part of the cases, such as 2/5, to divide them among several runs
     #[arg(long, value_name = "N/M")]
     shard: Option<Shard>,
 }
 
-/// One of so many parts.
+/// One of `of` parts.
 #[derive(Clone, Copy, Debug)]
 struct Shard {
-    /// From 1.
+    /// Number of the part, from 1.
     number: usize,
     of: usize,
 }
@@ -46,10 +46,10 @@ impl FromStr for Shard {
 }
 
 impl CaseChoice {
-    /// The cases by rising id, at least one.
+    /// The selected cases by rising id, at least one.
     ///
     /// # Errors
-    /// If a selector selects nothing, or nothing is left: a test that tests nothing is no success.
+    /// If a selector matches no case, or no case is left: a run without cases must not look like a success.
     pub fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
         let mut chosen = select(&self.select).map_err(|idle| selects_nothing("--select", &idle))?;
         for selector in &self.exclude {
@@ -63,7 +63,7 @@ impl CaseChoice {
             chosen.retain(|case| failed.contains(&case.id));
         }
         if let Some(Shard { number, of }) = self.shard {
-            // One after the other, so that the slow cases of a family are shared.
+            // Parts take every Nth case, so that slow cases of one family are spread over all parts.
             chosen = chosen.into_iter().skip(number - 1).step_by(of).collect();
         }
         if chosen.is_empty() {
@@ -80,7 +80,7 @@ impl CaseChoice {
         }
     }
 
-    /// The result that cases are chosen by.
+    /// The result that `--failed-from` names.
     pub fn result(&self) -> Option<&Path> {
         self.failed_from.as_deref()
     }
@@ -100,18 +100,18 @@ fn failed_in(path: &Path) -> Result<Vec<&'static str>, Failure> {
     for id in result.failed() {
         match find(id) {
             Some(case) => failed.push(case.id),
-            None => diagnostic(&format!("canvass: {}: there is no case {id} any more", path.display())),
+            None => diagnostic(&format!("canvass: {}: case {id} does not exist any more", path.display())),
         }
     }
     if failed.is_empty() {
         let path = path.display();
         return Err(Failure::unreachable(anyhow!(
-            "no case was executed: in {path} nothing failed that could run again"
+            "no case was executed: {path} has no failed case that could run again"
         )));
     }
     if result.cancelled {
         diagnostic(&format!(
-            "canvass: {} is of a cancelled run: cases that it had not reached do not run now",
+            "canvass: {} is of a cancelled run: the cases that it did not reach are not run now",
             path.display()
         ));
     }

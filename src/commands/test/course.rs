@@ -1,4 +1,4 @@
-//! The course of a run: its events go to the recorder, the reports and the provenance.
+//! A run of cases, whose events go to the recorder, the reports and the provenance.
 
 use super::Args;
 use super::recorder::{Recorded, Recorder};
@@ -14,7 +14,7 @@ use canvass_suite::runner::{CaseReport, EndedEarly, Plan, RunError, RunEvent, Su
 use canvass_suite::waiver::Waivers;
 use std::sync::atomic::AtomicBool;
 
-/// All that a run is made with.
+/// Everything that a run needs.
 pub struct Course<'a> {
     pub args: &'a Args,
     pub cases: &'a [&'static Case],
@@ -27,10 +27,10 @@ pub struct Course<'a> {
     pub reports: Reports,
 }
 
-/// How a run ended.
+/// The end of a run.
 pub struct Ended {
     summary: Result<Summary, RunError>,
-    /// Whether there is something to report.
+    /// Whether the run reached its end, so that there is something to report.
     pub is_over: bool,
     recorded: Result<()>,
 }
@@ -49,18 +49,19 @@ impl Course<'_> {
             match event {
                 RunEvent::RunStarted(info) => self.provenance.node(info.node, info.device.clone()),
                 RunEvent::CaseFinished(report) if self.args.waivers.is_some() => {
-                    // Whether a waiver was needed is all that is asked.
+                    // The caller needs only whether a waiver applied; without its evidence a report takes little
+                    // memory.
                     finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
                 }
                 RunEvent::RunFinished(_) => {
                     is_over = true;
-                    // The reports tell the hash of a capture that is complete.
+                    // The reports contain the hash of the complete capture.
                     recorded = recorder.map_or(Ok(()), Recorder::finish);
                     self.end(&finished);
                 }
                 _ => {}
             }
-            // The device is put back in any case; a report that can't be written is reported afterwards.
+            // The device is restored in any case; an error of a report is reported afterwards.
             self.reports.event(event);
         });
         if let (Some(recorder), false) = (recorder, is_over) {
@@ -72,7 +73,7 @@ impl Course<'_> {
         Ok(Ended { summary, is_over, recorded })
     }
 
-    /// Which options help where cases were not run or not judged, or where something was left changed.
+    /// Prints which options help if cases were not run or not judged, or something was left changed.
     fn advise(&self, summary: &Summary) {
         if summary.ended_early == Some(EndedEarly::TimeIsOver) {
             diagnostic("canvass: --for says how long the run may take");
@@ -86,7 +87,7 @@ impl Course<'_> {
         }
     }
 
-    /// What is reported when all cases have run.
+    /// Prints the warnings that need the results of all cases.
     fn end(&mut self, finished: &[CaseReport]) {
         let idle = self.waivers.idle(&self.today, &finished.iter().collect::<Vec<_>>());
         idle.iter().for_each(|notice| self.reports.event(&RunEvent::Noticed(notice)));
@@ -96,9 +97,9 @@ impl Course<'_> {
 }
 
 impl Ended {
-    /// Completes the reports; the status of the program.
+    /// Completes the reports; returns the exit status.
     pub fn finish(self, reports: Reports) -> Result<Status, Failure> {
-        // Of a run that told nothing of the device there is no report, and those of the run before stay.
+        // A run that tested nothing has no report; the reports of the run before stay.
         let reported = if self.is_over { reports.finish() } else { Ok(()) };
         self.recorded?;
         reported?;

@@ -1,7 +1,7 @@
-//! `--dry-run`: which cases would run, and how long that would take.
+//! `--dry-run`: which cases would run, and for how long.
 //!
-//! What the run would refuse is refused here, too. A live bus is not touched: its device is simulated, as the model that it is
-//! or from its own description; a simulated one is what the run itself would use.
+//! The dry run refuses whatever the run would refuse. It does not touch a live bus: there a simulated device stands
+//! in, of the same model or made from the description. A simulated bus is used as in the run.
 
 use super::{Args, named};
 use crate::commands::test::reports::ReportFormat;
@@ -27,24 +27,24 @@ use std::sync::atomic::AtomicBool;
 /// The name and version of the contract.
 const SCHEMA: &str = "canvass/dry-run/1";
 
-/// What would become of a case.
+/// The forecast for a case.
 struct ForecastRow {
     case: &'static Case,
-    /// Why it would not run.
+    /// Why the case would not run.
     skipped: Option<String>,
     takes: Duration,
 }
 
-/// What would become of all of them.
+/// The forecast for all cases.
 struct Forecast {
     rows: Vec<ForecastRow>,
-    /// What the device was taken for.
+    /// The model that stands in for the device.
     like: String,
-    /// How often its non-volatile memory would be written.
+    /// Number of writes to the non-volatile memory.
     stores: u32,
 }
 
-/// Prints the ids, each with why it would not run, and a forecast.
+/// Prints the ids, each with the reason why it would not run, and a forecast.
 pub fn dry_run(
     args: &Args,
     cases: &[&'static Case],
@@ -65,10 +65,10 @@ pub fn dry_run(
     Ok(Status::Good)
 }
 
-/// Outputs that could not be written.
+/// Refuses outputs that could not be written.
 fn refuse_outputs(args: &Args) -> Result<(), Failure> {
     for report in args.shown.in_files() {
-        // Nothing is left of it.
+        // Dropping an incomplete file removes it.
         drop(WholeFile::create(report.file())?);
     }
     if let Some(path) = &args.record {
@@ -80,7 +80,7 @@ fn refuse_outputs(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The device that the run would meet, or one like it; and what it is taken for.
+/// The simulated device that stands in for the device under test, and its name.
 fn stand_in(args: &Args) -> Result<(Opened, String), Failure> {
     if let BusAddress::Simulated(_) = args.bus.parse()? {
         let opened = args.open()?;
@@ -101,7 +101,7 @@ fn stand_in(args: &Args) -> Result<(Opened, String), Failure> {
     Ok((Opened { bus: Box::new(bus), model: None, devices: Vec::new() }, model.id().to_owned()))
 }
 
-/// A device that does what its description says.
+/// A device made from its description.
 fn of_file(path: &str) -> Result<&'static Model, Failure> {
     let described = SimulatedDevice {
         device: DeviceName::File(path.to_owned()),
@@ -138,13 +138,16 @@ fn simulate(
         Ok(summary) => Ok(Forecast { rows, like, stores: summary.stores }),
         Err(RunError::NothingToRun { .. }) if opened.devices.is_empty() && !rows.is_empty() => {
             let why = rows.first().and_then(|row| row.skipped.clone()).unwrap_or_default();
-            Err(Failure::unreachable(anyhow!("no case would be executed: none of {} would run ({why})", rows.len())))
+            Err(Failure::unreachable(anyhow!(
+                "no case would be executed: {} selected, none would run ({why})",
+                rows.len()
+            )))
         }
         Err(error) => Err(Failure::unreachable(error)),
     }
 }
 
-/// What a device or its description would need for the case, unless nobody has allowed it.
+/// Why a case would not run: a missing capability of the device, or a missing permission.
 fn why(case: &Case, options: &Options, reason: &Reason) -> String {
     let forbidden = case.touches.iter().find(|touch| !options.allow.contains(touch));
     let needs = || format!("needs {}: {}", reason.expected, reason.actual);

@@ -1,5 +1,5 @@
-//! `--journal`: where a run on a live bus writes down what it changes, and what becomes of the journal of an earlier run that
-//! did not come to its end.
+//! `--journal`: the file in which a run on a live bus records its changes, and the journal of an earlier, interrupted
+//! run.
 
 use crate::output::{diagnostic, is_seen};
 use crate::put_back::{put_back, read};
@@ -11,8 +11,8 @@ use canvass_suite::bench::{Target, Timing};
 use std::io::{self, BufRead, IsTerminal};
 use std::path::{Path, PathBuf};
 
-/// The journal of runs on that device of that bus: in the folder in which the run is started, or, where nothing can be
-/// written there, in that for temporary files.
+/// The default path of the journal for this bus and node: in the working directory or, if that is read-only, in the
+/// temporary folder.
 pub fn usual_path(bus: &str, node: NodeId) -> PathBuf {
     let bus: String = bus.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
     let name = format!("canvass-{bus}-node{node}.journal");
@@ -20,8 +20,8 @@ pub fn usual_path(bus: &str, node: NodeId) -> PathBuf {
     if is_writable { PathBuf::from(name) } else { std::env::temp_dir().join(name) }
 }
 
-/// If an earlier run has left a journal, its device is put back first, if the user wants that: it is not as it was, and
-/// would be found, tested and left so.
+/// If an earlier run left a journal, restores its device first, with the user's consent: otherwise the run would test
+/// a changed device and leave it changed.
 pub fn settle(
     path: &Path,
     wanted: bool,
@@ -35,10 +35,10 @@ pub fn settle(
     }
     let (file, interrupted) = (path.display(), read(path)?);
     let why = format!("an earlier run on node {} was interrupted and has left {file}", interrupted.node);
-    if !wanted && !is_answered_yes(&format!("canvass: {why}. Put the device back first? [Y/n] ")) {
+    if !wanted && !is_answered_yes(&format!("canvass: {why}. Restore the device first? [Y/n] ")) {
         return Err(anyhow!(
-            "{why}: `canvass restore {address} --journal {file}` puts the device back, --restore does it before this run; \
-             if it is as it should be, remove the file"
+            "{why}: `canvass restore {address} --journal {file}` restores the device, --restore does it before this \
+             run; if the device is as it should be, remove the file"
         )
         .into());
     }
@@ -46,12 +46,13 @@ pub fn settle(
     match put_back(bus, device, timing, &interrupted, path)? {
         Status::Good => Ok(()),
         _ => {
-            Err(anyhow!("{why}, and not all could be put back: remove the file to test the device all the same").into())
+            Err(anyhow!("{why}, and not everything could be restored: remove the file to test the device all the same")
+                .into())
         }
     }
 }
 
-/// Nobody is asked where nobody answers.
+/// Asks the user; without a terminal the answer is no.
 fn is_answered_yes(question: &str) -> bool {
     if !io::stdin().is_terminal() || !is_seen() {
         return false;

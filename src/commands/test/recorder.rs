@@ -1,8 +1,8 @@
-//! `--record`: the whole traffic of a run as a capture.
+//! `--record`: all frames of a run as a capture.
 //!
-//! Where a case begins and ends stands in comments of its frames ([`CaseMark`]); `--cct-markers` marks it as CiA's test tool
-//! does, too, by frames of CAN-ID 7FFh that were not on the bus: the number of the group is that of the case's family, that of
-//! the case its place in the family.
+//! Comments of frames mark the beginning and end of each case ([`CaseMark`]). `--cct-markers` adds the marks of CiA's
+//! test tool: frames of CAN-ID 7FFh that were not on the bus, with the number of the case's family as group, and the
+//! case's place in the family.
 
 use crate::destination::Destination;
 use crate::output::{Output, diagnostic};
@@ -22,37 +22,37 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-/// The capture. A thread of its own writes it: the tester does not wait for the disk.
+/// The capture. A thread of its own writes it, so that the tester does not wait for the disk.
 pub struct Recorder {
     lines: Sender<Entry>,
-    /// Whether cases are marked by frames, too.
+    /// Whether frames mark the cases, too.
     cct_markers: bool,
-    /// How many frames were given to it.
+    /// Number of frames passed to the recorder.
     frames: AtomicU64,
-    /// Until it has ended.
+    /// The writing thread, until [`Recorder::finish`] has joined it.
     thread: Mutex<Option<JoinHandle<Result<()>>>>,
 }
 
-/// What comes into the capture.
+/// A message to the writing thread.
 enum Entry {
     Frame(Record),
-    /// Of the case of that id.
+    /// Begin of the case with this id.
     Begin(&'static str),
-    /// The same, with the verdict.
+    /// End of the case, with its verdict.
     End(&'static str, Kind),
-    /// Gets the time of the last frame.
+    /// A marker frame, which gets the time of the frame before it.
     Marker(Frame),
-    /// Nothing more comes.
+    /// End of the capture.
     Finish,
 }
 
-/// What the analyzer says of each frame, which goes into the capture on its way.
+/// Adds the decoder's text to each frame before it is written.
 pub struct Recorded<'a> {
-    /// Makes the text.
+    /// Makes the text of a frame.
     pub decoder: Decoder,
-    /// Gets the frame.
+    /// The recorder that gets the frame.
     pub recorder: Option<&'a Recorder>,
-    /// How many frames a bundle has of the run, where there is one.
+    /// Number of frames written to the bundle, if there is one.
     pub bundled: Option<u64>,
 }
 
@@ -72,18 +72,18 @@ impl Annotate for Recorded<'_> {
 }
 
 impl Recorder {
-    /// Begins the capture before the device is touched. A file that exists is overwritten only by `force`: it is as much
-    /// work to get again as the device is slow.
+    /// Creates the capture before the device is touched. Only `force` overwrites a file: a recording of a device is
+    /// hard to make again.
     pub fn create(path: &Path, force: bool, cct_markers: bool) -> Result<Self> {
         let (lines, entries) = channel();
         let (ready, begun) = sync_channel(1);
         let path = path.to_owned();
         let thread = std::thread::Builder::new().name("record".to_owned());
         let thread = thread.spawn(move || write(&path, force, &ready, &entries))?;
-        // Whatever it ended with before it began is why.
+        // The thread has ended before it was ready; its result says why.
         match begun.recv() {
             Ok(()) => Ok(Self { lines, cct_markers, frames: AtomicU64::new(0), thread: Mutex::new(Some(thread)) }),
-            Err(_) => Err(ended(thread).err().unwrap_or_else(|| anyhow!("the capture could not be begun"))),
+            Err(_) => Err(ended(thread).err().unwrap_or_else(|| anyhow!("the capture could not be created"))),
         }
     }
 
@@ -93,7 +93,7 @@ impl Recorder {
     }
 
     fn entry(&self, entry: Entry) {
-        // A capture that can't be written is reported at the end.
+        // The thread keeps its error for the end: a capture that can't be written must not end the run.
         let _ = self.lines.send(entry);
     }
 
@@ -112,7 +112,7 @@ impl Recorder {
         }
     }
 
-    /// There is none before the first frame, whose time it would need.
+    /// The capture needs a frame before the marker, whose time the marker gets.
     fn cct_marker(&self, case: &'static Case, verdict: Option<Verdict>) {
         if self.cct_markers && self.frames.load(Ordering::Relaxed) > 0 {
             let (group, number) = place_of(case);
@@ -122,9 +122,9 @@ impl Recorder {
         }
     }
 
-    /// Ends the capture, which is complete then.
+    /// Completes the capture.
     pub fn finish(&self) -> Result<()> {
-        // If nobody takes it, the capture has ended already, and says why.
+        // If the thread has ended already, its result says why.
         let _ = self.lines.send(Entry::Finish);
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
         thread.map_or(Ok(()), ended)
@@ -132,17 +132,17 @@ impl Recorder {
 }
 
 fn ended(thread: JoinHandle<Result<()>>) -> Result<()> {
-    thread.join().unwrap_or_else(|_| Err(anyhow!("the recorder failed: the capture is not complete")))
+    thread.join().unwrap_or_else(|_| Err(anyhow!("the recording thread failed: the capture is not complete")))
 }
 
-/// Writes the capture until nobody has anything for it any more.
+/// Writes the capture until the end message arrives or all senders are gone.
 fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Result<()> {
     let destination = Destination::new(path, None, force)?;
     let sink = destination.open_growing(&Output::capture())?;
     let mut recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
     let mut channels = Channels::default();
     channels.intern("can0");
-    // The reader is there.
+    // The receiver waits for this message; it can't be gone.
     let _ = ready.send(());
     let (mut last, mut marks): (Option<Record>, Vec<String>) = (None, Vec::new());
     for entry in entries {
@@ -172,7 +172,7 @@ fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<En
     Ok(())
 }
 
-/// A case ends: one that has no frame is not marked at all.
+/// Marks the end of a case. A case without frames gets no mark at all.
 fn end(marks: &mut Vec<String>, id: &str, kind: Kind) {
     let begin = CaseMark { id, verdict: None }.to_string();
     if marks.pop_if(|mark| *mark == begin).is_none() {
@@ -189,7 +189,7 @@ const fn marked(kind: Kind) -> Verdict {
     }
 }
 
-/// The number of the family among all families, and of the case in it, both from 1 and at most 255.
+/// The number of the family, and of the case in it, both from 1 and at most 255.
 fn place_of(case: &Case) -> (u8, u8) {
     let (mut group, mut number, mut family) = (0_u8, 0_u8, "");
     for known in catalogue::cases() {

@@ -1,10 +1,10 @@
-//! `--format` and `--report`: where a run's events go.
+//! `--format` and `--report`: the outputs of a run's events.
 
 use crate::output::{Color, document, is_seen, show_progress, terminal_width, unless_closed};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
-use canvass_reports::conformance::terminal::{Style, Terminal};
-use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit, markdown};
+use canvass_reports::conformance::{Reporter, RunReport};
+use canvass_reports::document::{self, Form, Style};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::str::FromStr;
 
-/// A form of the result.
+/// A format of the result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
 pub enum ReportFormat {
     /// For people, on a terminal
     #[default]
     Table,
-    /// The contract for programs
+    /// The documented JSON contract
     Json,
     /// For CI servers
     Junit,
@@ -31,7 +31,20 @@ pub enum ReportFormat {
     Markdown,
 }
 
-/// `FORMAT=FILE`.
+impl ReportFormat {
+    /// The form of the report, with such a text.
+    pub const fn form(self, style: Style) -> Form {
+        match self {
+            Self::Table => Form::Text(style),
+            Self::Json => Form::Json,
+            Self::Junit => Form::Junit,
+            Self::Html => Form::Html,
+            Self::Markdown => Form::Markdown,
+        }
+    }
+}
+
+/// A value of `--report`: `FORMAT=FILE`.
 #[derive(Clone, Debug)]
 pub struct ReportArg {
     format: ReportFormat,
@@ -39,12 +52,12 @@ pub struct ReportArg {
 }
 
 impl ReportArg {
-    /// The form.
+    /// The format.
     pub fn format(&self) -> ReportFormat {
         self.format
     }
 
-    /// Where it goes.
+    /// The file, or `-` for standard output.
     pub fn file(&self) -> &Path {
         &self.file
     }
@@ -65,65 +78,83 @@ impl FromStr for ReportArg {
     }
 }
 
-/// Where the result of a command goes.
+/// Options for the output of a result.
 #[derive(clap::Args)]
 pub struct Shown {
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     pub format: ReportFormat,
-    /// Write a report into a file too; can be given several times. - is standard output, in place of --format
+    /// Write a report into a file too; can be given several times. FORMAT=- writes to standard output, in place of
+    /// --format
     #[arg(long, value_name = "FORMAT=FILE")]
     pub report: Vec<ReportArg>,
 }
 
 impl Shown {
-    /// The files that reports go into.
+    /// The paths of all report files.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.in_files().map(ReportArg::file)
     }
 
-    /// The reports that go into files.
+    /// The reports that are written into files.
     pub fn in_files(&self) -> impl Iterator<Item = &ReportArg> {
         self.report.iter().filter(|report| !report.is_of_stdout())
     }
 
-    /// What goes to standard output: `--report FORMAT=-` says it as `--format FORMAT` does.
+    /// The format for standard output, from `--format` or `--report FORMAT=-`.
     ///
     /// # Errors
-    /// If more than one is to go there.
+    /// If several options name standard output.
     pub fn of_stdout(&self) -> Result<ReportFormat> {
         let said = (self.format != ReportFormat::default()).then_some(self.format);
         let mut wanted =
             self.report.iter().filter(|report| report.is_of_stdout()).map(|report| report.format).chain(said);
         let first = wanted.next().unwrap_or_default();
         match wanted.next() {
-            Some(_) => Err(anyhow!("standard output takes one report: --format FORMAT or --report FORMAT=-, once")),
+            Some(_) => Err(anyhow!("standard output takes one report: give --format FORMAT or --report FORMAT=- once")),
             None => Ok(first),
         }
     }
 
-    /// All forms that are wanted.
+    /// All requested formats.
     pub fn formats(&self) -> impl Iterator<Item = ReportFormat> {
         self.report.iter().map(|report| report.format).chain([self.format])
     }
 
-    /// Writes the result to standard output and into the files: all that could be written is, whatever becomes of another.
+    /// Writes the result to standard output and into the files. An error with one output does not stop the others.
     ///
     /// # Errors
-    /// What kept the first of them from being written. That nobody reads standard output any more is none.
-    pub fn write(&self, render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>) -> Result<()> {
-        let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
-            let whole = WholeFile::create(file)?;
-            let mut out = whole.document()?;
-            render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-            whole.complete()
-        };
+    /// The first output that could not be written. A closed standard output is no error.
+    pub fn write(&self, report: &dyn document::Report) -> Result<()> {
+        let into_file = |arg: &ReportArg| write_file(report, arg.format, WholeFile::create(&arg.file)?);
         let format = self.of_stdout()?;
         let files: Vec<Result<()>> = self.in_files().map(into_file).collect();
-        let mut out = document(false);
-        unless_closed(render(format, &mut out).and_then(|()| out.flush()))?;
+        print(report, format)?;
         files.into_iter().collect()
     }
+}
+
+/// Writes a report to standard output. That nobody reads it any more is no error.
+///
+/// # Errors
+/// If it can't be written.
+pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<()> {
+    let style = Style { color: false, width: terminal_width() };
+    let mut out = document(false);
+    unless_closed(report.write(format.form(style), &mut out).and_then(|()| out.flush()))
+}
+
+/// Writes a report into a file.
+///
+/// # Errors
+/// If it can't be written.
+pub fn write_file(report: &dyn document::Report, format: ReportFormat, file: WholeFile) -> Result<()> {
+    let mut out = file.document()?;
+    report
+        .write(format.form(Style::default()), &mut out)
+        .and_then(|()| out.flush())
+        .context("can't write the report")?;
+    file.complete()
 }
 
 /// A report that stays in memory.
@@ -131,7 +162,7 @@ impl Shown {
 pub struct Kept(Rc<RefCell<Vec<u8>>>);
 
 impl Kept {
-    /// What was written, when the run is over.
+    /// The bytes written; complete after the run.
     pub fn take(&self) -> Vec<u8> {
         self.0.take()
     }
@@ -147,58 +178,59 @@ impl Write for Kept {
     }
 }
 
-/// All reports of a run. None depends on another: if one can't be written, the others are whole all the same.
+/// All reports of a run. An error with one report does not stop the others.
 pub struct Reports(Vec<Report>);
 
 struct Report {
     reporter: Box<dyn Reporter>,
-    /// `None`: standard output.
+    /// The file; `None` for standard output.
     file: Option<WholeFile>,
     written: io::Result<()>,
 }
 
-/// How a permission is given.
+/// The option that gives a permission, for messages.
 const ALLOW: &str = "--allow ";
 
 impl Reports {
-    /// Begins all files before the device is touched: a report that can't be written is known at once.
+    /// Creates all files before the device is touched, so that an unwritable path is reported at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
-        let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width(), allow: ALLOW };
-        let reporter_of_stdout = reporter(shown.of_stdout()?, Box::new(document(style.color)), style);
-        let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
+        let (format, style) = (shown.of_stdout()?, Style { color: color.on_stdout(), width: terminal_width() });
+        let of_stdout = reporter(format, Box::new(document(style.color)), style);
+        let is_watched = is_seen() && format == ReportFormat::Table;
+        let of_stdout = if is_watched { of_stdout.with_progress(show_progress) } else { of_stdout };
+        let mut reports = vec![Report { reporter: Box::new(of_stdout), file: None, written: Ok(()) }];
         for ReportArg { format, file } in shown.in_files() {
             let file = WholeFile::create(file)?;
-            let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
-            let reporter = reporter(*format, Box::new(file.document()?), plain);
+            let reporter = Box::new(reporter(*format, Box::new(file.document()?), Style::default()));
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))
     }
 
-    /// One more, for the program itself.
+    /// Adds a report in memory, for the program's own use.
     pub fn keep(&mut self, format: ReportFormat) -> Kept {
         let kept = Kept::default();
-        let plain = Style { color: false, progress: false, width: None, allow: ALLOW };
-        self.0.push(Report { reporter: reporter(format, Box::new(kept.clone()), plain), file: None, written: Ok(()) });
+        let reporter = Box::new(reporter(format, Box::new(kept.clone()), Style::default()));
+        self.0.push(Report { reporter, file: None, written: Ok(()) });
         kept
     }
 
-    /// Passes an event on to all that could be written so far.
+    /// Passes an event to all reports without an error so far.
     pub fn event(&mut self, event: &RunEvent<'_>) {
         for Report { reporter, written, .. } in self.0.iter_mut().filter(|report| report.written.is_ok()) {
             *written = reporter.event(event);
         }
     }
 
-    /// Says where the result comes from.
+    /// Sets the provenance of all reports.
     pub fn comes_from(&mut self, provenance: &Provenance) {
         self.0.iter_mut().for_each(|report| report.reporter.comes_from(provenance));
     }
 
-    /// The run is over: the files take their places.
+    /// Completes the reports, and gives the files their final names.
     ///
     /// # Errors
-    /// What kept the first of them from being written. That nobody reads standard output any more is none.
+    /// The first report that could not be written. A closed standard output is no error.
     pub fn finish(self) -> Result<()> {
         let ends: Vec<Result<()>> = self.0.into_iter().map(Report::finish).collect();
         ends.into_iter().collect()
@@ -207,7 +239,7 @@ impl Reports {
 
 impl Report {
     fn finish(self) -> Result<()> {
-        // What is buffered goes into the file first.
+        // Dropping the reporter flushes its buffer into the file.
         drop(self.reporter);
         match self.file {
             Some(file) => self.written.map_err(Into::into).and_then(|()| file.complete()),
@@ -217,13 +249,6 @@ impl Report {
     }
 }
 
-fn reporter(format: ReportFormat, out: Box<dyn Write>, style: Style) -> Box<dyn Reporter> {
-    let render: Render = match format {
-        ReportFormat::Table => return Box::new(Terminal::new(out, show_progress, style)),
-        ReportFormat::Json => json::render,
-        ReportFormat::Junit => junit::render,
-        ReportFormat::Html => html::render,
-        ReportFormat::Markdown => markdown::render,
-    };
-    Box::new(Document::new(out, render))
+fn reporter(format: ReportFormat, out: Box<dyn Write>, style: Style) -> RunReport<Box<dyn Write>> {
+    RunReport::new(out, format.form(style)).allowed_by(ALLOW)
 }

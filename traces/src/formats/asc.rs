@@ -52,7 +52,7 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
     })
 }
 
-/// A row of an excerpt without header.
+/// Whether the text is a row of an excerpt without header.
 fn is_frame(rest: &[u8]) -> bool {
     matches!(asc_row::row(rest, Radix::Hexadecimal), Ok((_, AscRow::Frame { .. } | AscRow::Request)))
 }
@@ -65,14 +65,14 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 struct Asc {
     radix: Radix,
     relative: bool,
-    /// The start in local time.
+    /// Start of the recording, in local time.
     start: Option<u64>,
     block_seen: bool,
     /// The time of the last event since the start.
     now: Timestamp,
 }
 
-/// What is expected of a time that the records can't hold.
+/// The expected text for a time that records can't hold.
 pub(crate) const LATEST: &str = "a time before the year 2554";
 
 impl LineFormat for Asc {
@@ -110,7 +110,7 @@ impl Asc {
         }
     }
 
-    /// A row: an event with its time.
+    /// Parses a row: an event with its time.
     fn event(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
@@ -140,17 +140,17 @@ impl Asc {
     }
 }
 
-/// Whether a row that ends with the file was going to be a frame: it has a channel, or begins to name the kind of one.
+/// Whether a row that the end of the file cuts may be a frame: it has a channel, or the beginning of a kind of frame.
 fn may_become_a_frame(text: &[u8]) -> bool {
     let kind = text.first().is_some_and(|first| first.is_ascii_alphabetic()) && b"CANFD".starts_with(text);
     kind || text.first().is_some_and(u8::is_ascii_digit)
 }
 
-/// The lines that are no rows.
+/// The lines other than rows.
 #[derive(Clone, Copy)]
 enum Header {
     Nothing,
-    /// A date that could be read, or one that could not.
+    /// A date; `None` if it could not be read.
     Date(Option<u64>),
     /// Whether ids and data are hexadecimal, and times relative.
     Base(Radix, bool),
@@ -182,8 +182,8 @@ fn header(line: &[u8]) -> Option<Header> {
     }
 }
 
-/// Whether what follows the first byte of a line has a time, or is the rest of one: then the first byte is damaged, and
-/// begins no comment.
+/// Whether the text after the first byte of a line begins with a time or the rest of one. Then the first byte is
+/// damaged, and begins no comment.
 fn begins_with_time(behind: &[u8]) -> bool {
     [skip_blanks(behind), &[b"0", behind].concat()].into_iter().any(|text| seconds(text).is_ok())
 }
@@ -209,7 +209,7 @@ fn date(text: &[u8]) -> Option<u64> {
     let (rest, second_number) = decimal("seconds")(second).ok()?;
     let fraction = match rest {
         [] => 0,
-        // Some versions write the milliseconds without leading zeros; there is no telling.
+        // Some versions write the milliseconds without leading zeros; the two forms can't be told apart.
         [b'.', digits @ ..] => crate::grammar::billionths(digits).ok()?.1,
         _ => return None,
     };

@@ -3,7 +3,7 @@
 use crate::grammar::{Expected, Parsed, decimal, hex_byte, nibble, skip_blanks, word};
 use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp};
 
-/// How ids and data are written.
+/// The base of ids and data.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Radix {
     #[default]
@@ -11,23 +11,23 @@ pub(crate) enum Radix {
     Decimal,
 }
 
-/// What a row tells.
+/// The content of a row.
 pub(crate) enum AscRow<'a> {
     Frame {
         channel: &'a [u8],
         record: Record,
-        /// The frame may go on if the file was cut after this line.
+        /// Whether the frame may continue if the file was cut after this line.
         in_doubt: bool,
     },
     /// A request to send.
     Request,
-    /// Something else that happened.
+    /// Another event than a frame.
     Event,
-    /// Neither a frame that is read nor an event that is known.
+    /// Neither a supported frame nor a known event.
     Unknown,
 }
 
-/// The first words of the rows that are known to be no frames: what CANoe and CANalyzer log besides CAN.
+/// The first words of rows without frames: other events that CANoe and CANalyzer log.
 const EVENTS: &[&[u8]] = &[
     b"Start", // of measurement
     b"Begin", // Triggerblock
@@ -49,19 +49,19 @@ const EVENTS: &[&[u8]] = &[
     b"KLine",
 ];
 
-/// What stands after the channel in rows that are no frames.
+/// The words after the channel in rows without frames.
 const CHANNEL_EVENTS: &[&[u8]] = &[b"Statistic:", b"J1939TP", b"J1939PG", b"OverloadFrame"];
 
-/// Class of an error frame that is not told more closely: a bus error, as Linux numbers it.
+/// The class of an error frame without details: a bus error, as Linux numbers it.
 pub(crate) const BUS_ERROR: ErrorClass = ErrorClass(0x80);
 
-/// In the flags of `CANFD` rows: the frame is remote.
+/// Flag of `CANFD` rows: the frame is remote.
 pub(crate) const FLAG_REMOTE: u32 = 0x10;
-/// The frame is CAN FD.
+/// Flag of `CANFD` rows: the frame is CAN FD.
 pub(crate) const FLAG_FDF: u32 = 0x1000;
-/// Bit rate switched.
+/// Flag of `CANFD` rows: the bit rate was switched.
 pub(crate) const FLAG_BRS: u32 = 0x2000;
-/// The sender is error passive.
+/// Flag of `CANFD` rows: the sender is error passive.
 pub(crate) const FLAG_ESI: u32 = 0x4000;
 
 /// A row after its time.
@@ -75,7 +75,7 @@ pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     }
 }
 
-/// Whether a row that begins with that word, followed by `rest`, is known to be no frame.
+/// Whether a row with this first word, followed by `rest`, is known to hold no frame.
 fn is_event(first: &[u8], rest: &[u8]) -> bool {
     let mut words = rest.split(|&b| b == b' ' || b == b'\t').filter(|word| !word.is_empty());
     let (second, third) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
@@ -123,7 +123,7 @@ fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed
             let (rest, data) = bytes(rest, usize::from(dlc.min(8)), radix)?;
             no_more_bytes(rest)?;
             let Some(frame) = Frame::new(id, &data) else { return Expected::fail(rest, "at most 8 bytes") };
-            // A decimal number may go on.
+            // A decimal number may continue.
             let in_doubt = rest.is_empty() && radix == Radix::Decimal && !data.is_empty();
             Ok((rest, frame_row(channel, frame.with_raw_dlc(dlc), direction, in_doubt)))
         }
@@ -196,7 +196,7 @@ fn at_zero(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// The flags after duration and bit count, where the row has them.
+/// The flags after duration and bit count, if the row has them.
 fn row_flags(input: &[u8]) -> (&[u8], Option<u32>) {
     let third = || {
         let (rest, _) = next_word(input, "a duration").ok()?;
@@ -250,7 +250,7 @@ fn switch<'a>(input: &'a [u8], what: &'static str) -> Parsed<'a, bool> {
     }
 }
 
-/// `count` bytes apart.
+/// Parses `count` bytes separated by spaces.
 fn bytes(input: &[u8], count: usize, radix: Radix) -> Parsed<'_, Vec<u8>> {
     let mut data = Vec::with_capacity(count);
     let mut rest = input;
@@ -274,7 +274,7 @@ fn bytes(input: &[u8], count: usize, radix: Radix) -> Parsed<'_, Vec<u8>> {
     Ok((rest, data))
 }
 
-/// What follows the data is words or long numbers, but no further byte.
+/// Checks that the data ends: words or long numbers may follow, but no further byte.
 fn no_more_bytes(input: &[u8]) -> Result<(), nom::Err<Expected<'_>>> {
     match next_word(input, "a word") {
         Ok((_, word @ [high, low])) if nibble(*high).is_some() && nibble(*low).is_some() => {

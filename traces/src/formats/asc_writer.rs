@@ -14,10 +14,10 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
     Ok(Box::new(TextWriter::new(sink, rows)))
 }
 
-/// Times are absolute with 6 decimals, or 9 where they are needed.
+/// Writes times as absolute, with 6 decimals, or 9 if needed.
 struct AscRows {
     time_base: TimeBase,
-    /// What the rows' times count from: the first record's time, in whole milliseconds as the date has them.
+    /// The origin of the rows' times: the first record's time in whole milliseconds, the resolution of the date.
     start: u64,
     numbers: ChannelNumbers,
 }
@@ -78,7 +78,7 @@ impl AscRows {
     }
 }
 
-/// As English versions of CANalyzer write it, which all readers know.
+/// The date in the form of English versions of CANalyzer, which all readers know.
 fn header_date(nanos: u64) -> String {
     let date = date_of(nanos);
     let half = if date.hour() < 12 { "am" } else { "pm" };
@@ -102,7 +102,7 @@ fn write_row(out: &mut String, record: &Record, channel: u16) -> fmt::Result {
     }
     let mark = if frame.id().is_extended() { "x" } else { "" };
     let id = format!("{:X}{mark}", frame.id().raw());
-    // A frame whose direction is not known was at least seen.
+    // A frame of unknown direction counts as received.
     let direction = if record.direction == Direction::Tx { "Tx" } else { "Rx" };
     if frame.is_fd() {
         return write_fd_row(out, record, channel, &id, direction);
@@ -120,7 +120,7 @@ fn write_fd_row(out: &mut String, record: &Record, channel: u16, id: &str, direc
     write!(out, "CANFD {channel:>3} {direction:<4} {id:>8}  {:>32} ", "")?;
     write!(out, "{} {} {dlc:x} {len:>2}", u8::from(brs), u8::from(esi))?;
     write_bytes(out, record.data())?;
-    // Duration, bit count, flags, CRC, bit timings: only the flags are known.
+    // Duration, bit count, flags, CRC and bit timings; only the flags are known.
     writeln!(out, " {:>8} {:>4} {flags:>8X} {:>8} {:>8} {:>8} {:>8} {:>8}", 0, 0, 0, 0, 0, 0, 0)
 }
 

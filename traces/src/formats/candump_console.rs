@@ -55,9 +55,9 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct Console {
     clock: Clock,
-    /// The last frame was an error frame: an explanation may follow.
+    /// Whether the last frame was an error frame, which an explanation may follow.
     explained: bool,
-    /// Bytes are hexadecimal for certain.
+    /// Whether the bytes are known to be hexadecimal.
     hexadecimal: bool,
 }
 
@@ -80,10 +80,10 @@ impl LineFormat for Console {
     }
 }
 
-/// Whether these bytes after the first one of a line, a space, are those of a frame.
+/// Whether the bytes after the first one of a line, a space, are those of a frame.
 fn is_frame(behind: &[u8]) -> bool {
     let whole = |line: &[u8]| start(line).is_ok_and(|(rest, start)| body(rest, start.id, start.flags).is_ok());
-    // With a time, the first byte is its parenthesis.
+    // In a line with a time, the damaged first byte is the parenthesis.
     whole(behind) || whole(&[b"(", behind].concat())
 }
 
@@ -108,14 +108,14 @@ impl Console {
         record.place = line.place;
         self.explained = record.frame.is_error();
         match body.surplus {
-            // The length is what a controller goes by: so many bytes were on the bus, if any of it is true.
+            // Controllers follow the length code: if the line is right at all, that many bytes were on the bus.
             Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
             None => Ok(record),
         }
     }
 }
 
-/// Without the escape sequences of colours.
+/// Removes the escape sequences of colours.
 fn without_colours(line: &[u8]) -> Cow<'_, [u8]> {
     if memchr(0x1B, line).is_none() {
         return line.into();
@@ -201,13 +201,13 @@ fn message_info(input: &[u8]) -> Parsed<'_, (Direction, Flags)> {
     (direction, flags.map(|(brs, esi)| brs.with(esi))).parse(input)
 }
 
-/// What remains open in a line without end.
+/// The doubt about a line without end.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Doubt {
     None,
     /// `remote request` may have been cut.
     Remote,
-    /// A byte may be the beginning of eight bits.
+    /// A single byte may be the beginning of eight bits.
     Bits,
 }
 
@@ -216,11 +216,11 @@ struct Body<'a> {
     bits: bool,
     cropped: bool,
     doubt: Doubt,
-    /// More bytes than the brackets tell: from there on.
+    /// The bytes beyond the length in brackets.
     surplus: Option<&'a [u8]>,
 }
 
-/// The brackets' content, which tells the kind of frame.
+/// The content of the brackets, which tells the kind of frame.
 #[derive(Clone, Copy)]
 enum Length {
     Classical { len: u8, raw_dlc: u8 },
@@ -340,36 +340,36 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
 
 const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
 
-/// Whether there is nothing but bytes of two digits up to the end of the line.
+/// Whether the rest of the line consists of two-digit bytes.
 fn is_bytes(input: &[u8]) -> bool {
     let mut tokens = input.split(|byte| *byte == b' ').filter(|token| !token.is_empty());
     tokens.all(|token| matches!(hex_byte(token), Ok(([], _))))
 }
 
-/// A byte as eight bits.
+/// Parses a byte written as eight bits.
 fn bit_byte(input: &[u8]) -> Option<(&[u8], u8)> {
     let (bits, rest) = input.split_first_chunk::<8>()?;
     let is_bits = bits.iter().all(|b| matches!(b, b'0' | b'1'));
     is_bits.then(|| (rest, bits.iter().fold(0, |byte, bit| byte << 1 | (bit - b'0'))))
 }
 
-/// What the times count from.
+/// The origin of the times.
 #[derive(Default)]
 struct Clock {
     base: Option<TimeBase>,
     now: u64,
-    /// The number in the line before.
+    /// The time in the line before.
     last: u64,
     differences: bool,
-    /// How many small numbers were seen in order.
+    /// Number of small times seen.
     seen: usize,
 }
 
 impl Clock {
-    /// So many small numbers decide whether they are differences.
+    /// After this many small times without a step back, later steps back are steps of the clock.
     const ENOUGH: usize = 20;
 
-    /// From the lines at hand before the first one is read.
+    /// Guesses the origin from the buffered lines, before the first one is read.
     fn guess(head: &[u8]) -> Self {
         let small = |line: &[u8]| match start(&without_colours(line)) {
             Ok((_, Start { stamp: Some(Stamp::Seconds(nanos)), .. })) if nanos < EPOCH_FROM => Some(nanos),

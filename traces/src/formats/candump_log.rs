@@ -39,14 +39,15 @@ use std::io::Write;
 /// A log that begins before this time (1973) counts from its own start.
 pub(crate) const EPOCH_FROM: u64 = 100_000_000 * 1_000_000_000;
 
-/// So many lines that are no frames may stand before the first one.
+/// Maximum number of lines without frame before the first frame.
 const SNIFF_LINES: usize = 200;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     head_lines(head).take(SNIFF_LINES).any(|(line, _)| looks_like_log(line))
 }
 
-/// `(1.5) can0 123#`: the id is not looked at closely, so that a log with a damaged first line is still a log.
+/// Whether the line looks like `(1.5) can0 123#`. The id is not checked, so that a log with a damaged first line is
+/// recognised.
 fn looks_like_log(line: &[u8]) -> bool {
     let Ok((rest, _)) = stamp_and_interface(line) else { return false };
     word("frame")(rest).is_ok_and(|(_, word)| matches!(word.iter().position(|&b| b == b'#'), Some(1..=8)))
@@ -59,14 +60,14 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct CandumpLog {
     base: Option<TimeBase>,
-    /// The last frame was an error frame: an explanation may follow.
+    /// Whether the last frame was an error frame, which an explanation may follow.
     explained: bool,
     habits: Habits,
-    /// For the usual lines; empty until the first frame was read.
+    /// The names for the quick way; empty until the first frame was read.
     names: Names,
 }
 
-/// What the frames so far had after their data: the last line must have it too, if it has no end.
+/// The texts after the data of the frames so far: a last line without end must have them too.
 #[derive(Default)]
 struct Habits {
     direction: bool,
@@ -125,7 +126,7 @@ impl CandumpLog {
         Ok(record.seen(Timestamp(nanos), channel, tail.direction, line.place))
     }
 
-    /// What is not a frame, or a frame after spaces.
+    /// Parses a line that is no frame, or a frame after spaces.
     fn other_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Option<Result<Record, Damage>> {
         if let [b'(', ..] = text {
             return Some(self.frame_line(line, text, channels));
@@ -137,15 +138,15 @@ impl CandumpLog {
     }
 }
 
-/// Whether these bytes after the first one of a line are those of a frame.
+/// Whether the bytes after the first one of a line are those of a frame.
 fn is_frame(after: &[u8]) -> bool {
     let line = [b"(", after].concat();
     stamp_and_interface(&line).is_ok_and(|(rest, _)| frame(rest).is_ok())
 }
 
-/// A line of candump that is no frame, or of a person's editor, if it is one: with the loss that it tells.
-/// `explained` says that the frame before it was an error frame; `is_frame` whether a line without its first byte,
-/// which may be damaged, is one with a frame.
+/// Recognises a line without frame, of candump or from an editor, and returns the loss that it reports. `explained`
+/// tells that the frame before it was an error frame; `is_frame` tells whether the line without its first byte, which
+/// may be damaged, holds a frame.
 pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8]) -> bool) -> Option<Option<Damage>> {
     let text = skip_blanks(line.bytes);
     let passed_over = match text {
@@ -155,16 +156,16 @@ pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8
     };
     if passed_over {
         let frame = line.bytes.split_first().is_some_and(|(_, after)| is_frame(after));
-        return Some(frame.then(|| line.malformed("a frame, or a comment that is none")));
+        return Some(frame.then(|| line.malformed("a frame, or a comment without a frame")));
     }
     let (_, count) = drop_count(text).ok()?;
     Some(Some(Damage::dropped(count, line.place)))
 }
 
-/// The longest interface name: far more than Linux has, yet 4096 of them are no burden.
+/// Limit of an interface name: far longer than Linux allows, yet 4096 of them take little memory.
 const LONGEST_NAME: usize = 128;
 
-/// The channel of that name.
+/// The channel with that name.
 pub(crate) fn intern<'a>(name: &'a [u8], channels: &mut Channels) -> Result<ChannelId, Expected<'a>> {
     match std::str::from_utf8(name) {
         Ok(name) if name.len() <= LONGEST_NAME => Ok(channels.intern(name)),
@@ -197,12 +198,12 @@ fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
     }
 }
 
-/// What stands after a frame.
+/// The text after a frame.
 struct Tail {
     direction: Direction,
-    /// A word: nothing belongs to the frame any more.
+    /// Whether a word has ended the frame.
     closed: bool,
-    /// A space without a word.
+    /// Whether a space without a word follows.
     open: bool,
 }
 
@@ -274,7 +275,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
     Ok(Box::new(TextWriter::new(sink, LogLines { time_base: options.time_base })))
 }
 
-/// Writes what `candump -L` writes, with the direction where it is known (`-x`).
+/// Writes lines as `candump -L` does, with the direction if it is known (`-x`).
 struct LogLines {
     time_base: TimeBase,
 }
@@ -295,7 +296,7 @@ impl LogLines {
     fn write_line(&self, record: &Record, name: &str, out: &mut String) -> std::fmt::Result {
         let nanos = record.timestamp.nanos();
         let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
-        // From 1970 there are ten digits; candump -tz fills up to three.
+        // Times since 1970 have ten digits; candump -tz writes at least three.
         write!(out, "({secs:03}.")?;
         if fraction.is_multiple_of(1_000) {
             write!(out, "{:06}) {name} ", fraction / 1_000)?;
@@ -311,7 +312,7 @@ impl LogLines {
     }
 }
 
-/// The name as one word, which is all that a log can hold.
+/// The name as one word; logs can't hold spaces in names.
 fn interface_name<'a>(name: &'a str, losses: &mut Losses) -> std::borrow::Cow<'a, str> {
     let unfit = |c: char| c.is_whitespace() || c.is_control();
     if !name.is_empty() && name.len() <= LONGEST_NAME && !name.contains(unfit) {

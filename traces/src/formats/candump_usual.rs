@@ -1,34 +1,34 @@
-//! The lines that nearly all of a candump log are like, read at a glance.
+//! A quick way for the usual lines of a candump log.
 //!
 //! ```text
 //! "(" 10 digits "." 6 or 9 digits ") " name " " (3 or 8 digits) "#" up to 16 digits [" R" | " T"] [CR] LF
 //! ```
 //!
-//! The name is one that was met before, padded as then. Everything else, and everything that is wrong, is left to
-//! the grammar: this is never another truth, only a faster way to the same one.
+//! The name was met before, with the same padding. All other lines, and all wrong ones, are left to the grammar;
+//! the quick way only ever gives the same result faster.
 
 use crate::digits::{all_decimal, eight_decimal, hex_count, hex_prefix, three_hex};
 use crate::lines::Passed;
 use crate::{CanId, ChannelId, Direction, Frame, Place, Record, SkipSet, Timestamp};
 
-/// The names that were met, each as its line has it between the time and the id.
+/// The names met so far, each in the form that it has between time and id.
 #[derive(Default)]
 pub(crate) struct Names(Vec<Name>);
 
 struct Name {
     /// The padding, the name and the space after it, filled up with zeros.
     word: u64,
-    /// The bytes of a word that belong to it.
+    /// The bytes of the word that are used.
     mask: u64,
     len: usize,
     channel: ChannelId,
 }
 
 impl Names {
-    /// A log has one width at a time, so more names than this are of a bus that is not usual.
+    /// Maximum number of names: a log has one width at a time, so more names mean an unusual bus.
     const MOST: usize = 8;
 
-    /// Remembers how a line names that channel, if it fits into a word; `frame` is the end of that line.
+    /// Remembers the form of a channel's name in a line, if it fits into a word; `frame` is the end of that line.
     pub(crate) fn learn(&mut self, line: &[u8], frame: &[u8], channel: ChannelId) {
         let behind_time = line.iter().position(|&byte| byte == b')').map_or(0, |at| at + 2);
         let text = line.get(behind_time..line.len() - frame.len()).unwrap_or_default();
@@ -50,7 +50,7 @@ impl Names {
     }
 }
 
-/// The frame of the line at the window's start and the length of that line with its end, if it is usual.
+/// The frame of a usual line at the window's start, and the length of the line.
 #[inline]
 pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record, usize)> {
     let (nanos, at) = time(window)?;
@@ -59,8 +59,8 @@ pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record
     frame(window, at, id, name.channel, Timestamp(nanos), place)
 }
 
-/// The same of the line at the window's start, but that it is passed over if its frame is skipped, with its direction. Of what
-/// is skipped nothing is worked out that nobody asks for.
+/// As [`line`], but skips the line, with its direction, if its frame is in `skip`. Values of a skipped frame are not
+/// computed.
 #[inline]
 pub(crate) fn pass(window: &[u8], names: &Names, skip: &SkipSet, place: Place) -> Option<(Direction, Passed)> {
     let at = after_time(window)?;
@@ -80,7 +80,7 @@ pub(crate) fn pass(window: &[u8], names: &Names, skip: &SkipSet, place: Place) -
     Some((record.direction, Passed::Kept(record, end)))
 }
 
-/// The record and the length of a line whose data begin there.
+/// The record of a line whose data begin at `at`, and the line's length.
 #[inline(always)]
 fn frame(
     window: &[u8],
@@ -99,7 +99,7 @@ fn frame(
     Some((Record::new(Timestamp::ZERO, channel, frame).seen(time, channel, direction, place), end))
 }
 
-/// The time of the line at the window's start, if it is usual.
+/// The time of a usual line at the window's start.
 pub(crate) fn time_of(window: &[u8]) -> Option<Timestamp> {
     time(window).map(|(nanos, _)| Timestamp(nanos))
 }
@@ -109,7 +109,7 @@ fn chunk<const N: usize>(window: &[u8], at: usize) -> Option<&[u8; N]> {
     window.get(at..)?.first_chunk()
 }
 
-/// The time in nanoseconds, and where the text after its parenthesis and one space begins.
+/// The time in nanoseconds, and the offset of the text after its parenthesis and one space.
 #[inline(always)]
 fn time(window: &[u8]) -> Option<(u64, usize)> {
     let head: &[u8; 24] = window.first_chunk()?;
@@ -127,7 +127,7 @@ fn time(window: &[u8]) -> Option<(u64, usize)> {
     Some((seconds * 1_000_000_000 + fraction, at))
 }
 
-/// Where the text after the time begins: exactly where [`time`] says so.
+/// The offset of the text after the time; agrees with [`time`].
 #[inline]
 fn after_time(window: &[u8]) -> Option<usize> {
     let head: &[u8; 24] = window.first_chunk()?;
@@ -149,7 +149,7 @@ fn two_decimal(tens: u8, ones: u8) -> Option<u64> {
     (tens < 10 && ones < 10).then(|| u64::from(10 * tens + ones))
 }
 
-/// An identifier of 3 or 8 digits that is no error frame, and where the text after its `#` begins.
+/// An identifier of 3 or 8 digits without the error bit, and the offset of the text after its `#`.
 #[inline(always)]
 fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     let text: &[u8; 9] = chunk(window, at)?;
@@ -164,7 +164,7 @@ fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
     (i8 == b'#').then_some((id, at + 9))
 }
 
-/// The direction after the data, and where the next line begins.
+/// The direction after the data, and the offset of the next line.
 #[inline]
 fn line_end(window: &[u8], at: usize) -> Option<(Direction, usize)> {
     match window.get(at..)? {

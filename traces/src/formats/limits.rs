@@ -1,12 +1,13 @@
-//! What each written format can't hold.
+//! The limits of each written format.
 
 use super::Format;
 use crate::Loss;
 
 impl Format {
-    /// What is lost of records that have it, when they are written in this format; empty for one that is only read.
+    /// The properties of records that this format can't hold; empty for a read-only format.
     ///
-    /// [`Loss::TimeZone`] is of captures in local time only, or in UTC, whichever is not the format's own.
+    /// [`Loss::TimeZone`] concerns only captures in local time or only captures in UTC: those whose time base is not
+    /// the format's own.
     pub fn losses(self) -> &'static [Loss] {
         match self {
             Self::Candump => &[Loss::ChannelName, Loss::TimeZone],

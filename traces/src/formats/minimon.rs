@@ -49,16 +49,16 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 #[derive(Default)]
 struct MiniMon {
-    /// Nanoseconds from 1970 to the header's date.
+    /// Nanoseconds from 1970 to the date in the header.
     date: Option<u64>,
-    /// The header's start time, in nanoseconds of the day.
+    /// The start time in the header, in nanoseconds of the day.
     start: Option<u64>,
-    /// What is added to the rows' times.
+    /// Offset that is added to the rows' times.
     zero: Option<u64>,
     /// Whether rows have times of the day.
     of_day: bool,
     last: u64,
-    /// In bit/s.
+    /// Bit rate of the bus in bit/s.
     bit_rate: Option<u32>,
 }
 
@@ -138,7 +138,7 @@ impl MiniMon {
     }
 }
 
-/// `250 kbit/s`, in bit/s. A decimal point may be a comma.
+/// Parses a bit rate such as `250 kbit/s` into bit/s. The decimal point may be a comma.
 fn bit_rate(text: &[u8]) -> Option<u32> {
     const FASTEST: f64 = 1e6;
     let text = std::str::from_utf8(text).ok()?.trim().replace(',', ".");
@@ -158,7 +158,7 @@ struct MinimonRow {
     time: u64,
     frame: Frame,
     direction: Direction,
-    /// The data's quotes are closed.
+    /// Whether the data's quotes are closed.
     closed: bool,
 }
 
@@ -187,7 +187,7 @@ fn row(input: &[u8]) -> Parsed<'_, MinimonRow> {
     }
 }
 
-/// The length may stand where the data would.
+/// A remote frame may have its length in the place of the data.
 fn remote(id: CanId, text: &[u8]) -> Option<Frame> {
     let digit = text.iter().find(|b| b.is_ascii_digit()).map_or(0, |b| b - b'0');
     Frame::remote(id, digit)
@@ -243,7 +243,7 @@ fn time_of_day(input: &[u8]) -> Parsed<'_, u64> {
         [b'.', digits @ ..] => billionths(digits)?,
         _ => (rest, 0),
     };
-    // A recording of more than a day may go on counting.
+    // A recording of more than a day may continue beyond 24 hours.
     if hour >= 24 * 366 || minute >= 60 || second >= 60 {
         return Expected::fail(input, "a time such as 10:47:15.23");
     }

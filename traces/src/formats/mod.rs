@@ -1,4 +1,4 @@
-//! The capture formats, one file each.
+//! The capture formats, one file each, and their table.
 
 pub(crate) mod asc;
 mod asc_row;
@@ -22,10 +22,10 @@ mod trc_writer;
 use crate::{Format, ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
 use std::io::Write;
 
-/// One format: how it is recognised, read and written.
+/// A format: its detection, reader and writer.
 pub(crate) struct FormatEntry {
     format: Format,
-    /// Whether a source that begins like this is of this format; sees up to [`Format::SNIFF`] bytes.
+    /// Whether a source with this beginning has the format; gets up to [`Format::SNIFF`] bytes.
     sniff: fn(&[u8]) -> bool,
     open: fn(Source, &ReadOptions) -> Box<dyn Reader>,
     create: Option<Create>,
@@ -33,7 +33,7 @@ pub(crate) struct FormatEntry {
 
 type Create = fn(Box<dyn Write>, &WriteOptions) -> Result<Box<dyn Writer>, WriteError>;
 
-/// In the order in which they are tried: what has a magic number first, free text last.
+/// In the order of detection: formats with a magic number first, free text last.
 const FORMATS: &[FormatEntry] = &[
     FormatEntry { format: Format::Pcapng, sniff: pcapng::sniff, open: pcapng::open, create: Some(pcapng::create) },
     FormatEntry { format: Format::Pcap, sniff: pcap::sniff, open: pcap::open, create: Some(pcap::create) },
@@ -63,7 +63,7 @@ const FORMATS: &[FormatEntry] = &[
 ];
 
 impl Format {
-    /// How many bytes of a source are looked at to recognise its format.
+    /// Number of bytes that the detection looks at.
     pub const SNIFF: usize = 64 * 1024;
 
     /// All formats.
@@ -76,7 +76,7 @@ impl Format {
         Self::all().find(|format| format.id() == id)
     }
 
-    /// The format that is usually written to files with that ending (without the dot).
+    /// The format that files with this extension (without the dot) usually have.
     pub fn by_extension(extension: &str) -> Option<Self> {
         let writes = |row: &&FormatEntry| {
             row.create.is_some() && row.format.extensions().iter().any(|e| e.eq_ignore_ascii_case(extension))
@@ -84,7 +84,7 @@ impl Format {
         FORMATS.iter().find(writes).map(|row| row.format)
     }
 
-    /// The format of a source that begins like this.
+    /// The format of a source with this beginning.
     pub fn sniff(head: &[u8]) -> Option<Self> {
         FORMATS.iter().find(|row| (row.sniff)(head)).map(|row| row.format)
     }
@@ -94,12 +94,12 @@ impl Format {
         FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }
 
-    /// Whether canvass writes it.
+    /// Whether canvass writes this format.
     pub fn is_written(self) -> bool {
         self.row().create.is_some()
     }
 
-    /// A reader of a source that is known, or said, to be of this format.
+    /// Opens a reader for a source of this format.
     pub fn open(self, source: Source, options: &ReadOptions) -> Box<dyn Reader> {
         (self.row().open)(source, options)
     }

@@ -87,7 +87,7 @@ fn row(input: &[u8]) -> Parsed<'_, Record> {
     }
     let can_id = if extended { CanId::extended(id) } else { CanId::standard(id) };
     let frame = match (error, can_id) {
-        // The id of an error frame is its class, whatever the other columns say.
+        // The id of an error frame is its class; the other columns are ignored.
         (true, _) if digits > 0 && id <= CanId::MAX_EXTENDED => Frame::error(ErrorClass(id), &data),
         (false, Some(id)) if digits > 0 && remote => u8::try_from(len).ok().and_then(|len| Frame::remote(id, len)),
         (false, Some(id)) if digits > 0 && len > 8 => {
@@ -127,7 +127,7 @@ fn time(input: &[u8]) -> Parsed<'_, u64> {
     let nanos = match behind {
         [] => whole.checked_mul(1_000_000_000),
         [b'.', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => {
-            // Exact, which a double is not: nine digits, rounded by the tenth.
+            // A double would not be exact, so the digits are read: nine of them, rounded by the tenth.
             let digit = |n: usize| digits.get(n).map_or(0, |d| u64::from(d - b'0'));
             let fraction = (0..9).fold(0, |value, n| 10 * value + digit(n)) + digit(9) / 5;
             whole.checked_mul(1_000_000_000).and_then(|nanos| nanos.checked_add(fraction))
@@ -162,7 +162,7 @@ fn base64(input: &[u8]) -> Parsed<'_, Vec<u8>> {
     }
     match rest {
         [] => Ok((&input[input.len()..], data)),
-        // What is missing is missing at the end.
+        // Missing characters are missing at the end.
         _ => Expected::fail(&input[input.len()..], "the rest of a group of four Base64 letters"),
     }
 }
@@ -226,7 +226,7 @@ impl CsvRows {
             (self.time_base == TimeBase::Local, Loss::TimeZone),
             (channel != CHANNEL, Loss::ChannelName),
             (record.direction != Direction::Unknown, Loss::Direction),
-            // Also that it was CAN FD at all, where the length does not tell.
+            // For short frames, even the fact that they are CAN FD is lost: only the length shows it.
             (flags.bits() & 3 != 0 || frame.is_fd() && frame.len() <= 8, Loss::FdFlags),
             (flags == Flags::NONE && frame.dlc() > 8, Loss::RawDlc),
         ];

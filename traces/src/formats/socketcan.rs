@@ -57,7 +57,7 @@ pub(crate) enum LinkType {
     Sll2,
 }
 
-/// What the link type is when it is none of ours.
+/// The expected text for a link type without CAN.
 pub(crate) const LINK_TYPES: &str = "link type 227 (SocketCAN), 113 (Linux SLL) or 276 (Linux SLL2)";
 
 impl LinkType {
@@ -80,7 +80,7 @@ impl LinkType {
     }
 }
 
-/// What a frame's own bytes don't tell: which of the structures it is.
+/// The structure of a frame, which its own bytes don't tell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Protocol {
     Classical,
@@ -89,7 +89,7 @@ enum Protocol {
 }
 
 impl Protocol {
-    /// As the header of a cooked capture says.
+    /// The protocol in the header of a cooked capture.
     const fn from_number(number: u16) -> Option<Self> {
         match number {
             0x000C => Some(Self::Classical),
@@ -99,7 +99,7 @@ impl Protocol {
         }
     }
 
-    /// As the length of the packet tells; without filling, the length and the flags of the frame.
+    /// The protocol by the length of the packet; without filling, by the length and the flags of the frame.
     const fn of_packet(packet: usize, len: u8, flags: Flags) -> Self {
         match packet {
             _ if len & XLF != 0 => Self::Xl,
@@ -111,7 +111,7 @@ impl Protocol {
     }
 }
 
-/// A packet's frame; time, channel and place are still to be set.
+/// A packet's frame, before time, channel and place are set.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) record: Record,
@@ -119,8 +119,8 @@ pub(crate) struct Seen {
     pub(crate) interface: Option<u32>,
 }
 
-/// A classical data frame in a packet of link type 227, with its bytes alone or in the eight of a socket: most of what
-/// there is, so it has a way of its own, which gives the same as [`decode`].
+/// The quick way for a classical data frame in a packet of link type 227, without filling or with all eight bytes;
+/// most packets are of this form. Gives the same as [`decode`].
 #[inline(always)]
 pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
     let &[a, b, c, d, len @ 0..=8, 0, 0, 0, ref data @ ..] = packet else { return None };
@@ -131,12 +131,12 @@ pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
     let Some(filled) = data.first_chunk::<8>().filter(|_| data.len() == 8) else {
         return if data.len() == len { Frame::new(can_id(id), data) } else { None };
     };
-    // As one number: a copy of a length that is not known beforehand takes longer than all the rest.
+    // The bytes are masked as one number: copying a variable number of bytes would take longer than everything else.
     let payload = u64::from_le_bytes(*filled) & u64::MAX.checked_shr(64 - 8 * len as u32).unwrap_or(0);
     Some(Frame::short(can_id(id), payload.to_le_bytes(), len))
 }
 
-/// The frame in a whole packet; `order` is that of the file or section.
+/// The frame in a complete packet; `order` is the byte order of the file or section.
 pub(crate) fn decode(link: LinkType, order: Endianness, packet: &[u8]) -> Result<Seen, Flaw> {
     let (protocol, direction, interface, rest) = match link {
         LinkType::SocketCan => {
@@ -175,7 +175,7 @@ fn sll2(i: &[u8]) -> IResult<&[u8], Sll2> {
     (be_u16, be_u16, be_u32, be_u16, u8, u8, nom::number::complete::be_u64).parse(i)
 }
 
-/// 280 is `ARPHRD_CAN`: other network interfaces of the machine are captured along with `any`.
+/// 280 is `ARPHRD_CAN`: a capture of `any` also has packets of other network interfaces.
 fn check_hardware(hardware: u16) -> Result<(), Flaw> {
     if hardware == 280 {
         return Ok(());
@@ -221,7 +221,7 @@ fn classical(id: u32, len: u8, raw_dlc: u8, payload: &[u8]) -> Result<Record, Fl
     Ok(untimed(frame.with_raw_dlc(raw_dlc)))
 }
 
-/// As the kernel does, bits of the number that the identifier does not have are ignored.
+/// Bits beyond the identifier are ignored, as in the kernel.
 const fn can_id(id: u32) -> CanId {
     if id & EXTENDED != 0 { CanId::extended_masked(id) } else { CanId::standard_masked(id) }
 }
@@ -258,7 +258,7 @@ fn xl(priority: u32, order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
         .ok_or_else(|| Flaw::malformed("a CAN XL length of 1 to 2048", len.to_string()))
 }
 
-/// The frame in a packet of a `CAN_RAW` socket, in this machine's byte order; time and channel are still to be set.
+/// The frame in a packet of a `CAN_RAW` socket, in this machine's byte order; the caller sets time and channel.
 ///
 /// # Errors
 /// [`Damage`] if the bytes are no frame.
@@ -266,7 +266,7 @@ pub fn from_socket(packet: &[u8]) -> Result<Record, Damage> {
     frame(NATIVE, NATIVE, None, packet).map_err(|flaw| flaw.damage(Place::default()))
 }
 
-/// Appends a frame as a `CAN_RAW` socket takes it, in this machine's byte order. CAN XL is not sent.
+/// Appends a frame in the form that a `CAN_RAW` socket takes, in this machine's byte order. CAN XL is not supported.
 pub fn to_socket(record: &Record, packet: &mut Vec<u8>) {
     let start = packet.len();
     encode(record, packet);
@@ -284,7 +284,7 @@ pub(crate) fn encode(record: &Record, packet: &mut Vec<u8>) {
         return;
     }
     packet.extend_from_slice(&number(frame).to_be_bytes());
-    // A frame has at most 64 bytes here.
+    // Classical and CAN FD frames have at most 64 bytes.
     packet.push(frame.len() as u8);
     packet.push(frame.flags().bits() & 7);
     packet.push(0);
@@ -308,7 +308,7 @@ fn encode_xl(priority: CanId, xl: XlHeader, data: &[u8], packet: &mut Vec<u8>) {
     packet.extend_from_slice(&(u32::from(xl.vcid) << 16 | priority.raw()).to_be_bytes());
     packet.push(XLF | if xl.sec { SEC } else { 0 } | if xl.rrs { RRS } else { 0 });
     packet.push(xl.sdt);
-    // At most 2048.
+    // The length is at most 2048.
     packet.extend_from_slice(&(data.len() as u16).to_le_bytes());
     packet.extend_from_slice(&xl.af.to_le_bytes());
     packet.extend_from_slice(data);

@@ -73,9 +73,9 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct Trc {
     columns: Vec<Column>,
-    /// The start in local time.
+    /// The start, in local time.
     start: Option<u64>,
-    /// The same from a comment, which is all that version 1.0 has.
+    /// The start from a comment, the only form in version 1.0.
     start_in_text: Option<u64>,
     numbers: Numbers,
 }
@@ -158,9 +158,9 @@ impl Trc {
         } else if let Some(text) = skip_blanks(comment).strip_prefix(b"Start time:") {
             self.start_in_text = start_in_text(text.trim_ascii());
         } else if [comment, &[b"0", comment].concat()].iter().any(|text| row(text, &self.columns).is_ok()) {
-            // The first byte of a row is damaged: a blank, or a digit of its number.
+            // The damaged first byte was a space, or a digit of the row's number.
             self.numbers.pass();
-            return Some(line.malformed("a row, or a comment that is none"));
+            return Some(line.malformed("a row, or a comment without a row"));
         }
         None
     }
@@ -169,11 +169,11 @@ impl Trc {
         let row = row(line.bytes, &self.columns).map(|(_, row)| row);
         match row.as_ref().map(|row| row.number) {
             Ok(Some(number)) => self.numbers.see(number, line.place),
-            // What is malformed had a number too.
+            // A malformed row had a number too.
             _ => self.numbers.pass(),
         }
         match row.map_err(|error| line.damage(error.into()))?.content {
-            // What kind of row it was going to be can't be known.
+            // The kind of the cut row can't be known.
             Content::Event | Content::Unsupported if !line.ended => Err(line.cut("the end of this row")),
             Content::Event => Ok(None),
             Content::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
@@ -197,7 +197,7 @@ fn start_time(days: &[u8]) -> Option<u64> {
     let fraction = match rest {
         [] => 0,
         [b'.', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => {
-            // Up to 18 digits are far more than the nanoseconds of a day.
+            // 18 digits are far more precise than nanoseconds.
             let digits = digits.get(..18).unwrap_or(digits);
             let scale = 10_u128.pow(digits.len() as u32);
             let value = digits.iter().fold(0, |value, digit| 10 * value + u128::from(digit - b'0'));
@@ -208,7 +208,7 @@ fn start_time(days: &[u8]) -> Option<u64> {
     whole.checked_sub(DAYS_TO_1970)?.checked_mul(DAY)?.checked_add(fraction)
 }
 
-/// `18.12.2021 14:28:07.062`, perhaps with more digits after another point.
+/// Parses `18.12.2021 14:28:07.062`; more digits may follow after another point.
 fn start_in_text(text: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(text).ok()?;
     let (date, time) = text.split_once(' ')?;

@@ -1,19 +1,19 @@
-//! The message numbers of PEAK TRC: rows are numbered one after the other, so that a missing one leaves a gap.
+//! The message numbers of PEAK TRC: rows are numbered consecutively, so a missing row leaves a gap.
 //!
-//! Where the numbers jump, the next row tells what happened: it goes on from the new number if rows are missing, and
+//! Where the numbers jump, the next row decides: numbering continues from the new number if rows are missing, and
 //! from the old one if only the number is damaged.
 
 use crate::{Damage, DamageKind, Place};
 
 #[derive(Default)]
 pub(crate) struct Numbers {
-    /// What the next row should have; `None` before the first row of a recording.
+    /// The number that the next row should have; `None` before the first row of a recording.
     expected: Option<u64>,
     jump: Option<Jump>,
     owed: Option<Damage>,
 }
 
-/// A row whose number is not the one that was expected.
+/// A row with an unexpected number.
 struct Jump {
     expected: u64,
     found: u64,
@@ -21,19 +21,19 @@ struct Jump {
 }
 
 impl Numbers {
-    /// A recording begins, with whatever number.
+    /// Begins a recording, whose first number may be any.
     pub(crate) fn restart(&mut self) {
         self.settle();
         self.expected = None;
     }
 
-    /// A row whose number can't be read.
+    /// Counts a row with an unreadable number.
     pub(crate) fn pass(&mut self) {
         self.settle();
         self.expected = self.expected.map(|number| number.saturating_add(1));
     }
 
-    /// The next row's number.
+    /// Checks the next row's number.
     #[inline]
     pub(crate) fn see(&mut self, number: u64, place: Place) {
         if self.expected != Some(number) || self.jump.is_some() {
@@ -54,14 +54,14 @@ impl Numbers {
         }
     }
 
-    /// What the rows so far have shown.
+    /// The damage that the rows so far have revealed.
     #[inline]
     pub(crate) fn owed(&mut self) -> Option<Damage> {
-        // Nearly always there is none: so much need not be moved.
+        // Nearly always there is none; then nothing is moved.
         if self.owed.is_some() { self.owed.take() } else { None }
     }
 
-    /// The same after the last row.
+    /// The damage at the end of the file.
     pub(crate) fn end(&mut self) -> Option<Damage> {
         self.settle();
         self.owed()
@@ -80,7 +80,7 @@ impl Jump {
         Damage::new(DamageKind::Malformed, self.place, expected, self.found.to_string().as_bytes())
     }
 
-    /// Rows are missing, or stand in another order.
+    /// The damage for missing or reordered rows.
     fn missing_rows(self) -> Damage {
         match self.found.checked_sub(self.expected) {
             Some(missing) => {

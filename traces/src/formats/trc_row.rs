@@ -4,17 +4,17 @@ use crate::formats::asc_row::BUS_ERROR;
 use crate::grammar::{Expected, Parsed, billionths, decimal, hex_byte, hex_run, nibble, skip_blanks, word};
 use crate::{CanId, ChannelId, Direction, Flags, Frame, Record, Timestamp};
 
-/// A column, which 2.x names by a letter.
+/// A column; version 2.x names it by a letter.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Column {
     Number,
     Offset,
-    /// Two letters of 2.x.
+    /// The kind of row: two letters of 2.x.
     Kind,
     Bus,
     Id,
     Direction,
-    /// 1.x: `Rx`, `Tx`, or that it is no frame.
+    /// In 1.x: `Rx`, `Tx`, or a word for a row without frame.
     DirectionOrKind,
     Reserved,
     Dlc,
@@ -40,19 +40,19 @@ pub(crate) fn columns(letters: &[u8]) -> Option<Vec<Column>> {
     letters.split(|&b| b == b',').map(column).collect()
 }
 
-/// A row: its message number, where its version has one, and what it tells.
+/// A row: its content and, if its version numbers rows, its message number.
 pub(crate) struct TrcRow<'a> {
     pub(crate) number: Option<u64>,
     pub(crate) content: Content<'a>,
 }
 
-/// What a row tells.
+/// The content of a row.
 pub(crate) enum Content<'a> {
     Frame {
         offset: u64,
         bus: &'a [u8],
         record: Record,
-        /// The row may go on if the file was cut after it.
+        /// Whether the row may continue if the file was cut after it.
         in_doubt: bool,
     },
     /// Status, error counters and the like.
@@ -60,7 +60,7 @@ pub(crate) enum Content<'a> {
     Unsupported,
 }
 
-/// What the columns of a row have told so far.
+/// The columns of a row parsed so far.
 struct Fields<'a> {
     number: Option<u64>,
     offset: u64,
@@ -68,13 +68,13 @@ struct Fields<'a> {
     bus: &'a [u8],
     id: Option<CanId>,
     direction: Direction,
-    /// DLC, or length, and which.
+    /// The DLC or the length, and the column that it came from.
     length: Option<(u64, Column)>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// Data or, as the data column tells, remote: version 1.
+    /// Version 1: data or, if the data column says so, a remote frame.
     Classical,
     Data,
     Remote,
@@ -87,7 +87,7 @@ pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, TrcRow<'
         number: None,
         offset: 0,
         kind: Kind::Classical,
-        // The channel of files that have none.
+        // The channel in files without channels.
         bus: b"1",
         id: None,
         direction: Direction::Unknown,
@@ -147,7 +147,7 @@ fn content<'a>(line: &'a [u8], all: &[Column], fields: &mut Fields<'a>) -> Parse
     data(rest, fields)
 }
 
-/// The id of a bus status in version 1.0, which has no column that tells it from a frame.
+/// The id of a bus status in version 1.0; only this id tells it from a frame.
 const STATUS_ID: &[u8] = b"FFFFFFFF";
 
 fn is_status(rest: &[u8], columns: &[Column]) -> bool {
@@ -176,8 +176,8 @@ fn kind(word: &[u8]) -> Option<Kind> {
     })
 }
 
-/// A row of 2.x that is no data or remote frame: an error frame, a status, error counters or an event. None of them has
-/// an id, or it is a frame whose kind is damaged.
+/// A row of 2.x other than a data or remote frame: an error frame, a status, error counters or an event. None of
+/// these has an id; a row with an id is a frame with a damaged kind.
 fn status<'a>(kind: &[u8], input: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
     if !matches!(kind, b"ER" | b"ST" | b"EC" | b"EV") {
         return Ok((input, Content::Unsupported));
@@ -192,7 +192,7 @@ fn status<'a>(kind: &[u8], input: &'a [u8], columns: &[Column], fields: &mut Fie
     let (rest, way) = if first == b"-" { (after, second) } else { (behind, first) };
     match direction(way) {
         Some(direction) => fields.direction = direction,
-        // An event may be any text.
+        // The text of an event is arbitrary.
         None if kind == b"EV" && direction(second).is_none() => return Ok((rest, Content::Event)),
         None => return Expected::fail(first, "no id, as the row is of a kind that has none"),
     }
@@ -212,7 +212,7 @@ fn at_zero(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// What stands in the last column, and so the frame.
+/// Parses the last column, and makes the frame.
 fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
     let at = skip_blanks(input);
     let (Some(id), Some((length, column))) = (fields.id, fields.length) else {
@@ -226,7 +226,7 @@ fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
     if is_remote {
         let frame = Frame::remote(id, length.min(8) as u8).map(|frame| frame.with_raw_dlc(dlc));
         let most = if column == Column::Dlc { 15 } else { 8 };
-        // `RTR` is the end of the row. Without it a number may get a second digit, if that fits.
+        // `RTR` ends the row. Without it, the number may get a second digit, if that fits.
         let in_doubt = fields.kind == Kind::Remote && input.is_empty() && 10 * length <= most && length > 0;
         return match frame {
             Some(frame) if length <= most => Ok((at, frame_row(fields, at_zero(frame), in_doubt))),
@@ -249,13 +249,13 @@ fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
         _ => Frame::new(id, &bytes).map(|frame| at_zero(frame.with_raw_dlc(dlc))),
     };
     match record {
-        // Without bytes a length of 0 may become RTR, or a number of two digits.
+        // Without bytes, a length of 0 may continue as RTR or as a number of two digits.
         Some(record) => Ok((rest, frame_row(fields, record, bytes.is_empty()))),
         None => Expected::fail(at, "a length that this kind of frame has"),
     }
 }
 
-/// All bytes up to the end of the line.
+/// Parses all bytes up to the end of the line.
 fn bytes(input: &[u8]) -> Parsed<'_, Vec<u8>> {
     let mut data = Vec::new();
     let mut rest = skip_blanks(input);
@@ -270,7 +270,7 @@ fn bytes(input: &[u8]) -> Parsed<'_, Vec<u8>> {
     Ok((rest, data))
 }
 
-/// `12)` or `12`, and whether there is a bracket.
+/// Parses `12)` or `12`; returns also whether there is a bracket.
 pub(crate) fn message_number(input: &[u8]) -> Parsed<'_, (u64, bool)> {
     let (rest, number) = decimal("a message number")(input)?;
     match rest {

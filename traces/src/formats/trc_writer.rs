@@ -17,7 +17,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
 
 struct TrcRows {
     time_base: TimeBase,
-    /// What the offsets count from: the first record's time, in whole milliseconds.
+    /// The origin of the offsets: the first record's time, in whole milliseconds.
     start: u64,
     written: u64,
     numbers: ChannelNumbers,
@@ -52,7 +52,7 @@ impl LineWriter for TrcRows {
     }
 }
 
-/// The days are written with so many digits that the millisecond can be read back exactly.
+/// The digits of the days suffice to read back the millisecond exactly.
 fn write_start(out: &mut String, start: u64) -> fmt::Result {
     const SCALE: u128 = 1_000_000_000_000_000;
     let days = start / DAY + DAYS_TO_1970;

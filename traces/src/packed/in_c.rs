@@ -1,19 +1,19 @@
-//! By the usual libraries.
+//! zstd and lz4 by their usual libraries in C.
 
 use crate::ChunkCompression;
 use std::io::{self, BufRead, Read, Write};
 
-/// What a zstd stream of one or more frames holds.
+/// Decompresses a zstd stream of one or more frames.
 pub(crate) fn zstd<'a>(source: impl BufRead + 'a) -> io::Result<impl Read + 'a> {
     ::zstd::Decoder::with_buffer(source)
 }
 
-/// What an lz4 frame holds.
+/// Decompresses an lz4 frame.
 pub(crate) fn lz4(source: impl Read) -> io::Result<impl Read> {
     ::lz4::Decoder::new(source)
 }
 
-/// How the chunks of MCAP are written.
+/// Options for the chunks of a written MCAP file.
 pub(crate) fn mcap_options(compression: ChunkCompression) -> mcap::WriteOptions {
     let compression = match compression {
         ChunkCompression::Zstd => Some(mcap::Compression::Zstd),

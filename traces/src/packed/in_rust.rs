@@ -1,4 +1,4 @@
-//! By libraries in Rust. They read the same; what is written is left uncompressed, or refused.
+//! zstd and lz4 by libraries in Rust. They read the same data; writing is uncompressed or refused.
 
 use crate::ChunkCompression;
 use ruzstd::decoding::FrameDecoder;
@@ -7,24 +7,24 @@ use std::convert::Infallible;
 use std::io::{self, BufRead, Read, Write};
 use std::marker::PhantomData;
 
-/// The largest window of a zstd frame, as the other library has it.
+/// Maximum window of a zstd frame, as in the C library.
 const WINDOW: u64 = 128 << 20;
 
-/// What a zstd stream of one or more frames holds.
-#[expect(clippy::unnecessary_wraps, reason = "the other library may fail here")]
+/// Decompresses a zstd stream of one or more frames.
+#[expect(clippy::unnecessary_wraps, reason = "the C library may fail here")]
 pub(crate) fn zstd<'a>(source: impl BufRead + 'a) -> io::Result<impl Read + 'a> {
     let mut decoder = FrameDecoder::new();
     decoder.set_max_window_size(WINDOW);
     Ok(Frames { source, decoder, within: false })
 }
 
-/// What an lz4 frame holds.
-#[expect(clippy::unnecessary_wraps, reason = "the other library may fail here")]
+/// Decompresses an lz4 frame.
+#[expect(clippy::unnecessary_wraps, reason = "the C library may fail here")]
 pub(crate) fn lz4(source: impl Read) -> io::Result<impl Read> {
     Ok(lz4_flex::frame::FrameDecoder::new(source))
 }
 
-/// How the chunks of MCAP are written: plain, whatever is asked for.
+/// Options for the chunks of a written MCAP file: always uncompressed.
 pub(crate) fn mcap_options(_: ChunkCompression) -> mcap::WriteOptions {
     mcap::WriteOptions::new().compression(None)
 }
@@ -33,7 +33,7 @@ pub(crate) fn mcap_options(_: ChunkCompression) -> mcap::WriteOptions {
 struct Frames<S> {
     source: S,
     decoder: FrameDecoder,
-    /// A frame has begun.
+    /// Whether a frame has begun.
     within: bool,
 }
 
@@ -60,7 +60,7 @@ impl<S: BufRead> Frames<S> {
                     self.within = true;
                     return Ok(true);
                 }
-                // Some other program's own data.
+                // A skippable frame, with another program's data.
                 Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
                     io::copy(&mut (&mut self.source).take(u64::from(length)), &mut io::sink())?;
                 }
@@ -79,13 +79,13 @@ impl<S: BufRead> Frames<S> {
         }
     }
 
-    /// Whether the frame has a checksum that what was decoded does not have.
+    /// Whether the frame has a checksum that differs from that of the decoded bytes.
     fn is_changed(&self) -> bool {
         let stated = self.decoder.get_checksum_from_data();
         stated.is_some() && self.decoder.can_collect() == 0 && stated != self.decoder.get_calculated_checksum()
     }
 
-    /// The library doesn't tell a stream that ends early from a damaged one.
+    /// The error of the library, which does not distinguish a stream that ends early from a damaged one.
     fn failed(&mut self, error: &FrameDecoderError) -> io::Error {
         match self.source.fill_buf() {
             Ok([]) => io::ErrorKind::UnexpectedEof.into(),
@@ -95,7 +95,7 @@ impl<S: BufRead> Frames<S> {
     }
 }
 
-/// Nothing: zstd is not written here.
+/// A placeholder without values: this build does not write zstd.
 pub(crate) struct ZstdWriter<W>(Infallible, PhantomData<W>);
 
 impl<W: Write> ZstdWriter<W> {

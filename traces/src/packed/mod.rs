@@ -1,9 +1,9 @@
-//! zstd and lz4: by the usual libraries, which are C; in WebAssembly, where there is no C, by ones in Rust, which only read.
+//! zstd and lz4: the usual libraries in C, or in WebAssembly, which has no C, libraries in Rust that only read.
 
 #[cfg(not(target_family = "wasm"))]
 mod in_c;
 #[cfg(any(test, target_family = "wasm"))]
-#[cfg_attr(not(target_family = "wasm"), expect(unused, reason = "what writes is called in WebAssembly only"))]
+#[cfg_attr(not(target_family = "wasm"), expect(unused, reason = "the writer is called in WebAssembly only"))]
 mod in_rust;
 
 #[cfg(not(target_family = "wasm"))]

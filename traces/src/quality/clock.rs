@@ -1,14 +1,14 @@
-//! How fine and how steady the clock of a capture is.
+//! Resolution and steps of a capture's clock.
 
 use super::Sighting;
 use crate::{Duration, Place, Timestamp};
 
-/// Steps of the clock back in time.
+/// Backward steps of the clock.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct ClockSteps {
-    /// How many there were.
+    /// Number of steps.
     pub count: u64,
-    /// The largest one.
+    /// The largest step.
     pub largest: Duration,
     /// The first frame that is older than the one before it.
     pub first: Option<Sighting>,
@@ -34,9 +34,9 @@ impl ClockSteps {
 pub struct Resolution {
     /// The exponent, in nanoseconds: at most 9.
     digits: u8,
-    /// The first time seen.
+    /// The first time.
     first: Option<Timestamp>,
-    /// Whether there was another time than the first one.
+    /// Whether another time than the first has occurred.
     moves: bool,
 }
 
@@ -47,7 +47,7 @@ impl Default for Resolution {
 }
 
 impl Resolution {
-    /// As coarse as this or coarser, times are worth a warning: CANopen's own times are in milliseconds.
+    /// From this resolution on, coarse times get a warning: CANopen's own times are in milliseconds.
     pub const COARSE: Duration = Duration::from_millis(1);
 
     /// The resolution, if at least two different times were seen.
@@ -55,7 +55,7 @@ impl Resolution {
         self.moves.then(|| Duration(10_u64.pow(u32::from(self.digits))))
     }
 
-    /// Whether the times are too coarse to tell how quickly nodes answer.
+    /// Whether the times are too coarse for measuring response times.
     pub fn is_coarse(&self) -> bool {
         self.get().is_some_and(|resolution| resolution >= Self::COARSE)
     }
@@ -78,8 +78,7 @@ impl Resolution {
     }
 }
 
-/// By number of digits: the inverse of that power of five modulo 2^64, and the largest multiple of that power of ten,
-/// divided by it.
+/// By number of digits: the inverse of that power of five modulo 2^64, and the largest quotient by that power of ten.
 const DIVISORS: [(u64, u64); 10] = {
     let mut divisors = [(1, u64::MAX); 10];
     let mut digits = 1;
@@ -92,8 +91,8 @@ const DIVISORS: [(u64, u64); 10] = {
     divisors
 };
 
-/// Whether that power of ten divides `nanos`, without a division: a number is a multiple of 5^n if multiplying it by the
-/// inverse of 5^n gives a small one, and rotating by n brings up what is no multiple of 2^n.
+/// Whether that power of ten divides `nanos`, without a division: multiplying a multiple of 5^n by the inverse of 5^n
+/// gives a small number, and rotating by n makes a number that is no multiple of 2^n large.
 #[inline]
 fn divides(digits: u8, nanos: u64) -> bool {
     let (inverse, most) = DIVISORS[usize::from(digits)];

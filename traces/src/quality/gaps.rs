@@ -1,4 +1,4 @@
-//! Times in which nothing was recorded.
+//! Times without recorded frames.
 
 use super::Sighting;
 use crate::{Duration, Place, Timestamp};
@@ -6,20 +6,20 @@ use crate::{Duration, Place, Timestamp};
 /// Intervals between frames that are far longer than usual.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Gaps {
-    /// How many there were.
+    /// Number of gaps.
     pub count: u64,
-    /// The largest one.
+    /// The largest gap.
     pub largest: Option<Gap>,
-    /// The interval that about 99 of 100 do not exceed, in nanoseconds.
+    /// The interval that about 99 of 100 intervals do not exceed, in nanoseconds.
     usual: u64,
 }
 
 /// One gap.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Gap {
-    /// How long nothing was seen.
+    /// Length of the gap.
     pub length: Duration,
-    /// What was usual before it.
+    /// The usual interval before it.
     pub usual: Duration,
     /// The frame after it.
     pub end: Sighting,
@@ -32,11 +32,11 @@ impl Default for Gaps {
 }
 
 impl Gaps {
-    /// A gap is so many times longer than usual.
+    /// A gap is at least this many times longer than the usual interval.
     pub const FACTOR: u64 = 10;
-    /// What is taken as usual before anything was seen.
+    /// The usual interval before any was measured.
     pub const BEGIN: Duration = Duration::from_secs(1);
-    /// What is usual is never taken for less: shorter pauses come from the recorder's own scheduling.
+    /// Lower limit of the usual interval: shorter pauses come from the recorder's own scheduling.
     pub const LEAST: Duration = Duration::from_millis(10);
 
     #[inline]

@@ -80,7 +80,7 @@ fn mistakes_are_located() {
         assert!(error.expected.contains(expected), "{text}: {error}");
     }
     let shown = parse_frame("123#11gg").unwrap_err().to_string();
-    assert_eq!(shown, "at position 7: expected nothing more after the frame, found \"gg\"");
+    assert_eq!(shown, "at position 7: expected the end of the text after the frame, found \"gg\"");
 }
 
 proptest! {

@@ -8,7 +8,8 @@ use canvass_analyzer::findings::{Diagnosis, Results, SourceQuality, Thresholds};
 use canvass_analyzer::network::Network;
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::html::{self, Collector};
-use canvass_reports::diagnosis::{self, Advice, Diagnosed, Reading, Style};
+use canvass_reports::diagnosis::{Advice, Diagnosed, DiagnosisReport, Reading};
+use canvass_reports::document::{Form, Report as _, Style};
 use canvass_reports::provenance::Provenance;
 use canvass_traces::{ChannelId, OpenError, Record};
 use std::io;
@@ -157,18 +158,14 @@ impl Opened {
             provenance: &self.provenance,
         };
         let mut out = Vec::new();
+        let fail_on = Some(canvass_analyzer::findings::Severity::Error);
+        let report = DiagnosisReport { diagnosed: &diagnosed, is_verbose: false, advice: ADVICE, fail_on };
         match form {
             "html" => html::render(&diagnosed, self.collector.take().unwrap_or_default(), &mut out)?,
-            "json" => diagnosis::json(&diagnosed, &mut out)?,
-            "markdown" => diagnosis::markdown(&diagnosed, &mut out)?,
-            "junit" => {
-                diagnosis::junit(&diagnosed, Some(canvass_analyzer::findings::Severity::Error), &mut out)?;
-            }
-            "table" => diagnosis::table(
-                &diagnosed,
-                Style { color: false, width: None, verbose: false, advice: ADVICE },
-                &mut out,
-            )?,
+            "json" => report.write(Form::Json, &mut out)?,
+            "markdown" => report.write(Form::Markdown, &mut out)?,
+            "junit" => report.write(Form::Junit, &mut out)?,
+            "table" => report.write(Form::Text(Style::default()), &mut out)?,
             other => return Err(io::Error::other(format!("no form of a diagnosis: {other}"))),
         }
         Ok(out)

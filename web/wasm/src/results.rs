@@ -1,8 +1,9 @@
 //! Results of `canvass test`, as their pages: two compared, many as a history.
 
 use crate::provenance::{Surroundings, used};
-use canvass_reports::comparison::{self, Missing, compare};
-use canvass_reports::history::{self, History, Release};
+use canvass_reports::comparison::{Missing, compare};
+use canvass_reports::document::{Form, Report as _};
+use canvass_reports::history::{History, Release};
 use canvass_reports::results::{self, TestResult};
 
 /// A result as it was chosen.
@@ -26,7 +27,7 @@ pub fn comparison(old: &ChosenResult, new: &ChosenResult, surroundings: &Surroun
         comparison.provenance.devices.push((format!("{role} device"), result.identity()));
     }
     let mut page = Vec::new();
-    comparison::html::render(&comparison, &mut page).map_err(|error| error.to_string())?;
+    comparison.write(Form::Html, &mut page).map_err(|error| error.to_string())?;
     Ok(page)
 }
 
@@ -49,7 +50,7 @@ pub fn history(results: &[ChosenResult], surroundings: &Surroundings) -> Result<
     history.provenance = surroundings.provenance();
     history.provenance.files = results.iter().map(|chosen| used("result", &chosen.name, &chosen.bytes)).collect();
     let mut page = Vec::new();
-    history::html(&history, &mut page).map_err(|error| error.to_string())?;
+    history.write(Form::Html, &mut page).map_err(|error| error.to_string())?;
     Ok(page)
 }
 

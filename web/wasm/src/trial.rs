@@ -12,7 +12,8 @@ use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::stand::{TestStand as _, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
-use canvass_reports::conformance::{self, Document, Reporter};
+use canvass_reports::conformance::{Reporter, RunReport};
+use canvass_reports::document::{Form, Report as _};
 use canvass_reports::fuzz::{self, Words};
 use canvass_reports::provenance::{BusUsed, Choice, Provenance};
 use canvass_suite::bench::{Bench, Decoder, Options, Target, Timing};
@@ -195,9 +196,8 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let options = Options { allow: touches(wish), ..Options::default() };
     let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
     let kept: [Kept; 2] = Default::default();
-    let renders: [conformance::Render; 2] = [conformance::html::render, conformance::json::render];
-    let mut reports: Vec<_> =
-        kept.iter().zip(renders).map(|(kept, render)| Document::new(kept.clone(), render)).collect();
+    let forms = [Form::Html, Form::Json];
+    let mut reports: Vec<_> = kept.iter().zip(forms).map(|(kept, form)| RunReport::new(kept.clone(), form)).collect();
     let mut decoder = Decoder::new(&target);
     let cancel = AtomicBool::new(false);
     let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
@@ -265,7 +265,7 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     provenance.devices.push((format!("node {}", knowledge.node), identity_of(wish, knowledge.node)?));
     let run = fuzzed(wish, &plan, &knowledge, model, outcome, stand.has_unconfigured(), provenance);
     let (mut html, mut json) = (Vec::new(), Vec::new());
-    fuzz::html::render(&run, &mut html).and_then(|()| fuzz::json::render(&run, &mut json)).map_err(words)?;
+    run.write(Form::Html, &mut html).and_then(|()| run.write(Form::Json, &mut json)).map_err(words)?;
     Ok(Tried { html, json })
 }
 
@@ -295,6 +295,7 @@ fn fuzzed(
     let words = outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(Decoder::new(&target))));
     let allowed = if wish.allow { " --allow all" } else { "" };
     fuzz::Run {
+        zero_point: None,
         bit_rate: provenance.bus.as_ref().and_then(|bus| bus.bit_rate),
         provenance,
         bus: wish.bus.clone(),

@@ -1,22 +1,23 @@
-//! Fixes a file: applies what fixes its findings, and looks again until nothing is left that can be fixed.
+//! Fixes a file: applies all fixes, and checks again until nothing is left to fix.
 
 use super::{Finding, check};
 use crate::dictionary::rules::{Rule, text as rules};
 use crate::dictionary::source::{DescriptionError, Encoding};
 
-/// Each pass fixes what does not overlap; a list that misses many objects takes a pass for each.
+/// Limit of the passes. Each pass applies fixes that do not overlap; a list with many missing objects takes a pass
+/// for each.
 const MOST_PASSES: usize = 1000;
 
-/// A file that was fixed.
+/// A fixed file.
 #[derive(Debug)]
 pub struct FixedFile {
     /// The new bytes.
     pub bytes: Vec<u8>,
-    /// The rules whose breaches were fixed, one for each, in the order in which they were.
+    /// The rule of each fix, in the order of the fixes.
     pub rules: Vec<&'static Rule>,
 }
 
-/// Fixes what can be fixed without guessing, of the findings that are `wanted`.
+/// Applies all fixes that need no guessing, for findings that are `wanted`.
 ///
 /// # Errors
 /// As [`check`].
@@ -30,7 +31,7 @@ pub fn apply_fixes(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Fi
     Ok(fixed)
 }
 
-/// The file after one pass; `None` if there is nothing to do.
+/// The file after one pass; `None` if there was nothing to fix.
 fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedFile>, DescriptionError> {
     let checked = check(bytes, None)?;
     let mut encoding = checked.source.encoding;

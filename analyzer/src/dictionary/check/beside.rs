@@ -1,4 +1,4 @@
-//! What a DCF names beside itself: files to download, and the EDS that it was made of.
+//! Files beside a DCF: files to download, and the EDS from which it was made.
 
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::difference::{Difference, compare};
@@ -7,15 +7,15 @@ use crate::dictionary::problem::{EdsProblem, Problems};
 use crate::dictionary::rules::file as rules;
 use crate::dictionary::source::{FieldName, Section, Source};
 
-/// The folder of the file that is checked.
+/// The folder of the checked file.
 pub trait Folder {
-    /// Whether there is a file of that name.
+    /// Whether the folder has a file of that name.
     fn has(&self, name: &str) -> bool;
-    /// The bytes of that file, if it is there, can be read and is not too large.
+    /// The bytes of that file; `None` if it is absent, unreadable or too large.
     fn read(&self, name: &str) -> Option<Vec<u8>>;
 }
 
-/// What is wrong between a DCF and the files beside it.
+/// Checks a DCF against the files beside it.
 pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder: &dyn Folder) -> Vec<EdsProblem> {
     let mut problems = Problems::default();
     if description.is_configuration() && !source.is_xml() {
@@ -25,7 +25,7 @@ pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder
     problems.into_sorted()
 }
 
-/// Whether it is a name without a folder: what stands elsewhere, or on another machine, is not looked for.
+/// Whether it is a name without a folder: files in other folders, or on another machine, are not looked for.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && !name.contains(['/', '\\', ':', '\0']) && !matches!(name, "." | "..")
 }
@@ -52,7 +52,8 @@ fn other_eds(description: &DeviceDescription, folder: &dyn Folder, problems: &mu
     problems.report(place, &rules::OTHER_EDS, "a DCF that describes the device as its EDS does", &found);
 }
 
-/// What a DCF may not change. What it configures, the file about itself, and the PDOs that follow from both are its own.
+/// Whether a DCF must not make this change. The configured values, the data about the file, and the resulting PDOs
+/// are its own.
 fn matters(difference: &Difference) -> bool {
     const OWN: [&str; 7] =
         ["configured/", "commissioning/", "file/", "pdo/", "module/connected", "entry/denotation", "device/untold"];

@@ -1,6 +1,7 @@
-//! A device description checked as a text: every breach of a rule with its place in the file, and what fixes it.
+//! Checks a device description as a text: every breach of a rule has its place in the file, and its fix.
 //!
-//! For programs that show the file: the command line draws the places, an editor underlines them and offers the edits.
+//! This serves programs that show the file: the command line prints the places, an editor underlines them and offers
+//! the edits.
 
 mod apply;
 mod beside;
@@ -19,57 +20,57 @@ use super::source::{DescriptionError, Source};
 use super::{consistency, rules};
 use std::ops::Range;
 
-/// What was found in one file.
+/// The result of checking one file.
 #[derive(Debug)]
 pub struct Checked<'a> {
-    /// The text of the file, in which the places are.
+    /// The text of the file; all places refer to it.
     pub source: Source<'a>,
-    /// What was read of it.
+    /// The parsed description.
     pub description: Result<DeviceDescription, DescriptionError>,
-    /// Everything that was found, in the order of the file; what concerns no line comes first.
+    /// All findings, in the order of the file; findings without a line come first.
     pub findings: Vec<Finding>,
 }
 
 /// A breach of a rule with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What it is. Its texts come from the file and may hold anything.
+    /// The problem. Its texts come from the file and may contain any characters.
     pub problem: EdsProblem,
     /// The line, from 1; 0 if it concerns no single line.
     pub line: u32,
     /// The column in characters, from 1; 0 without a line.
     pub column: u32,
-    /// Where it is in the text, in bytes; empty without a line.
+    /// The place in the text, in bytes; empty without a line.
     pub span: Range<usize>,
-    /// What fixes it without guessing.
+    /// The fix without guessing, if there is one.
     pub fix: Option<Fix>,
-    /// The reason that the file gives for leaving it so.
+    /// The reason in the file's own waiver.
     pub waived: Option<String>,
 }
 
 impl Finding {
-    /// How bad it is.
+    /// Its severity.
     pub const fn severity(&self) -> Severity {
         self.problem.rule.severity
     }
 }
 
 impl Checked<'_> {
-    /// What the file does not itself say to leave so.
+    /// The findings that the file does not waive.
     pub fn open(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.waived.is_none())
     }
 }
 
-/// Checks an EDS, DCF, XDD or XDC. `name` is the name of the file, without folders, where there is one.
+/// Checks an EDS, DCF, XDD or XDC. `name` is the name of the file without folders, if known.
 ///
 /// # Errors
-/// Only for what is too large to be looked at; a file that is no description is a finding of it.
+/// If the file is too large. A file that is no description gets a finding instead.
 pub fn check<'a>(bytes: &'a [u8], name: Option<&str>) -> Result<Checked<'a>, DescriptionError> {
     check_in(bytes, name, None)
 }
 
-/// The same, and what a DCF names beside itself, in the folder that it stands in, where there is one.
+/// As [`check`], and checks the files beside a DCF, if its folder is given.
 ///
 /// # Errors
 /// As [`check`].
@@ -81,7 +82,7 @@ pub fn check_in<'a>(
     Ok(check_source(Source::read(bytes)?, name, folder))
 }
 
-/// The same of a file that is read.
+/// Checks a parsed source.
 pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&dyn Folder>) -> Checked<'a> {
     let description = DeviceDescription::of(&source);
     let mut problems = Vec::new();
@@ -97,7 +98,7 @@ pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&
     let waivers = waiver::read(&source);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
-        // What can't be written back as it was read is not fixed.
+        // A file that can't be written back exactly is not fixed.
         if source.is_exact()
             && let Ok(read) = &description
         {
@@ -107,21 +108,21 @@ pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&
     Checked { source, description, findings }
 }
 
-/// The problem with its place.
+/// Adds the place to a problem.
 fn located(problem: EdsProblem, source: &Source<'_>) -> Finding {
     let span = source.place(&problem).map(Span::range);
     let (line, column) = span.as_ref().map_or((0, 0), |span| source.position(span.start));
     Finding { problem, line, column, span: span.unwrap_or(0..0), fix: None, waived: None }
 }
 
-/// `FileName` is the name of the file, in any case.
+/// The problem that `FileName` differs from the name of the file, ignoring case.
 fn other_name(description: &DeviceDescription, name: &str) -> Option<EdsProblem> {
     let said = &description.file.name;
     if said.is_empty() || said.eq_ignore_ascii_case(name) {
         return None;
     }
     let mut problems = Problems::default();
-    // The line is found by the section and the field.
+    // Section and field give the line.
     let place = Place { section: "FileInfo", field: "FileName", ..Place::default() };
     problems.report(place, &rules::file::NAME, "the name of the file", said);
     problems.into_sorted().pop()

@@ -1,14 +1,14 @@
-//! What a file itself says to leave as it is: a comment `; canvass: allow RULE[, RULE...] reason`.
+//! Waivers in the file itself: a comment `; canvass: allow RULE[, RULE...] reason`.
 //!
-//! Before the first section it holds for the whole file, in a section for that section only. In XML it is a comment of a
-//! line and holds for the whole file.
+//! Before the first section it holds for the whole file, in a section for that section only. In XML the comment has a
+//! line of its own and holds for the whole file.
 
 use super::Finding;
 use crate::dictionary::place::Span;
 use crate::dictionary::source::{Section, Source};
 use std::ops::RangeInclusive;
 
-/// One such comment.
+/// A waiver in a comment.
 pub(super) struct Waiver<'a> {
     rules: Vec<&'a str>,
     lines: RangeInclusive<u32>,
@@ -16,18 +16,18 @@ pub(super) struct Waiver<'a> {
 }
 
 impl Waiver<'_> {
-    /// Whether it is about that finding.
+    /// Whether it covers the finding.
     pub fn covers(&self, finding: &Finding) -> bool {
         self.lines.contains(&finding.line) && self.rules.iter().any(|prefix| finding.problem.rule.is_in(prefix))
     }
 }
 
-/// All such comments of a file.
+/// All waivers of a file.
 pub(super) fn read<'s>(source: &'s Source<'_>) -> Vec<Waiver<'s>> {
     let waiver = |comment: Span| {
         let text = source.get(comment);
         let inside = match text.strip_prefix("<!--") {
-            // A line of its own, so that nobody overlooks it.
+            // The comment needs a line of its own, so that readers notice it.
             Some(inside) if source.line(source.position(comment.range().start).0) == comment => {
                 inside.strip_suffix("-->")
             }
@@ -41,7 +41,7 @@ pub(super) fn read<'s>(source: &'s Source<'_>) -> Vec<Waiver<'s>> {
     source.comments().filter_map(waiver).collect()
 }
 
-/// The ids, with commas between them, and what follows.
+/// Splits the rule ids, separated by commas, from the reason.
 fn split(text: &str) -> (Vec<&str>, &str) {
     let mut rules = Vec::new();
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! COB-IDs: those of the predefined connection set, none restricted, none twice.
+//! COB-IDs: defaults of the predefined connection set, restricted CAN-IDs, repeated CAN-IDs.
 
 use super::Check;
 use crate::dictionary::object::Setting;
@@ -14,7 +14,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     first_server(check);
 }
 
-/// The COB-IDs that the predefined connection set gives to what the device has.
+/// The COB-IDs of the predefined connection set, by object.
 const PREDEFINED: [(u16, u8, u32); 9] = [
     (object::COB_ID_EMCY, 0, 0x80),
     (object::RPDO_COMMUNICATION_PARAMETER, 1, 0x200),
@@ -26,14 +26,15 @@ const PREDEFINED: [(u16, u8, u32); 9] = [
     (0x1802, 1, 0x380),
     (0x1803, 1, 0x480),
 ];
-/// The same for messages that are not of one node.
+/// The same for messages of the whole network.
 const OF_THE_NETWORK: [(u16, u32); 2] = [(object::COB_ID_SYNC, 0x80), (object::COB_ID_TIME, 0x100)];
 
-/// EMCY, the first four PDOs of each direction, SYNC and TIME have the COB-IDs of the predefined connection set.
+/// EMCY, the first four PDOs of each direction, SYNC and TIME should have the COB-IDs of the predefined connection
+/// set.
 fn predefined(check: &mut Check<'_>) {
     for (index, sub, base) in PREDEFINED {
         let at = Multiplexer::new(index, sub);
-        // What is switched off has no CAN-ID of meaning.
+        // The CAN-ID of a message that is switched off has no meaning.
         let differs = |cob_id: CobId, node: bool| cob_id.is_valid() && !is_of_node(cob_id, node, base);
         report_other(check, at, differs);
     }
@@ -42,7 +43,7 @@ fn predefined(check: &mut Check<'_>) {
     }
 }
 
-/// Reports a default for which that holds: of its COB-ID, and of whether the node-ID is to be added to that.
+/// Reports a default for which `differs` holds: it gets the COB-ID, and whether the node-ID is added.
 fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, bool) -> bool) {
     let Some((cob_id, plus_node_id)) = default(check, at) else { return };
     if differs(cob_id, plus_node_id) {
@@ -51,7 +52,7 @@ fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, 
     }
 }
 
-/// The COB-ID by default, and whether the node-ID is to be added; none if it is 0, which says nothing.
+/// The default COB-ID, and whether the node-ID is added; `None` if it is 0, which means nothing.
 fn default(check: &Check<'_>, at: Multiplexer) -> Option<(CobId, bool)> {
     let entry = check.description.dictionary.entry(at).ok()?;
     match entry.default.as_ref()? {
@@ -60,7 +61,7 @@ fn default(check: &Check<'_>, at: Multiplexer) -> Option<(CobId, bool)> {
     }
 }
 
-/// Whether it is the base with the node-ID, or with that of some node.
+/// Whether it is the base plus the node-ID, or plus some node-ID.
 fn is_of_node(cob_id: CobId, plus_node_id: bool, base: u32) -> bool {
     if plus_node_id { cob_id.can_id() == base } else { (base + 1..=base + 127).contains(&cob_id.can_id()) }
 }
@@ -70,12 +71,12 @@ fn shown(cob_id: CobId, plus_node_id: bool) -> String {
     format!("{node}{:X}h", cob_id.0)
 }
 
-/// The first SDO server can have no others.
+/// The first SDO server must have its fixed COB-IDs.
 fn first_server(check: &mut Check<'_>) {
     for (sub, base) in [(1, 0x600), (2, 0x580)] {
         let at = Multiplexer::new(object::SDO_SERVER_PARAMETER, sub);
         let Some((cob_id, plus_node_id)) = default(check, at) else { continue };
-        // Many leave away the node-ID, which nobody takes at its word.
+        // Many files leave out the node-ID, and all readers add it.
         let is_bare = !plus_node_id && cob_id.0 == base;
         if cob_id.is_extended() || !cob_id.is_valid() || !is_of_node(cob_id, plus_node_id, base) && !is_bare {
             let expected = if sub == 1 { "600h plus the node-ID" } else { "580h plus the node-ID" };
@@ -84,12 +85,12 @@ fn first_server(check: &mut Check<'_>) {
     }
 }
 
-/// A COB-ID of the device on the bus.
+/// A COB-ID that the device uses on the bus.
 struct Used {
     at: Multiplexer,
-    /// The value that says so stands in this field.
+    /// The field with its value.
     field: &'static str,
-    /// With the node-ID of a DCF, if it is to be added; else as it stands there.
+    /// The COB-ID; the node-ID of a DCF is added if required.
     cob_id: CobId,
     plus_node_id: bool,
     /// Whether the device sends the message, or receives it.
@@ -97,19 +98,19 @@ struct Used {
 }
 
 impl Used {
-    /// What two of the same have in common. Where the node-ID is not known, a fixed COB-ID and one to which it is added are
-    /// the same for one device of many only.
+    /// The key that two equal COB-IDs share. Without a node-ID, a fixed COB-ID and one to which the node-ID is added
+    /// are equal only for one of many devices.
     fn key(&self) -> (u32, bool, bool) {
         (self.cob_id.can_id(), self.cob_id.is_extended(), self.plus_node_id)
     }
 }
 
-/// COB-IDs are not restricted, and no two are the same.
+/// COB-IDs must not be restricted, and no two may be the same.
 fn own(check: &mut Check<'_>) {
     let mut all: HashMap<(u32, bool, bool), Used> = HashMap::new();
     for (at, is_sent) in of_device(check) {
         let Some(used) = used(check, at, is_sent) else { continue };
-        // The restrictions hold for all nodes: what is restricted for the first is for most.
+        // The restrictions hold for all nodes: a CAN-ID restricted for the first node is restricted for most.
         let least = if used.plus_node_id { CobId(used.cob_id.0.wrapping_add(1)) } else { used.cob_id };
         if least.is_restricted() {
             let (expected, found) = ("a CAN-ID that is not restricted", format!("{:X}h", least.can_id()));
@@ -124,14 +125,14 @@ fn own(check: &mut Check<'_>) {
     }
 }
 
-/// Two senders disturb each other; a receiver takes what was meant for another node.
+/// Two senders disturb each other; a receiver would take messages for another node.
 fn twice(check: &mut Check<'_>, used: &Used, other: &Used) {
     let found = format!("{} as in {}", shown(CobId(used.cob_id.can_id()), used.plus_node_id), other.at);
     let rule = if used.is_sent && other.is_sent { &rules::COB_ID_TWICE } else { &rules::COB_ID_SHARED };
     check.report(used.at, used.field, rule, "a CAN-ID of its own", &found);
 }
 
-/// What is in use there; none if it is switched off or not told.
+/// The COB-ID in use there; `None` if it is switched off or unknown.
 fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Used> {
     let (setting, field) = check.effective(at)?;
     let node = check.description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
@@ -141,14 +142,14 @@ fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Use
         (Setting::Fixed(value), _) => (value.to_raw()? as u32, false),
     };
     let cob_id = CobId(cob_id);
-    // Of SYNC and TIME bit 30 says that the device sends the message, and bit 31 not that it is switched off.
+    // In SYNC and TIME, bit 30 tells that the device sends the message; bit 31 does not switch it off.
     let is_sent = is_sent.unwrap_or(!cob_id.allows_rtr());
     let is_of_network = matches!(at.index.0, object::COB_ID_SYNC | object::COB_ID_TIME);
     (is_of_network || cob_id.is_valid()).then_some(Used { at, field, cob_id, plus_node_id, is_sent })
 }
 
-/// Where the COB-IDs of the device stand, and whether it sends by them: of SYNC, TIME, EMCY, PDOs, and all SDO servers but the
-/// first, which is reached by CAN-IDs that are restricted for others.
+/// The objects with the device's COB-IDs, and whether it sends the message: SYNC, TIME, EMCY, PDOs, and all SDO
+/// servers but the first, whose CAN-IDs are restricted for all others.
 fn of_device(check: &Check<'_>) -> Vec<(Multiplexer, Option<bool>)> {
     let single = [(object::COB_ID_SYNC, None), (object::COB_ID_TIME, None), (object::COB_ID_EMCY, Some(true))];
     let single = single.map(|(index, is_sent)| (Multiplexer::new(index, 0), is_sent));

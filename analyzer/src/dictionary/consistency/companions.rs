@@ -1,4 +1,4 @@
-//! Objects that every device has, objects that go together, and the ranges of standard objects.
+//! Mandatory objects, objects that require others, and the value ranges of standard objects.
 
 use super::Check;
 use crate::dictionary::place::Place;
@@ -7,14 +7,14 @@ use crate::identity::{Index, Multiplexer};
 use crate::object;
 use std::ops::RangeInclusive;
 
-/// What every CANopen device has.
+/// Objects that every CANopen device has.
 const MANDATORY: [(u16, &Rule); 3] = [
     (object::DEVICE_TYPE, &rules::MANDATORY),
     (object::ERROR_REGISTER, &rules::MANDATORY),
     (object::IDENTITY, &rules::IDENTITY_MISSING),
 ];
 
-/// An object, and those that it makes no sense without.
+/// An object, and the objects that it requires.
 const COMPANIONS: [(u16, &[u16]); 7] = [
     (object::SYNCHRONOUS_WINDOW_LENGTH, &[object::COB_ID_SYNC]),
     (object::GUARD_TIME, &[object::LIFE_TIME_FACTOR]),
@@ -25,12 +25,12 @@ const COMPANIONS: [(u16, &[u16]); 7] = [
     (object::COMMUNICATION_CYCLE_PERIOD, &[object::COB_ID_SYNC]),
 ];
 
-/// The values that CiA 301 allows by default.
+/// The values that CiA 301 allows as default.
 struct Allowed {
     /// First and last index.
     indexes: (u16, u16),
     subs: RangeInclusive<u8>,
-    /// In which of these the default is.
+    /// The allowed values.
     values: &'static [RangeInclusive<u64>],
 }
 

@@ -17,7 +17,7 @@ pub(super) fn check(check: &mut Check<'_>) {
         return;
     }
     let kind = check.default(object::DEVICE_TYPE, 0).map(|device_type| device_type >> 16);
-    // Of a linear encoder 6501h is the measuring step, which says nothing about its range.
+    // For a linear encoder 6501h is the measuring step, which says nothing about its range.
     if !matches!(kind, Some(SINGLE_TURN | MULTI_TURN)) {
         return;
     }
@@ -37,7 +37,8 @@ pub(super) fn check(check: &mut Check<'_>) {
         );
     }
     let positions = steps.zip(revolutions).and_then(|(steps, revolutions)| steps.checked_mul(revolutions));
-    // A description stands for all encoders of a family: what 6501h and 6502h read of one by default bounds no limits.
+    // A description covers a family of encoders: the default values of 6501h and 6502h, read from one of them, limit
+    // nothing.
     let is_of_all =
         [encoder::SINGLE_TURN_RESOLUTION, encoder::NUMBER_OF_REVOLUTIONS].map(|index| is_const(check, index));
     if let Some(most) = steps {
@@ -49,7 +50,7 @@ pub(super) fn check(check: &mut Check<'_>) {
         let most = Most { most, is_of_all: is_of_all == [true; 2] };
         at_most(check, encoder::TOTAL_MEASURING_RANGE, most, &rules::MEASURING_RANGE, expected);
     }
-    // What is scaled goes up to the measuring range, which is the device's own resolution if it has no other.
+    // Scaled values go up to the measuring range, by default the device's own resolution.
     if let Some(most) =
         check.default(encoder::TOTAL_MEASURING_RANGE, 0).or(positions).and_then(|range| range.checked_sub(1))
     {
@@ -64,11 +65,11 @@ pub(super) fn check(check: &mut Check<'_>) {
     }
 }
 
-/// A bound.
+/// An upper bound.
 #[derive(Clone, Copy)]
 struct Most {
     most: u64,
-    /// Whether it is the same in all devices that the description stands for, whatever is set.
+    /// Whether the bound holds for all devices of the description, with any settings.
     is_of_all: bool,
 }
 
@@ -77,24 +78,25 @@ fn is_const(check: &Check<'_>, index: u16) -> bool {
     entry.is_ok_and(|entry| entry.access == Access::Const)
 }
 
-/// The default is at most that, and so is the highest value that the description allows where the bound is of all.
+/// Checks that the default does not exceed the bound; if the bound holds for all devices, also the highest allowed
+/// value.
 fn at_most(check: &mut Check<'_>, index: u16, bound: Most, rule: &'static Rule, expected: &'static str) {
     let at = Multiplexer::new(index, 0);
     let Most { most, is_of_all } = bound;
     let limit = high_limit(check, at).filter(|_| is_of_all);
     for (field, value) in [("DefaultValue", check.default(index, 0)), ("HighLimit", limit)] {
         if let Some(value) = value.filter(|&value| value > most) {
-            check.report(at, field, rule, expected, &format!("{value}, where {most} is the most"));
+            check.report(at, field, rule, expected, &format!("{value}, above the maximum {most}"));
         }
     }
 }
 
-/// The high limit, where it says more than the data type.
+/// The high limit, if it is below the maximum of the data type.
 fn high_limit(check: &Check<'_>, at: Multiplexer) -> Option<u64> {
     let entry = check.description.dictionary.entry(at).ok()?;
     let limit = u64::try_from(entry.high_limit.as_ref().and_then(Setting::fixed)?.as_number()?).ok()?;
     let bits = entry.data_type.bits()?;
     let is_of_type = |unused: u32| limit == u64::MAX >> (64 - bits.min(64) + unused);
-    // As a signed number, too: some write the highest value of the other.
+    // The limit may also be the maximum of the type with the other sign.
     (!is_of_type(0) && !is_of_type(1)).then_some(limit)
 }

@@ -18,7 +18,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     entries(check);
 }
 
-/// The numbers in `DeviceInfo` are the defaults of 1018h.
+/// The numbers in `DeviceInfo` must be the defaults of 1018h.
 fn numbers(check: &mut Check<'_>) {
     let device = &check.description.device;
     let numbers = [(1, device.vendor_number), (2, device.product_number), (3, device.revision_number)];
@@ -33,7 +33,7 @@ fn numbers(check: &mut Check<'_>) {
     }
 }
 
-/// A device has the heartbeat, or node guarding with both of its objects.
+/// A device needs the heartbeat, or node guarding with both of its objects.
 fn error_control(check: &mut Check<'_>) {
     let has = |index| check.object(Index(index)).is_some();
     let (heartbeat, guarding) =
@@ -45,7 +45,7 @@ fn error_control(check: &mut Check<'_>) {
     }
 }
 
-/// A device is addressed by all four numbers of its identity.
+/// LSS addresses a device by all four numbers of its identity.
 fn layer_setting(check: &mut Check<'_>) {
     let has = |sub| check.description.dictionary.entry(Multiplexer::new(object::IDENTITY, sub)).is_ok();
     if check.description.device.lss_supported
@@ -58,12 +58,12 @@ fn layer_setting(check: &mut Check<'_>) {
     }
 }
 
-/// Sub-index 0 counts in a byte; visible strings are visible.
+/// Sub-index 0 is a byte; visible strings have visible characters.
 fn entries(check: &mut Check<'_>) {
     let profile = check.description.device_profile();
     for (at, entry) in check.description.dictionary.entries() {
         let counts = at.sub.0 == 0 && check.object(at.index).is_some_and(|object| !object.code.is_single());
-        // What a standard defines is compared with the standard.
+        // Objects of a standard are compared with the standard elsewhere.
         let is_standard = || object_name(at, profile).is_some_and(|name| name.entry.is_some());
         if counts && entry.data_type != DataType::UNSIGNED8 && !is_standard() {
             let found = entry.data_type.to_string();

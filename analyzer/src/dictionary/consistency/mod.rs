@@ -1,6 +1,6 @@
-//! Whether a device description agrees with itself and with the standards: what a single field can't show.
+//! Consistency of a device description with itself and with the standards, beyond single fields.
 //!
-//! Works on what was read, whatever the format of the file. The problems of the reading itself are in
+//! It works on the parsed description, independently of the file's format. Problems of reading are in
 //! [`DeviceDescription::problems`].
 
 mod cob_id;
@@ -31,14 +31,14 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
     check.problems.into_sorted()
 }
 
-/// The description under check, and what was found.
+/// The description under check, and the problems found.
 struct Check<'a> {
     description: &'a DeviceDescription,
     problems: Problems,
 }
 
 impl<'a> Check<'a> {
-    /// Reports a problem of an entry, or of its object where the entry is missing.
+    /// Reports a problem of an entry, or of its object if the entry is missing.
     fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let object = self.object(at.index);
         let entry = object.and_then(|object| object.entry(at.sub));
@@ -53,7 +53,7 @@ impl<'a> Check<'a> {
         self.problems.report(place_in(line, origin, &section, field), rule, expected, found);
     }
 
-    /// Reports what is wrong with an object as a whole, in its own section.
+    /// Reports a problem of a whole object, at its own section.
     fn report_object(&mut self, of: &Object, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let section = format!("{:04X}", of.index.0);
         self.problems.report(place_in(of.line, of.section, &section, field), rule, expected, found);
@@ -63,20 +63,21 @@ impl<'a> Check<'a> {
         self.description.dictionary.object(index)
     }
 
-    /// The default at that address as a number, where it has one that needs no node-ID.
+    /// The default at that address as a number; `None` if it depends on the node-ID.
     fn default(&self, index: u16, sub: u8) -> Option<u64> {
         let entry = self.description.dictionary.entry(Multiplexer::new(index, sub)).ok()?;
         u64::try_from(entry.default.as_ref().and_then(Setting::fixed)?.as_number()?).ok()
     }
 
-    /// What the device has there after its start: what a DCF configures, else the default; with the field that says so.
+    /// The value after the device's start: the configured value of a DCF, else the default; with the name of its
+    /// field.
     fn effective(&self, at: Multiplexer) -> Option<(&'a Setting, &'static str)> {
         let entry = self.description.dictionary.entry(at).ok()?;
         let configured = entry.configured.as_ref().map(|setting| (setting, "ParameterValue"));
         configured.or(entry.default.as_ref().map(|setting| (setting, "DefaultValue")))
     }
 
-    /// The same as a number, where it needs no node-ID.
+    /// The same as a number; `None` if it depends on the node-ID.
     fn effective_number(&self, at: Multiplexer) -> Option<(u64, &'static str)> {
         let (setting, field) = self.effective(at)?;
         Some((u64::try_from(setting.fixed()?.as_number()?).ok()?, field))

@@ -1,4 +1,4 @@
-//! Names: each once, and that of a standard only where the standard has it.
+//! Names: unique, and not those of other standard objects.
 
 use super::Check;
 use crate::dictionary::names::{StandardObject, in_area, standard_object};
@@ -21,7 +21,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     }
 }
 
-/// Names are the same in any case, and whatever stands between their words.
+/// Names are compared without case and separators.
 fn canonical(name: &str) -> String {
     if name.is_ascii() {
         let letters = name.bytes().filter(u8::is_ascii_alphanumeric);
@@ -30,7 +30,7 @@ fn canonical(name: &str) -> String {
     name.chars().filter(|character| character.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Whether an object has the name of one before it, which is reported.
+/// Reports an object with the name of an earlier one.
 fn once(check: &mut Check<'_>, object: &Object, known: &mut HashSet<String>) -> bool {
     let name = canonical(&object.name);
     let is_repeated = !name.is_empty() && !known.insert(name);
@@ -41,7 +41,7 @@ fn once(check: &mut Check<'_>, object: &Object, known: &mut HashSet<String>) -> 
     is_repeated
 }
 
-/// Reports the first entry that has the name of one before it.
+/// Reports the first entry with the name of an earlier one.
 fn entries_once(check: &mut Check<'_>, object: &Object) {
     if object.entries().len() < 2 {
         return;

@@ -29,13 +29,19 @@ pub(super) fn check(check: &mut Check<'_>) {
     directions(check);
 }
 
-/// What may be mapped and can be read and written says into which PDO; one entry is enough of each object.
+/// A mappable entry that can be read and written must state its PDO direction; one entry of each object is reported.
 fn directions(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects() {
         let either = object.entries().iter().find(|entry| entry.pdo_mappable && entry.access == Access::Rw);
         if let Some(entry) = either {
             let at = Multiplexer { index: object.index, sub: entry.sub };
-            check.report(at, "AccessType", &rules::EITHER, "rwr, or rww, of what only one kind of PDO can carry", "rw");
+            check.report(
+                at,
+                "AccessType",
+                &rules::EITHER,
+                "rwr or rww, if only one kind of PDO can carry the entry",
+                "rw",
+            );
         }
     }
 }
@@ -44,7 +50,7 @@ fn directions(check: &mut Check<'_>) {
 fn reserved_sub_index(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
     let at = Multiplexer { index: object.index, sub: SubIndex(4) };
     if is_tpdo && object.entry(at.sub).is_some_and(|entry| entry.line != 0) {
-        check.report(at, "", &rules::RESERVED_SUB, "no sub-index 4 of a TPDO", "a description of it");
+        check.report(at, "", &rules::RESERVED_SUB, "no sub-index 4 of a TPDO", "a description of sub-index 4");
     }
 }
 
@@ -68,7 +74,7 @@ fn transmission_type(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
     }
 }
 
-/// The rule that a mapped object breaks, and what is expected.
+/// The broken rule of a mapped object, and the expected text.
 type Wrong = (&'static Rule, &'static str);
 
 /// A mapping parameter with its direction.
@@ -100,8 +106,8 @@ impl Mapping<'_> {
         }
     }
 
-    /// Whether it is described by `CompactSubObj`: its sub-index 0 then counts the entries that there are, and
-    /// `[xxxxValue]` names those that are mapped.
+    /// Whether `CompactSubObj` describes it: sub-index 0 then counts the existing entries, and `[xxxxValue]` lists
+    /// the mapped ones.
     fn is_compact(&self) -> bool {
         self.object.line != 0 && self.object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)
     }

@@ -12,7 +12,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects() {
         code(check, object, profile);
         for entry in object.entries() {
-            // Of the entries of the short form one stands for all.
+            // In the short form one entry stands for all.
             if entry.sub.0 > 1 && entry.line == object.line {
                 continue;
             }
@@ -22,7 +22,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     }
 }
 
-/// CiA 301 lets the error register, the status register and the high resolution time stamp be mapped.
+/// CiA 301 allows mapping of the error register, the status register and the high resolution time stamp.
 fn mappable(check: &mut Check<'_>, object: &Object, entry: &Entry) {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     if entry.pdo_mappable
@@ -39,7 +39,7 @@ fn mappable(check: &mut Check<'_>, object: &Object, entry: &Entry) {
 fn code(check: &mut Check<'_>, object: &Object, profile: Option<u16>) {
     let at = Multiplexer { index: object.index, sub: SubIndex(0) };
     let Some(standard) = object_name(at, profile).map(|name| name.object) else { return };
-    // ARRAY and RECORD look the same on the bus, and early versions of the standards differ in it.
+    // ARRAY and RECORD look the same on the bus, and early versions of the standards differ here.
     if standard.code.is_single() != object.code.is_single() {
         let expected = "the object code of the standard";
         let found = format!("{} instead of {}", object.code, standard.code);
@@ -56,13 +56,13 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
         let found = format!("{} instead of {data_type}", entry.data_type);
         check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
-    // The COB-IDs of the first SDO server are those of the predefined connection set, and fixed; those of others are not.
+    // The COB-IDs of the first SDO server are fixed to the predefined connection set; those of other servers are not.
     let standard_access = if at.index.0 == object::SDO_SERVER_PARAMETER { Some(Access::Ro) } else { standard.access };
     let Some(access) = standard_access else { return };
     let rule = match (access, entry.access) {
         (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,
         (Access::Wo, Access::Wo | Access::Rw) => return,
-        // Many parameters need not be configurable.
+        // Many parameters are allowed to be fixed.
         (Access::Rw, Access::Ro | Access::Const) => &rules::ACCESS_LESS,
         _ => &rules::ACCESS,
     };

@@ -1,4 +1,4 @@
-//! From one format of descriptions to another: EDS and XDD for a type of device, DCF and XDC for a configured one.
+//! Conversion between formats of descriptions: EDS and XDD for a type of device, DCF and XDC for a configured device.
 
 mod prepare;
 
@@ -15,13 +15,13 @@ use std::fmt;
 /// A format of device descriptions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Form {
-    /// CiA 306, for a type of device.
+    /// CiA 306, a type of device.
     Eds,
-    /// CiA 306, for a configured device.
+    /// CiA 306, a configured device.
     Dcf,
-    /// CiA 311, for a type of device.
+    /// CiA 311, a type of device.
     Xdd,
-    /// CiA 311, for a configured device.
+    /// CiA 311, a configured device.
     Xdc,
 }
 
@@ -29,7 +29,7 @@ impl Form {
     /// All formats.
     pub const ALL: [Self; 4] = [Self::Eds, Self::Dcf, Self::Xdd, Self::Xdc];
 
-    /// Its name, and how its files end.
+    /// The name, which is also the extension of its files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Eds => "eds",
@@ -39,12 +39,12 @@ impl Form {
         }
     }
 
-    /// The format of that name, in any case.
+    /// The format of that name, ignoring case.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|form| name.eq_ignore_ascii_case(form.name()))
     }
 
-    /// Whether it is for one configured device.
+    /// Whether it describes one configured device.
     pub const fn is_configuration(self) -> bool {
         matches!(self, Self::Dcf | Self::Xdc)
     }
@@ -64,24 +64,24 @@ impl fmt::Display for Form {
 /// Why a description can't be converted.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConvertError {
-    /// It can't be read.
+    /// The description can't be read.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// A type of device has no configuration that could be written.
-    #[error("it describes a type of device, and {0} is for one that is configured: write EDS or XDD")]
+    /// The description of a type of device has no configuration to write.
+    #[error("it describes a type of device, but {0} is for a configured device: write EDS or XDD")]
     NotConfigured(Form),
 }
 
 /// A file in the other format.
 #[derive(Clone, Debug)]
 pub struct Converted {
-    /// Its text; the file is UTF-8.
+    /// The text; the file is UTF-8.
     pub text: String,
-    /// What of the first file is not in it.
+    /// The parts of the first file that it can't hold.
     pub losses: Vec<Loss>,
 }
 
-/// The description in that file as one of another format. `file_name` is what the new file is called.
+/// Converts a description to another format. `file_name` is the name of the new file.
 pub fn convert(bytes: &[u8], form: Form, file_name: Option<&str>) -> Result<Converted, ConvertError> {
     let source = Source::read(bytes)?;
     let mut description = DeviceDescription::of(&source)?;
@@ -94,7 +94,7 @@ pub fn convert(bytes: &[u8], form: Form, file_name: Option<&str>) -> Result<Conv
     Ok(Converted { text, losses })
 }
 
-/// A description in that format, and what of it is not in the text.
+/// Writes a description in a format; returns also the parts that the format can't hold.
 pub fn write(mut description: DeviceDescription, form: Form) -> Result<(String, Vec<Loss>), ConvertError> {
     if form.is_configuration() && !description.is_configuration() {
         return Err(ConvertError::NotConfigured(form));

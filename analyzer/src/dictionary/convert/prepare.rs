@@ -1,4 +1,4 @@
-//! A description as every format can write it.
+//! Prepares a description for every format.
 
 use crate::PdoNumber;
 use crate::dictionary::description::DeviceDescription;
@@ -7,8 +7,8 @@ use crate::dictionary::object::{Access, Entry, Object, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::SubIndex;
 
-/// Everything that the file left out stands in the dictionary: `CompactPDO` has nothing to say any more, and the count of a
-/// mapping that `CompactSubObj` describes counts what is mapped, not what there is.
+/// Adds everything that the file left out to the dictionary: afterwards `CompactPDO` has no effect, and the count of
+/// a mapping described by `CompactSubObj` is the number of mapped objects, not of entries.
 pub(super) fn expand(description: &mut DeviceDescription) -> Vec<Loss> {
     let mut losses = Losses::default();
     description.device.compact_pdo = 0;
@@ -23,7 +23,7 @@ pub(super) fn expand(description: &mut DeviceDescription) -> Vec<Loss> {
         let is_writable = object.entries().iter().any(|entry| entry.access.is_writable());
         let Some(count) = object.entry_mut(SubIndex(0)) else { continue };
         let before = count.default.as_ref().map(ToString::to_string).unwrap_or_default();
-        let kind = LossKind::Changed(format!("{default}, the objects that are mapped"));
+        let kind = LossKind::Changed(format!("{default}, the number of mapped objects"));
         count.default = Some(Setting::Fixed(Value::Unsigned(default)));
         count.configured = (configured > 0).then_some(Setting::Fixed(Value::Unsigned(configured)));
         if is_writable {
@@ -35,13 +35,13 @@ pub(super) fn expand(description: &mut DeviceDescription) -> Vec<Loss> {
     losses.0
 }
 
-/// A mapping that the file describes in compact form: its sub-index 0 stands in no line.
+/// A mapping in compact form: no line of the file describes its sub-index 0.
 fn is_compact(object: &Object) -> bool {
     let is_mapping = PdoNumber::of_mapping_index(object.index.0).is_some();
     is_mapping && object.line != 0 && object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)
 }
 
-/// A type of device has no node-ID and no configured values.
+/// Removes node-ID and configured values: a type of device has none.
 pub(super) fn without_configuration(description: &mut DeviceDescription) -> Vec<Loss> {
     let mut losses = Losses::default();
     if description.commissioning.take().is_some() {

@@ -1,4 +1,4 @@
-//! The device in general, how a DCF sets it, and the version of the file.
+//! Differences of the device's general data, the settings of a DCF, and the version of the file.
 
 use super::kind::kinds;
 use super::{ChangeKind, Class, Comparison, Fact, Subject};
@@ -14,12 +14,12 @@ kinds! {
 
     /// the revision number has changed
     ///
-    /// Tools may choose the description by it. CiA 301: its high word changes if the CANopen behaviour does.
+    /// Tools may choose the description by it. By CiA 301 its high word changes with the CANopen behaviour.
     REVISION: Notable "device/revision";
 
-    /// one of the two does not give the number
+    /// one of the descriptions lacks the number
     ///
-    /// So it can't be compared: an XDD has no revision number, other files left it out.
+    /// The numbers can't be compared: an XDD has no revision number, and some files leave numbers out.
     UNTOLD: Notable "device/untold";
 
     /// the name of vendor or product, or the order code, has changed
@@ -29,27 +29,28 @@ kinds! {
 
     /// the device no longer supports the bit rate
     ///
-    /// On a bus with that bit rate it does not take part, or disturbs everybody.
+    /// On a bus with that bit rate it can't communicate, or disturbs all other nodes.
     BIT_RATE_GONE: Breaking "device/bit-rate-gone";
 
     /// the device supports another bit rate
     ///
-    /// Those that it knew it still knows.
+    /// It supports all its former bit rates.
     BIT_RATE_ADDED: Harmless "device/bit-rate-added";
 
     /// the device has fewer PDOs
     ///
-    /// A DCF that configures those that are gone can't be downloaded whole.
+    /// A DCF that configures a missing PDO can't be downloaded completely.
     FEWER_PDOS: Breaking "device/fewer-pdos";
 
     /// the device has more PDOs
     ///
-    /// Those that it had it still has.
+    /// It has all its former PDOs.
     MORE_PDOS: Harmless "device/more-pdos";
 
-    /// mapping is coarser, or fixed now
+    /// mapping has become coarser, or fixed
     ///
-    /// Granularity is the smallest number of bits that can be mapped, 0 if nothing can: a mapping with fewer is refused.
+    /// Granularity is the smallest number of bits that can be mapped, 0 for a fixed mapping: a mapping with fewer
+    /// bits is refused.
     COARSER: Breaking "device/coarser-mapping";
 
     /// mapping is finer
@@ -62,19 +63,19 @@ kinds! {
     /// A master that gives it node-ID or bit rate by LSS gets no answer.
     NO_LSS: Breaking "device/no-lss";
 
-    /// the device can no longer do something
+    /// the device has lost a feature
     ///
-    /// A network that is started by this device, or that uses group messaging or dynamic channels, has to be set up otherwise.
+    /// A network that this device starts, or that uses group messaging or dynamic channels, needs another set-up.
     FEATURE_GONE: Notable "device/feature-gone";
 
-    /// the device can do something new
+    /// the device has a new feature
     ///
-    /// Programs that do not know it do not use it.
+    /// Programs that do not know the feature do not use it.
     FEATURE_ADDED: Harmless "device/feature-added";
 
     /// a data type can't skip bits of an RPDO any more
     ///
-    /// A mapping that has it as a dummy entry is refused.
+    /// A mapping with this type as a dummy entry is refused.
     DUMMY_GONE: Breaking "device/dummy-gone";
 
     /// a data type can skip bits of an RPDO
@@ -94,12 +95,12 @@ kinds! {
 
     /// the version of the file has changed
     ///
-    /// A new version is the sign that something has changed.
+    /// A new version shows that the content has changed.
     VERSION: Harmless "file/version";
 
-    /// the version of the file is the same
+    /// the version of the file is the same, but its content is not
     ///
-    /// A tool that has the old file may keep it: it can't see that the new one says something else.
+    /// A tool with the old file may keep it, as it can't see the change.
     SAME_VERSION: Notable "file/same-version";
 }
 
@@ -156,7 +157,7 @@ fn numbers(comparison: &mut Comparison<'_>, old: &DeviceInfo, new: &DeviceInfo) 
         let kind: &ChangeKind = if after < before { &FEWER_PDOS } else { &MORE_PDOS };
         comparison.changed(kind, Subject::Field(field), number(before), number(after));
     }
-    // 0: nothing can be mapped, which is coarser than everything else.
+    // Granularity 0 means that mapping is fixed, which is the coarsest.
     let coarseness = |granularity: u8| if granularity == 0 { u8::MAX } else { granularity };
     let (before, after) = (old.granularity, new.granularity);
     let kind: &ChangeKind = if coarseness(after) > coarseness(before) { &COARSER } else { &FINER };
@@ -207,7 +208,7 @@ fn commissioning(comparison: &mut Comparison<'_>, old: &Commissioning, new: &Com
     comparison.changed(&NETWORK, Subject::Field("LSS_SerialNumber"), serial(old), serial(new));
 }
 
-/// The version of the file, against what was found.
+/// Compares the version of the file with the differences found.
 pub(super) fn compare_version(comparison: &mut Comparison<'_>) {
     let (old, new) = (&comparison.old.file, &comparison.new.file);
     text(comparison, &VERSION, "FileVersion", &old.version, &new.version);

@@ -1,4 +1,4 @@
-//! One entry in both: its type, its access, what a PDO may do with it.
+//! Differences of one entry: type, access, use in PDOs.
 
 use super::kind::kinds;
 use super::{Comparison, Fact, Subject, values};
@@ -8,13 +8,13 @@ use crate::identity::Multiplexer;
 kinds! {
     /// the data type has changed
     ///
-    /// A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same length, the
-    /// same bytes now mean another value.
+    /// Values and mappings of the old length are refused (abort 0607 0010h). With the same length, the same bytes now
+    /// mean another value.
     DATA_TYPE: Breaking "entry/data-type";
 
     /// the entry can't be written any more
     ///
-    /// A DCF that sets it can't be downloaded whole: the device answers with abort 0601 0002h.
+    /// A DCF that sets it can't be downloaded completely: the device answers with abort 0601 0002h.
     NOT_WRITABLE: Breaking "entry/not-writable";
 
     /// the entry can't be read any more
@@ -29,7 +29,7 @@ kinds! {
 
     /// the value is no longer constant
     ///
-    /// A tool that reads constant values once, or takes them from the description, keeps an old one.
+    /// A tool that reads constant values once, or takes them from the description, keeps an outdated value.
     NOT_CONSTANT: Notable "entry/not-constant";
 
     /// the value is constant now
@@ -57,19 +57,19 @@ kinds! {
     /// Programs that address entries by name, as scripts with python-canopen do, no longer find it.
     NAME: Notable "entry/name";
 
-    /// tools handle the entry differently when they download or read everything
+    /// tools include or skip the entry differently
     ///
-    /// ObjFlags tells tools which entries to leave out: a value that was part of each download no longer is, or the other
-    /// way round.
+    /// ObjFlags tells tools which entries to skip when they download or read everything: a value that was part of
+    /// each download no longer is, or vice versa.
     FLAGS: Notable "entry/flags";
 
-    /// the description of what the entry means in the application has changed
+    /// the denotation of the entry has changed
     ///
     /// Denotation is a text for people.
     DENOTATION: Harmless "entry/denotation";
 }
 
-/// Compares the entries at that address. A single value has its name from its object.
+/// Compares the entries at that address. A VAR's entry has the name of its object.
 pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &Entry, is_single: bool) {
     let subject = Subject::Entry(at);
     let data_type = |entry: &Entry| Some(Fact::DataType(entry.data_type));

@@ -1,4 +1,4 @@
-//! What differs: a place in a description, and what stands there.
+//! The place and the values of a difference.
 
 use crate::PdoNumber;
 use crate::dictionary::data_type::DataType;
@@ -8,10 +8,10 @@ use crate::identity::{CobId, Index, Multiplexer};
 use crate::wire::pdo::MappingEntry;
 use std::fmt;
 
-/// What a difference is about.
+/// The subject of a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// The file itself, or the device: the field of a section.
+    /// Data about the file or the device: a field of a section.
     Field(&'static str),
     /// A whole object.
     Object(Index),
@@ -23,14 +23,14 @@ pub enum Subject {
     Module(u16),
 }
 
-/// What stands in a description.
+/// A value in a description.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// A text of the file: may hold anything.
+    /// A text of the file; may contain any characters.
     Text(String),
-    /// A number that is usually read in decimal.
+    /// A number that is usually shown in decimal.
     Number(u32),
-    /// A number that is usually read in hexadecimal.
+    /// A number that is usually shown in hexadecimal.
     Code(u32),
     /// 0 or 1.
     Flag(bool),
@@ -46,11 +46,11 @@ pub enum Fact {
     Setting(Setting),
     /// A COB-ID, fixed or with the node-ID.
     CobId(Setting),
-    /// What a PDO carries, in its order.
+    /// The entries of a PDO mapping, in order.
     Mapping(Vec<MappingEntry>),
 }
 
-/// As the standards write it; texts of the file with everything escaped that is not printable.
+/// The value as the standards write it; in texts of the file all unprintable characters are escaped.
 impl fmt::Display for Fact {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -66,7 +66,7 @@ impl fmt::Display for Fact {
                 Some(raw) => write!(f, "{}", CobId(raw)),
                 None => write!(f, "{value}"),
             },
-            // Such numbers are made of parts.
+            // Large numbers consist of parts, which hexadecimal digits show.
             Self::Setting(Setting::Fixed(Value::Unsigned(number @ 0x1_0000..))) => write!(f, "{number} ({number:X}h)"),
             Self::Setting(setting) | Self::CobId(setting) => write!(f, "{setting}"),
             Self::Mapping(entries) if entries.is_empty() => f.write_str("nothing"),

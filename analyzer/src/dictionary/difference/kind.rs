@@ -1,23 +1,23 @@
-//! What kind of change a difference is, and how much it matters in the field.
+//! Kinds of changes, and their consequence in the field.
 
 use std::fmt;
 
-/// How much a change matters to who used the old description.
+/// The consequence of a change for users of the old description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Class {
-    /// What worked with the old description works with the new one.
+    /// Everything that worked with the old description works with the new one.
     Harmless,
-    /// The device does something else, or a tool shows something else; nothing is refused.
+    /// The device behaves, or a tool shows something, differently; nothing is refused.
     Notable,
     /// A configuration tool, a DCF or another device that relies on the old description fails.
     Breaking,
 }
 
 impl Class {
-    /// All classes, the gravest first.
+    /// All classes, the most serious first.
     pub const ALL: [Self; 3] = [Self::Breaking, Self::Notable, Self::Harmless];
 
-    /// The word for it, in text and in JSON.
+    /// The name, in text and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Harmless => "harmless",
@@ -35,9 +35,9 @@ impl fmt::Display for Class {
 
 /// A kind of change.
 pub struct ChangeKind {
-    /// Stable and textual, such as `entry/data-type`.
+    /// A stable textual id, such as `entry/data-type`.
     pub id: &'static str,
-    /// How much such a change matters.
+    /// The consequence of such a change.
     pub class: Class,
     doc: &'static str,
 }
@@ -48,12 +48,12 @@ impl ChangeKind {
         Self { id, class, doc }
     }
 
-    /// What has changed, in one line without full stop.
+    /// The change in one line, without full stop.
     pub fn title(&self) -> &'static str {
         self.doc.split("\n\n").next().unwrap_or_default().trim()
     }
 
-    /// What follows from it in the field.
+    /// Its consequence in the field.
     pub fn why(&self) -> String {
         let why = self.doc.split_once("\n\n").map_or("", |(_, why)| why);
         why.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -66,7 +66,7 @@ impl fmt::Debug for ChangeKind {
     }
 }
 
-/// Kinds are the same if they have the same id.
+/// Kinds with the same id are equal.
 impl PartialEq for ChangeKind {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id

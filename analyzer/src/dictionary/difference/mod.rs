@@ -1,8 +1,8 @@
-//! What a release changed between two descriptions of a device, whatever their formats, and what of it breaks whoever
-//! relies on the old one.
+//! Differences between two descriptions of a device in any formats: what a release changed, and which changes break
+//! users of the old one.
 //!
-//! One file for each part of a description. A kind of change is declared next to the code that finds it; its documentation
-//! is what reports say about it.
+//! Each part of a description has one file. A kind of change is declared next to the code that finds it; reports
+//! print its documentation.
 
 mod device;
 mod entries;
@@ -24,18 +24,19 @@ use super::description::DeviceDescription;
 use crate::identity::{Multiplexer, SubIndex};
 use std::collections::BTreeSet;
 
-/// One thing that differs.
+/// A difference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// What kind of change it is.
+    /// The kind of change.
     pub kind: &'static ChangeKind,
     /// What has changed.
     pub subject: Subject,
-    /// The name of the object or entry, by the new description where it still has one. Text of a file: may hold anything.
+    /// The name of the object or entry, from the new description if it has one. The text comes from a file and may
+    /// contain any characters.
     pub name: String,
-    /// What the old description says; `None` if it says nothing.
+    /// The value in the old description, if it has one.
     pub before: Option<Fact>,
-    /// What the new one says.
+    /// The value in the new description, if it has one.
     pub after: Option<Fact>,
 }
 
@@ -47,7 +48,7 @@ pub fn kinds() -> impl Iterator<Item = &'static ChangeKind> {
         .copied()
 }
 
-/// Everything that differs: the device, its modules, its PDOs, then the objects by index.
+/// All differences: of the device, its modules, its PDOs, then of the objects by index.
 pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Difference> {
     let mut comparison = Comparison { old, new, told: BTreeSet::new(), found: Vec::new() };
     device::compare(&mut comparison);
@@ -58,7 +59,7 @@ pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Differen
     comparison.found
 }
 
-/// The two descriptions, and what was found so far.
+/// The two descriptions, and the differences found.
 struct Comparison<'a> {
     old: &'a DeviceDescription,
     new: &'a DeviceDescription,
@@ -77,7 +78,7 @@ impl Comparison<'_> {
         self.found.push(Difference { kind, subject, name, before, after });
     }
 
-    /// Reports if the two are not the same.
+    /// Reports a difference if the two values are not the same.
     fn changed(&mut self, kind: &'static ChangeKind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
         if before != after {
             self.report(kind, subject, before, after);

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 kinds! {
     /// the module is gone
     ///
-    /// A DCF that plugs it in (ConnectedModules) names a module that there is not.
+    /// A DCF that plugs it in (ConnectedModules) names an unknown module.
     REMOVED: Breaking "module/removed";
 
     /// the module is new
@@ -24,12 +24,12 @@ kinds! {
 
     /// the module adds other objects to the object dictionary
     ///
-    /// Entries that a DCF sets may have moved, or be gone.
+    /// Entries that a DCF sets may have moved or disappeared.
     CONTENT: Notable "module/content";
 
     /// other modules are plugged in
     ///
-    /// The device has other objects, and master and tools take it for another configuration.
+    /// The device has other objects; master and tools see another configuration.
     CONNECTED: Breaking "module/connected";
 }
 
@@ -54,7 +54,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
             (None, None) => {}
         }
     }
-    // Only what is configured has modules plugged in.
+    // Only a configured device has plugged-in modules.
     if old.is_configuration() && new.is_configuration() {
         let list = |numbers: &[u16]| {
             let words: Vec<String> = numbers.iter().map(u16::to_string).collect();
@@ -65,7 +65,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
     }
 }
 
-/// The module without the lines at which it stands.
+/// The module without its line numbers.
 fn content(mut module: Module) -> Module {
     module.fixed_objects.iter_mut().for_each(without_lines);
     module.extensions.iter_mut().for_each(|extension| without_lines(&mut extension.template));

@@ -1,4 +1,4 @@
-//! Objects and sub-indexes: which there are, and what the objects are.
+//! Differences in existence, object code and name of objects and sub-indexes.
 
 use super::kind::kinds;
 use super::{Comparison, Fact, Subject, entries};
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 kinds! {
     /// the object is gone
     ///
-    /// A DCF that sets it can't be downloaded whole, and a master that reads or writes it gets abort 0602 0000h.
+    /// A DCF that sets it can't be downloaded completely, and a master that reads or writes it gets abort 0602 0000h.
     OBJECT_REMOVED: Breaking "object/removed";
 
     /// the object is new
@@ -19,13 +19,13 @@ kinds! {
 
     /// the object code has changed
     ///
-    /// Tools address the values of an ARRAY or RECORD by sub-index from 1 on and that of a VAR at sub-index 0: the same
-    /// access now reaches something else, or abort 0609 0011h.
+    /// Tools address the values of an ARRAY or RECORD by sub-index from 1 on and that of a VAR at sub-index 0: the
+    /// same access now reaches another value, or ends in abort 0609 0011h.
     OBJECT_CODE: Breaking "object/code";
 
     /// an ARRAY became a RECORD, or the other way round
     ///
-    /// The values stay where they are; a tool that generates source code from the description makes other types of it.
+    /// The values keep their addresses; a tool that generates source code from the description generates other types.
     OBJECT_STRUCTURE: Notable "object/structure";
 
     /// the name of the object has changed
@@ -35,7 +35,7 @@ kinds! {
 
     /// the sub-index is gone
     ///
-    /// A DCF that sets it can't be downloaded whole, and a master that reads or writes it gets abort 0609 0011h.
+    /// A DCF that sets it can't be downloaded completely, and a master that reads or writes it gets abort 0609 0011h.
     SUB_REMOVED: Breaking "sub-index/removed";
 
     /// the sub-index is new
@@ -44,7 +44,7 @@ kinds! {
     SUB_ADDED: Harmless "sub-index/added";
 }
 
-/// All objects of both.
+/// Compares all objects of both.
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let (old, new) = (&comparison.old.dictionary, &comparison.new.dictionary);
     let both = old.objects().iter().chain(new.objects());
@@ -77,7 +77,7 @@ fn object(comparison: &mut Comparison<'_>, old: &Object, new: &Object) {
         let at = Multiplexer { index: old.index, sub };
         let subject = Subject::Entry(at);
         match (old.entry(sub), new.entry(sub)) {
-            // What is at sub-index 0 of one is no counterpart of what is at sub-index 0 of the other.
+            // Sub-index 0 of a single value and of a structure are no counterparts.
             (Some(_), Some(_)) if old.code.is_single() != new.code.is_single() => {}
             (Some(before), Some(after)) => {
                 entries::compare(comparison, at, before, after, old.code.is_single());

@@ -1,4 +1,4 @@
-//! PDOs as the device is delivered, or as a DCF configures it: what they carry, on which CAN-ID, when.
+//! Differences of PDOs, as delivered or as a DCF configures them: mapping, CAN-ID, transmission.
 
 use super::kind::kinds;
 use super::{Comparison, Fact, Subject};
@@ -10,7 +10,7 @@ use crate::wire::pdo::MappingEntry;
 use std::collections::BTreeSet;
 
 kinds! {
-    /// the PDO carries something else
+    /// the PDO carries other values
     ///
     /// Programs that read or write values at the old places get other values: the layout is not transmitted.
     LAYOUT: Breaking "pdo/layout";
@@ -22,26 +22,28 @@ kinds! {
 
     /// the PDO is switched off
     ///
-    /// Bit 31 of its COB-ID is set: a consumer receives nothing, a producer is not received.
+    /// Bit 31 of its COB-ID is set: the consumer of a TPDO receives nothing, and the device ignores the producer of
+    /// an RPDO.
     SWITCHED_OFF: Breaking "pdo/switched-off";
 
     /// the PDO is switched on
     ///
-    /// Bit 31 of its COB-ID was set: there is more traffic, on a CAN-ID that may be in use.
+    /// Bit 31 of its COB-ID was set: the bus has more traffic, on a CAN-ID that may be in use.
     SWITCHED_ON: Notable "pdo/switched-on";
 
     /// whether the PDO answers remote frames has changed
     ///
-    /// Bit 30 of its COB-ID has changed. A master that polls it gets no answer if it is set.
+    /// Bit 30 of its COB-ID has changed. If it is set now, a master that polls the PDO gets no answer.
     REMOTE: Notable "pdo/remote-frames";
 
-    /// when the PDO is sent, or takes effect, has changed
+    /// the time at which the PDO is sent, or takes effect, has changed
     ///
-    /// Its values come more or less often, or no longer with SYNC: a consumer may run into its time-out, the bus may get full.
+    /// Its values come more or less often, or no longer with SYNC: a consumer may run into its time-out, the bus may
+    /// get full.
     TRANSMISSION: Notable "pdo/transmission";
 }
 
-/// The PDOs that both have. One that is gone is reported as its objects.
+/// Compares the PDOs of both. A removed PDO is reported as removed objects.
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let objects = comparison.old.dictionary.objects().iter();
     let of = |index| PdoNumber::of_mapping_index(index).or(PdoNumber::of_communication_index(index));
@@ -63,12 +65,12 @@ fn layout(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
     }
 }
 
-/// What a PDO carries after a start with nothing stored; `None` if the description does not tell.
+/// The mapping of a PDO after a start with nothing stored; `None` if the description does not give it.
 pub(in crate::dictionary) fn mapping(description: &DeviceDescription, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
     let object = description.dictionary.object(Index(pdo.mapping_index()))?;
-    // No formula stands in a mapping, so the node-ID does not matter.
+    // Mappings contain no formula, so the node-ID does not matter.
     let number = |sub| u32::try_from(object.entry(SubIndex(sub))?.start_value(NodeId::MIN)?.to_raw()?).ok();
-    // 254 and 255 are multiplexed PDOs, which have no layout.
+    // 254 and 255 stand for multiplexed PDOs, which have no layout.
     let count = u8::try_from(number(0)?).ok().filter(|&count| count <= 64)?;
     (1..=count).map(|sub| number(sub).map(MappingEntry)).collect()
 }
@@ -86,14 +88,14 @@ fn cob_id(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
         (true, true) => &COB_ID,
         (true, false) => &SWITCHED_OFF,
         (false, true) => &SWITCHED_ON,
-        // Nobody sees the CAN-ID of a PDO that is switched off.
+        // The CAN-ID of a switched-off PDO has no effect.
         (false, false) => return,
     };
     comparison.told.insert(at);
     comparison.report(kind, Subject::Pdo(pdo), Some(Fact::CobId(old)), Some(Fact::CobId(new)));
 }
 
-/// The COB-ID, and whether the node-ID is to be added.
+/// The COB-ID, and whether the node-ID is added.
 fn parts(setting: &Setting) -> (u32, bool) {
     match setting {
         Setting::NodeIdPlus(offset) => (*offset, true),

@@ -1,4 +1,4 @@
-//! Limits, defaults and configured values.
+//! Differences of limits, defaults and configured values.
 
 use super::kind::kinds;
 use super::{ChangeKind, Comparison, Fact, Subject};
@@ -24,7 +24,7 @@ kinds! {
 
     /// the limit is written in another form
     ///
-    /// One is a number and the other a formula with the node-ID: which one is narrower depends on the node-ID.
+    /// One limit is a number, the other a formula with the node-ID; the node-ID decides which is narrower.
     LIMIT: Notable "limit/changed";
 
     /// the default COB-ID has changed
@@ -45,7 +45,8 @@ kinds! {
 
     /// the default has changed
     ///
-    /// A device that is restored or was never configured behaves otherwise, and so does one whose DCF leaves the entry out.
+    /// A device that is restored or was never configured behaves differently; so does a device whose DCF leaves the
+    /// entry out.
     DEFAULT: Notable "default/changed";
 
     /// the count in sub-index 0 has changed
@@ -70,7 +71,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
         return;
     }
     let is_cob_id = is_cob_id(at);
-    // What becomes of a PDO's is reported with the PDO; what is left is of no consequence on the bus.
+    // Parameters of PDOs are reported with the PDO; the rest has no consequence on the bus.
     let is_of_pdo = PdoNumber::of_communication_index(at.index.0).is_some();
     let fact = |setting: &Option<Setting>| {
         setting.clone().map(|setting| if is_cob_id { Fact::CobId(setting) } else { Fact::Setting(setting) })
@@ -87,7 +88,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
     comparison.changed(configured, subject, fact(&old.configured), fact(&new.configured));
 }
 
-/// Whether the standard says that a COB-ID stands there.
+/// Whether the standard defines a COB-ID there.
 fn is_cob_id(at: Multiplexer) -> bool {
     let name = object_name(at, None);
     let own = name.and_then(|name| name.entry.map(|entry| entry.name).filter(|name| !name.is_empty()));
@@ -98,7 +99,8 @@ fn limits(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &E
     for high in [false, true] {
         let of = |entry: &Entry| if high { entry.high_limit.clone() } else { entry.low_limit.clone() };
         let (before, after) = (of(old), of(new));
-        // Of another type only limits that are told can be compared: that the type's own are others is told already.
+        // If the type has changed, only given limits are compared: the change of the type's own limits is reported as
+        // a change of the type.
         let bound = |entry: &Entry| of(entry).or_else(|| extreme(entry.data_type, high));
         let (old_bound, new_bound) =
             if old.data_type == new.data_type { (bound(old), bound(new)) } else { (before.clone(), after.clone()) };
@@ -146,12 +148,12 @@ fn real(value: &Value) -> Option<f64> {
     match value {
         Value::Real32(value) => Some(f64::from(*value)),
         Value::Real64(value) => Some(*value),
-        // Of the limits of another type.
+        // The limits are of another type.
         _ => value.as_number().map(|number| number as f64),
     }
 }
 
-/// The lowest or highest value of a type of whole numbers: its limit where none is given.
+/// The lowest or highest value of an integer type: its limit if none is given.
 fn extreme(data_type: DataType, high: bool) -> Option<Setting> {
     let bits = data_type.bits()?;
     let all_ones = u64::MAX >> 64u32.checked_sub(bits)?;

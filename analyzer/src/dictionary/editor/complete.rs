@@ -1,4 +1,4 @@
-//! What may stand at a place: fields that a section lacks, values, and objects of the standards.
+//! Completion: missing fields of a section, values, and objects of the standards.
 
 use super::hover::profile;
 use super::keys::{self, Key};
@@ -10,20 +10,20 @@ use crate::dictionary::source::{Field, Section, Source};
 use crate::identity::Index;
 use std::ops::Range;
 
-/// Something that may stand there.
+/// A completion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Completion {
-    /// What is shown in the list.
+    /// The text in the list.
     pub label: String,
-    /// What it is.
+    /// An explanation.
     pub detail: String,
-    /// What is replaced, in bytes of the text.
+    /// The replaced bytes of the text.
     pub range: Range<usize>,
-    /// What stands there then.
+    /// The new text.
     pub text: String,
 }
 
-/// What may stand at that place, what is most likely first.
+/// The completions at that place, the most likely first.
 pub fn complete(source: &Source<'_>, at: usize) -> Vec<Completion> {
     let (line, _) = source.position(at);
     let whole = source.whole_line(line);
@@ -41,7 +41,7 @@ pub fn complete(source: &Source<'_>, at: usize) -> Vec<Completion> {
     }
 }
 
-/// The fields that the section has not yet.
+/// The fields that the section lacks.
 fn fields(source: &Source<'_>, section: Section<'_>, known: &[Key], range: Range<usize>) -> Vec<Completion> {
     let typed = source.text.get(range.clone()).unwrap_or_default();
     let there: Vec<&str> = section.all_fields().map(Field::name).collect();
@@ -84,7 +84,7 @@ fn values(known: &[Key], name: &str, range: Range<usize>) -> Vec<Completion> {
 fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
     let profile = profile(source);
     let typed = source.text.get(range.clone()).unwrap_or_default().trim_matches(['[', ']']).to_ascii_uppercase();
-    // The name that is being written is no section yet.
+    // The name being typed is no section yet.
     let others = sections(source).filter(|section| !range.contains(&section.name_span().range().start));
     let there: Vec<u16> = others.filter_map(|section| Some(section.address()?.0.index.0)).collect();
     let mut found = Vec::new();
@@ -94,7 +94,7 @@ fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
             continue;
         }
         let Some(object) = standard_object(Index(index), profile) else { continue };
-        // Of many of a kind, such as 512 TPDOs, the first that is missing is enough.
+        // Of many objects of a kind, such as 512 TPDOs, only the first missing one is offered.
         if index > object.first && !there.contains(&(index - 1)) {
             continue;
         }
@@ -109,7 +109,7 @@ fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
     found
 }
 
-/// The sections of an object, filled in as far as the standard says.
+/// The sections of an object, completed from the standard.
 fn sections_of(object: &StandardObject, index: u16) -> String {
     let is_var = object.code == ObjectCode::VAR;
     let mut text = format!("[{index:04X}]\nParameterName={}\nObjectType=0x{:X}\n", object.name, object.code.0);

@@ -1,4 +1,4 @@
-//! What stands under the cursor.
+//! Hover texts.
 
 use super::keys;
 use super::navigate::{address_of_value, sections};
@@ -8,16 +8,16 @@ use crate::dictionary::source::{Field, FieldName, Source};
 use crate::identity::Multiplexer;
 use std::ops::Range;
 
-/// What is shown for a place.
+/// A hover text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hover {
-    /// Markdown.
+    /// The text in Markdown.
     pub text: String,
-    /// What it is about.
+    /// The part of the file that it explains.
     pub range: Range<usize>,
 }
 
-/// What is known of what stands there: an object by the standards' names, a field by CiA 306, a data type by its name.
+/// Explains an object by the standards' names, a field by CiA 306, a data type by its name.
 pub fn hover(source: &Source<'_>, at: usize) -> Option<Hover> {
     let section = source.section_at(at)?;
     if section.name_span().range().end >= at {
@@ -59,7 +59,7 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
     }
     let Some(known) = object_name(at, profile) else {
         return match at.index.0 {
-            0x2000..=0x5FFF => text + "\n\nof the manufacturer (CiA 301, 7.4.1)",
+            0x2000..=0x5FFF => text + "\n\nmanufacturer-specific (CiA 301, 7.4.1)",
             _ => text,
         };
     };
@@ -75,7 +75,7 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
     text
 }
 
-/// The device profile: the low word of 1000h as it is described. Names of encoders where it is theirs.
+/// The device profile: the low word of 1000h, as described. It decides whether names of encoder objects apply.
 pub(super) fn profile(source: &Source<'_>) -> Option<u16> {
     let device_type = Multiplexer::new(crate::object::DEVICE_TYPE, 0);
     let section = sections(source).find(|section| section.address() == Some((device_type, false)))?;

@@ -1,4 +1,4 @@
-//! The fields of each kind of section, with what CiA 306 says of them in our words.
+//! The fields of each kind of section, with their meaning by CiA 306 in our words.
 
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::source::{Section, SectionName};
@@ -8,9 +8,9 @@ use crate::dictionary::source::{Section, SectionName};
 pub struct Key {
     /// Its name.
     pub name: &'static str,
-    /// What it says.
+    /// Its meaning.
     pub meaning: &'static str,
-    /// What it may be, where that is a short list.
+    /// Its allowed values, if there are few.
     pub values: &'static [&'static str],
 }
 
@@ -24,32 +24,32 @@ const fn one_of(name: &'static str, meaning: &'static str, values: &'static [&'s
 
 const FLAG: &[&str] = &["0", "1"];
 
-/// Of objects and entries.
+/// Fields of objects and entries.
 const OBJECT: &[Key] = &[
     key("ParameterName", "The name of the object or entry."),
     one_of(
         "ObjectType",
-        "The object code: 0x7 VAR, 0x8 ARRAY, 0x9 RECORD, 0x2 DOMAIN. 0x7 without the field.",
+        "The object code: 0x7 VAR, 0x8 ARRAY, 0x9 RECORD, 0x2 DOMAIN. Default: 0x7.",
         &["0x7", "0x8", "0x9", "0x2"],
     ),
     key("DataType", "The data type, by its index in the dictionary: 0x0005 UNSIGNED8, 0x0007 UNSIGNED32 and so on."),
     one_of(
         "AccessType",
-        "How it can be reached: ro, wo, rw, const; rwr can be mapped to a TPDO only, rww to an RPDO only.",
+        "The access type: ro, wo, rw, const; rwr can be mapped to a TPDO only, rww to an RPDO only.",
         &["ro", "wo", "rw", "rwr", "rww", "const"],
     ),
     key("DefaultValue", "The value after power-on with default parameters. $NODEID stands for the node-ID."),
-    one_of("PDOMapping", "Whether it can be mapped to a PDO.", FLAG),
-    key("LowLimit", "The least value that the device takes."),
-    key("HighLimit", "The greatest value that the device takes."),
-    key("SubNumber", "How many sub-indexes are described. 0 or missing for a VAR."),
-    key("CompactSubObj", "How many sub-indexes of an array there are that are described all at once."),
+    one_of("PDOMapping", "Whether the entry can be mapped to a PDO.", FLAG),
+    key("LowLimit", "The lowest value that the device accepts."),
+    key("HighLimit", "The highest value that the device accepts."),
+    key("SubNumber", "The number of described sub-indexes; 0 or missing for a VAR."),
+    key("CompactSubObj", "The number of sub-indexes of an array that are described together."),
     key(
         "ObjFlags",
-        "Bit 0: a tool does not write it with a download of all parameters. Bit 1: nor reads it with a scan.",
+        "Bit 0: tools skip the entry when they download all parameters. Bit 1: tools skip it when they read all.",
     ),
     key("ParameterValue", "The configured value, in a DCF."),
-    key("Denotation", "What the object is called in this network, in a DCF."),
+    key("Denotation", "The name of the object in this network, in a DCF."),
 ];
 
 const DEVICE_INFO: &[Key] = &[
@@ -59,21 +59,21 @@ const DEVICE_INFO: &[Key] = &[
     key("ProductNumber", "The product code: 1018h:02."),
     key("RevisionNumber", "The revision number: 1018h:03."),
     key("OrderCode", "The order code."),
-    one_of("BaudRate_10", "Whether the device knows 10 kbit/s.", FLAG),
-    one_of("BaudRate_20", "Whether the device knows 20 kbit/s.", FLAG),
-    one_of("BaudRate_50", "Whether the device knows 50 kbit/s.", FLAG),
-    one_of("BaudRate_125", "Whether the device knows 125 kbit/s.", FLAG),
-    one_of("BaudRate_250", "Whether the device knows 250 kbit/s.", FLAG),
-    one_of("BaudRate_500", "Whether the device knows 500 kbit/s.", FLAG),
-    one_of("BaudRate_800", "Whether the device knows 800 kbit/s.", FLAG),
-    one_of("BaudRate_1000", "Whether the device knows 1 Mbit/s.", FLAG),
-    one_of("SimpleBootUpMaster", "Whether it can be the master of a simple boot-up.", FLAG),
-    one_of("SimpleBootUpSlave", "Whether it can be the slave of a simple boot-up.", FLAG),
-    key("Granularity", "The least number of bits that can be mapped, 1 to 64; 0: the mapping is fixed."),
-    one_of("DynamicChannelsSupported", "Whether objects are made at run time (CiA 302).", FLAG),
-    one_of("GroupMessaging", "Whether it has multiplexed PDOs.", FLAG),
-    key("NrOfRXPDO", "How many RPDOs there are."),
-    key("NrOfTXPDO", "How many TPDOs there are."),
+    one_of("BaudRate_10", "Whether the device supports 10 kbit/s.", FLAG),
+    one_of("BaudRate_20", "Whether the device supports 20 kbit/s.", FLAG),
+    one_of("BaudRate_50", "Whether the device supports 50 kbit/s.", FLAG),
+    one_of("BaudRate_125", "Whether the device supports 125 kbit/s.", FLAG),
+    one_of("BaudRate_250", "Whether the device supports 250 kbit/s.", FLAG),
+    one_of("BaudRate_500", "Whether the device supports 500 kbit/s.", FLAG),
+    one_of("BaudRate_800", "Whether the device supports 800 kbit/s.", FLAG),
+    one_of("BaudRate_1000", "Whether the device supports 1 Mbit/s.", FLAG),
+    one_of("SimpleBootUpMaster", "Whether the device can be the master of a simple boot-up.", FLAG),
+    one_of("SimpleBootUpSlave", "Whether the device can be the slave of a simple boot-up.", FLAG),
+    key("Granularity", "The smallest number of bits that can be mapped, 1 to 64; 0: the mapping is fixed."),
+    one_of("DynamicChannelsSupported", "Whether the device creates objects at run time (CiA 302).", FLAG),
+    one_of("GroupMessaging", "Whether the device has multiplexed PDOs.", FLAG),
+    key("NrOfRXPDO", "The number of RPDOs."),
+    key("NrOfTXPDO", "The number of TPDOs."),
     one_of("LSS_Supported", "Whether node-ID and bit rate can be set by LSS.", FLAG),
 ];
 
@@ -81,20 +81,20 @@ const FILE_INFO: &[Key] = &[
     key("FileName", "The name of the file, without folders."),
     key("FileVersion", "The version of the file, 0 to 255."),
     key("FileRevision", "The revision of the file, 0 to 255."),
-    one_of("EDSVersion", "The version of CiA 306 that the file keeps to.", &["4.0"]),
-    key("Description", "What the file describes."),
+    one_of("EDSVersion", "The version of CiA 306 that the file follows.", &["4.0"]),
+    key("Description", "A description of the file."),
     key("CreationTime", "hh:mm(AM|PM), such as 01:30PM."),
     key("CreationDate", "mm-dd-yyyy, such as 11-21-2026."),
-    key("CreatedBy", "Who has made the file."),
+    key("CreatedBy", "The author of the file."),
     key("ModificationTime", "hh:mm(AM|PM), such as 01:30PM."),
     key("ModificationDate", "mm-dd-yyyy, such as 11-21-2026."),
-    key("ModifiedBy", "Who has changed the file."),
-    key("LastEDS", "The EDS that a DCF was made of."),
+    key("ModifiedBy", "The author of the last change."),
+    key("LastEDS", "The EDS from which the DCF was made."),
 ];
 
 const COMMISSIONING: &[Key] = &[
     key("NodeID", "The node-ID of the device in its network."),
-    key("NodeName", "What the device is called there."),
+    key("NodeName", "The name of the device in its network."),
     key("Baudrate", "The bit rate of the network in kbit/s."),
     key("NetNumber", "The number of the network."),
     key("NetworkName", "The name of the network."),

@@ -1,5 +1,5 @@
-//! What an editor shows of an EDS or DCF while it is written: an outline, what stands under the cursor, what may come next,
-//! and where an object is described and named. Places are bytes of the text.
+//! Editor functions for an EDS or DCF: outline, hover texts, completion, definitions and references of objects.
+//! Places are bytes of the text.
 
 mod complete;
 mod hover;

@@ -1,11 +1,11 @@
-//! From where an object is named to where it is described, and back.
+//! Navigation from the mention of an object to its description, and back.
 
 use crate::dictionary::source::{Field, FieldName, Section, Source};
 use crate::identity::Multiplexer;
 use crate::object;
 use std::ops::Range;
 
-/// Where what is named at that place is described: the name of its section.
+/// The place that describes the object mentioned at `at`: the name of its section.
 pub fn definition(source: &Source<'_>, at: usize) -> Option<Range<usize>> {
     let wanted = named_at(source, at)?;
     let of = |with_sub: bool| {
@@ -18,7 +18,7 @@ pub fn definition(source: &Source<'_>, at: usize) -> Option<Range<usize>> {
     of(true).filter(|_| wanted.sub.0 > 0).or_else(|| of(false)).map(|(_, section)| section.name_span().range())
 }
 
-/// Where the object of that place is named: in lists, in mappings, and where it is described.
+/// All places that mention the object at `at`: lists, mappings, and its description.
 pub fn references(source: &Source<'_>, at: usize) -> Vec<Range<usize>> {
     let Some(wanted) = named_at(source, at) else { return Vec::new() };
     let mut found = Vec::new();
@@ -33,12 +33,12 @@ pub fn references(source: &Source<'_>, at: usize) -> Vec<Range<usize>> {
     found
 }
 
-/// The sections of an EDS or DCF. XML has none.
+/// The sections of an EDS or DCF; empty for XML.
 pub(super) fn sections<'s>(source: &'s Source<'_>) -> impl Iterator<Item = Section<'s>> {
     source.elements().filter(|_| !source.is_xml())
 }
 
-/// The object or entry that is named there: by a section, or by a value.
+/// The object or entry that a section or a value mentions at that place.
 fn named_at(source: &Source<'_>, at: usize) -> Option<Multiplexer> {
     let section = source.section_at(at)?;
     if at <= section.name_span().range().end {
@@ -47,7 +47,7 @@ fn named_at(source: &Source<'_>, at: usize) -> Option<Multiplexer> {
     named_by(section, section.field_at(at)?)
 }
 
-/// The object that a field's value names, where it is one that does.
+/// The object that a field's value mentions.
 fn named_by(section: Section<'_>, field: Field<'_>) -> Option<Multiplexer> {
     match section.address() {
         None => {
@@ -63,7 +63,7 @@ fn named_by(section: Section<'_>, field: Field<'_>) -> Option<Multiplexer> {
     }
 }
 
-/// What a value names: `0x1018` an object, `0x60040020` in a mapping an entry.
+/// The object in a value: `0x1018` is an object, `0x60040020` in a mapping an entry.
 pub(super) fn address_of_value(value: &str, is_mapping: bool) -> Option<Multiplexer> {
     let digits = value.trim().strip_prefix("0x").or_else(|| value.trim().strip_prefix("0X"))?;
     let number = u32::from_str_radix(digits, 16).ok()?;

@@ -11,11 +11,11 @@ pub struct Symbol {
     pub name: String,
     /// `ParameterName` of an object or entry.
     pub detail: String,
-    /// From its name to its last line.
+    /// The range from its name to its last line.
     pub whole: Range<usize>,
-    /// Its name.
+    /// The range of its name.
     pub selected: Range<usize>,
-    /// Whether it is about an object, or an entry of one.
+    /// Whether it describes an object, or an entry of one.
     pub is_object: bool,
     /// The entries of an object.
     pub entries: Vec<Symbol>,

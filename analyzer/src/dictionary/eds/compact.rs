@@ -1,4 +1,4 @@
-//! What CiA 306 lets a file leave out: `CompactSubObj` for arrays, `CompactPDO` for PDO parameters.
+//! The short forms of CiA 306: `CompactSubObj` for arrays, `CompactPDO` for PDO parameters.
 
 use super::fields::{Fields, setting};
 use crate::dictionary::data_type::DataType;
@@ -12,8 +12,8 @@ use crate::dictionary::value::Value;
 use crate::identity::{Index, SubIndex};
 use crate::object;
 
-/// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` tell
-/// what differs.
+/// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` give
+/// the exceptions.
 pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &Source<'_>, problems: &mut Problems) {
     let mut number_of_entries = Entry::new(0, "NrOfObjects", DataType::UNSIGNED8, Access::Ro);
     number_of_entries.default = Some(Setting::Fixed(Value::Unsigned(count.into())));
@@ -41,7 +41,7 @@ pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &
     }
 }
 
-/// The fields `1=…`, `2=…` of a section beside an object.
+/// The fields `1=…`, `2=…` of a section next to an object.
 fn beside<'d>(
     index: Index,
     kind: &str,

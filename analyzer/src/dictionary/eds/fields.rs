@@ -9,24 +9,24 @@ use crate::dictionary::rules::{self, Rule, number as number_rules};
 use crate::dictionary::source::{Field, FieldName, Section};
 use crate::dictionary::value::{DaysAndMilliseconds, Value};
 
-/// The fields of one section, with where problems go.
+/// The fields of one section, and the list of problems.
 pub(super) struct Fields<'s, 'p> {
     pub section: Section<'s>,
     pub problems: &'p mut Problems,
 }
 
 impl<'s> Fields<'s, '_> {
-    /// Reports what is wrong with a field.
+    /// Reports a problem of a field.
     pub fn report(&mut self, field: FieldName, rule: &'static Rule, expected: &'static str, found: &str) {
         self.problems.report(self.section.place_of(field), rule, expected, found);
     }
 
-    /// Reports what is wrong with the section as a whole.
+    /// Reports a problem of the section as a whole.
     pub fn report_section(&mut self, rule: &'static Rule, expected: &'static str, found: &str) {
         self.problems.report(self.section.place(), rule, expected, found);
     }
 
-    /// The text of a field that may be missing.
+    /// The text of an optional field.
     pub fn optional_text(&self, field: FieldName) -> Option<&'s str> {
         self.section.field(field).map(|field| field.value())
     }
@@ -103,7 +103,7 @@ pub(super) fn flag_in(text: &str, place: Place<'_>, problems: &mut Problems) -> 
     value != 0
 }
 
-/// Nothing, or only a comment.
+/// Whether the text is empty or only a comment.
 fn is_nothing(text: &str) -> bool {
     matches!(text.as_bytes(), [] | [b';', ..])
 }
@@ -140,7 +140,7 @@ pub(in crate::dictionary) fn setting(
     value.map(Setting::Fixed)
 }
 
-/// `365 43200000`: days and milliseconds apart, as lely-core writes a time.
+/// Parses `365 43200000`: days and milliseconds separately, as lely-core writes a time.
 fn days(text: &str, data_type: DataType) -> Option<Value> {
     let mut words = text.split_ascii_whitespace();
     let (days, milliseconds) = (words.next()?.parse::<u16>().ok()?, words.next()?.parse::<u32>().ok()?);
@@ -163,7 +163,7 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
         problems.report(place, oddity.rule, oddity.expected, text);
     }
     let setting = if number.plus_node_id {
-        // The highest node-ID must fit too.
+        // The formula must also fit for the highest node-ID.
         let bits = data_type.bits()?;
         let most = u32::MAX >> 32u32.saturating_sub(bits);
         let offset = u32::try_from(number.value).ok();
@@ -172,7 +172,7 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
         in_range(number.value, text, data_type, place, problems).map(Setting::Fixed)
     };
     if setting.is_none() {
-        // A limit beyond the data type forbids nothing, or everything on one side that there is not.
+        // A limit outside the range of the data type excludes no value, or all of them.
         let is_limit = ["lowlimit", "highlimit"].iter().any(|limit| place.field.eq_ignore_ascii_case(limit));
         let rule = if is_limit { &rules::entry::LIMIT_RANGE } else { &number_rules::RANGE };
         problems.report(place, rule, "a number that fits the data type", text);
@@ -181,7 +181,7 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
 }
 
 /// The number in that data type. A negative number of an unsigned type, or a number of a signed type that only fits
-/// unsigned, is taken as the bits that it stands for: hexadecimal is the usual way to write negative numbers.
+/// unsigned, is taken as its bits: negative numbers are usually written in hexadecimal.
 fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Value> {
     let all: i128 = 1 << data_type.bits()?;
     if number >= all || number < -all / 2 {
@@ -208,7 +208,7 @@ fn real(text: &str, data_type: DataType) -> Option<Value> {
     Some(if data_type == DataType::REAL32 { Value::Real32(number as f32) } else { Value::Real64(number) })
 }
 
-/// A string's bytes: Latin-1 as far as possible, since that is what the byte in the file was.
+/// The bytes of a string: Latin-1 if possible, since the file had these bytes.
 fn characters(text: &str) -> Vec<u8> {
     let latin_1: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(character).ok()).collect();
     latin_1.unwrap_or_else(|| text.as_bytes().to_vec())

@@ -25,7 +25,7 @@ pub(super) const FILE_INFO: [FieldName; 12] = [
     FieldName::LastEds,
 ];
 
-/// What every FileInfo has.
+/// The fields that every FileInfo has.
 const EACH_FILE_INFO: [FieldName; 6] = [
     FieldName::FileName,
     FieldName::FileVersion,
@@ -35,7 +35,7 @@ const EACH_FILE_INFO: [FieldName; 6] = [
     FieldName::CreatedBy,
 ];
 
-/// What every DeviceInfo has.
+/// The fields that every DeviceInfo has.
 const EACH_DEVICE_INFO: [FieldName; 9] = [
     FieldName::VendorName,
     FieldName::VendorNumber,
@@ -51,7 +51,7 @@ const EACH_DEVICE_INFO: [FieldName; 9] = [
 /// The bit rates of CiA 301 in kbit/s.
 pub(super) const BIT_RATES: [u16; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1000];
 
-/// The fields that say whether a device knows them.
+/// The fields for support of each bit rate.
 const BIT_RATE_FIELDS: [FieldName; 9] = [
     FieldName::BaudRate10,
     FieldName::BaudRate20,
@@ -132,7 +132,7 @@ pub(super) fn file_info(section: Section<'_>, problems: &mut Problems) -> FileIn
     }
 }
 
-/// Reports fields that every such section has, and this one has not.
+/// Reports missing fields that every such section has.
 fn check_present(fields: &mut Fields<'_, '_>, names: &[FieldName]) {
     for &name in names {
         if fields.optional_text(name).is_none() {
@@ -141,7 +141,7 @@ fn check_present(fields: &mut Fields<'_, '_>, names: &[FieldName]) {
     }
 }
 
-/// The standard writes `DeviceComissioning`, with one m.
+/// Checks the standard's spelling `DeviceComissioning`, with one m.
 pub(super) fn check_spelling(section: Section<'_>, problems: &mut Problems) {
     if canonical(section.name()) != "devicecomissioning" {
         let expected = "DeviceComissioning, with one m";
@@ -157,7 +157,7 @@ pub(super) fn check_last_eds(source: &Source<'_>, description: &DeviceDescriptio
     }
 }
 
-/// A field without a value is left to those who want no date.
+/// An empty date is allowed.
 fn check_form(
     fields: &mut Fields<'_, '_>,
     field: FieldName,
@@ -205,7 +205,7 @@ pub(super) fn device_info(section: Section<'_>, problems: &mut Problems) -> Devi
     }
 }
 
-/// Whether `DeviceInfo` has that field; bit rates also with zeros before them.
+/// Whether `DeviceInfo` has that field; bit rates are recognised also with leading zeros.
 pub(super) fn is_device_info(field: Field<'_>) -> bool {
     match field.known() {
         Some(known) => DEVICE_INFO.contains(&known) || BIT_RATE_FIELDS.contains(&known),

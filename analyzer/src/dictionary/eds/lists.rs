@@ -1,4 +1,5 @@
-//! `MandatoryObjects`, `OptionalObjects`, `ManufacturerObjects`: which objects there are, and whether that is so.
+//! `MandatoryObjects`, `OptionalObjects`, `ManufacturerObjects`: the lists of objects, compared with the
+//! descriptions.
 
 use crate::object;
 use std::collections::HashSet;
@@ -15,7 +16,7 @@ use crate::identity::Index;
 
 const LISTS: [&str; 3] = ["MandatoryObjects", "OptionalObjects", "ManufacturerObjects"];
 
-/// The lists of the source, compared with the objects that it describes.
+/// Reads the lists of the source, and compares them with the described objects.
 pub(super) fn read(source: &Source<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) -> ObjectLists {
     let [mandatory, optional, manufacturer] = LISTS.map(|name| match source.section(name) {
         Some(section) => numbered(section, FieldName::SupportedObjects, problems)
@@ -29,8 +30,8 @@ pub(super) fn read(source: &Source<'_>, dictionary: &ObjectDictionary, problems:
     lists
 }
 
-/// The numbers of the fields `1=…`, `2=…`, each with its line, by the number of the field, whatever the order in which they
-/// stand; `count` names the field with how many there are.
+/// The numbers of the fields `1=…`, `2=…`, each with its line, sorted by the number of the field; `count` is the
+/// field with their number.
 pub(super) fn numbered(section: Section<'_>, count: FieldName, problems: &mut Problems) -> Vec<(u16, u32)> {
     let mut numbers = Vec::new();
     for field in section.fields() {
@@ -76,7 +77,7 @@ pub(super) fn numbered(section: Section<'_>, count: FieldName, problems: &mut Pr
     numbers
 }
 
-/// The list in which an object belongs.
+/// The list to which an object belongs.
 pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     match index {
         object::DEVICE_TYPE | object::ERROR_REGISTER | object::IDENTITY => LISTS[0],
@@ -85,7 +86,7 @@ pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     }
 }
 
-/// Every object that `[xxxxObjectLinks]` names is described, and their number is right.
+/// Checks that every object in `[xxxxObjectLinks]` is described, and their number.
 pub(super) fn check_links(source: &Source<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in source.sections() {
         let is_links =
@@ -126,7 +127,7 @@ fn check(lists: &ObjectLists, source: &Source<'_>, dictionary: &ObjectDictionary
             if dictionary.object(index).is_none() {
                 report(&rules::list::UNDESCRIBED, "a section of each listed object");
             }
-            // Mandatory since CiA 301 version 4.0.
+            // Since CiA 301 version 4.0 the object is mandatory.
             let may_be_optional = index.0 == object::IDENTITY && position == 1;
             if section != list_of(index.0) && !may_be_optional {
                 report(&rules::list::WRONG, "mandatory, optional and manufacturer objects in their own lists");

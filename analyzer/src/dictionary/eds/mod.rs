@@ -1,7 +1,7 @@
 //! Electronic data sheets (EDS) and device configuration files (DCF), CiA 306.
 //!
-//! The reader takes what the field has and names everything that the standard has otherwise: a description with
-//! errors is worth more than none.
+//! The reader accepts the variants that occur in the field and reports every deviation from the standard: a
+//! description with errors is still useful.
 
 mod compact;
 mod fields;
@@ -45,7 +45,7 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     describe(&Source::read_as(Format::Ini, bytes)?)
 }
 
-/// What an EDS or DCF says.
+/// The content of an EDS or DCF.
 pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, DescriptionError> {
     if source.sections().all(|section| section.about() == SectionName::Unknown) {
         return Err(DescriptionError::NoSections);
@@ -102,7 +102,7 @@ fn check_pdo_counts(source: &Source<'_>, description: &DeviceDescription, proble
         let objects = description.dictionary.objects().iter().filter(|object| range.contains(&object.index.0)).count();
         if objects != usize::from(announced) {
             let found = format!("{objects} PDOs described");
-            let expected = "the number of PDOs that are described";
+            let expected = "the number of described PDOs";
             problems.report(section.place_of(field), &rules::file::PDO_COUNT, expected, &found);
         }
     }

@@ -17,7 +17,7 @@ use crate::dictionary::source::{FieldName, ModulePart, Section, SectionName, Sou
 pub(super) const INFO_FIELDS: [FieldName; 4] =
     [FieldName::ProductName, FieldName::ProductVersion, FieldName::ProductRevision, FieldName::OrderCode];
 
-/// Whether a sub-index that a module adds has that field.
+/// Whether a sub-index that a module adds may have that field.
 const fn is_extension_field(field: FieldName) -> bool {
     objects::is_entry_field(field) || matches!(field, FieldName::Count | FieldName::ObjExtend)
 }
@@ -123,7 +123,7 @@ fn extension(index: u16, section: Section<'_>, problems: &mut Problems) -> SubEx
     (template.line, template.section) = (section.line(), Some(section.id));
     objects::object_code(&mut fields);
     template.insert(objects::entry(&mut fields, 1, DataType(0)));
-    // `Count` may be two numbers: with `;` between them the second tells how many bits share one sub-index.
+    // `Count` may be two numbers separated by `;`: the second is the number of bits that share one sub-index.
     let count = fields.optional_text(FieldName::Count).unwrap_or_default();
     let first = count.split([';', ',']).next().and_then(super::number::parse);
     let count = first.and_then(|number| u32::try_from(number.value).ok());

@@ -1,23 +1,23 @@
 //! Numbers and formulas: decimal, `0x` hexadecimal, leading `0` octal, and sums with `$NODEID` (CiA 306, entry value
-//! interpretation), plus the ways in which the field writes them otherwise.
+//! interpretation), and further spellings that occur in the field.
 
 use crate::dictionary::rules::{Rule, number as rules};
 
-/// What a number field says.
+/// A parsed number field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Number {
     /// The number, or the sum of all terms but `$NODEID`.
     pub value: i128,
-    /// Whether `$NODEID` is to be added.
+    /// Whether `$NODEID` is added.
     pub plus_node_id: bool,
-    /// What was odd about it.
+    /// The deviation from the standard's form, if there is one.
     pub oddity: Option<Oddity>,
 }
 
-/// A spelling that is understood and that the standard has not.
+/// A spelling that is understood although the standard does not allow it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Oddity {
-    /// What the standard expects instead.
+    /// The form that the standard expects.
     pub expected: &'static str,
     /// The rule that it breaks.
     pub rule: &'static Rule,
@@ -29,7 +29,7 @@ impl Oddity {
     }
 }
 
-/// The number or formula in that text; `None` if it is none.
+/// Parses a number or formula; `None` if it is neither.
 pub(super) fn parse(text: &str) -> Option<Number> {
     match plain(text.as_bytes()) {
         Some(value) => Some(Number { value: value.into(), plus_node_id: false, oddity: None }),
@@ -37,12 +37,12 @@ pub(super) fn parse(text: &str) -> Option<Number> {
     }
 }
 
-/// The number in that text, where it needs no node-ID.
+/// The number in that text; `None` if it depends on the node-ID.
 pub(in crate::dictionary) fn value_of(text: &str) -> Option<i128> {
     parse(text).filter(|number| !number.plus_node_id).map(|number| number.value)
 }
 
-/// A decimal or hexadecimal number as the standard writes it, of at most 16 digits: nearly all are.
+/// A decimal or hexadecimal number in the standard's form, of at most 16 digits: the quick way for nearly all.
 fn plain(text: &[u8]) -> Option<u64> {
     let (digits, radix) = match text {
         [b'0'] => return Some(0),
@@ -98,7 +98,7 @@ fn parse_any(text: &str) -> Option<Number> {
     Some(number)
 }
 
-/// The same number or formula as CiA 306 writes it; `None` if that would be a guess.
+/// The same number or formula in the form of CiA 306; `None` if that would be a guess.
 pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
     let number = parse(text)?;
     let (bare, comment) = match text.split_once([';', '#']) {
@@ -122,13 +122,13 @@ pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
     same.then(|| format!("{written}{comment}"))
 }
 
-/// Without quotes, and without what stands after a `;`.
+/// The text without quotes and without the part after `;`.
 fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;
     let mut text = text.trim();
     if let Some((number, _)) = text.split_once([';', '#']) {
         text = number.trim();
-        oddity = Some(Oddity { expected: "a comment in a line of its own", rule: &rules::COMMENT });
+        oddity = Some(Oddity { expected: "a comment on a line of its own", rule: &rules::COMMENT });
     }
     if let Some(inner) = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         text = inner.trim();
@@ -143,7 +143,7 @@ fn is_exponent(text: &str, sign: usize) -> bool {
     before.ends_with(['e', 'E']) && before.contains('.')
 }
 
-/// `$NODEID` in any case; the inner option is what was odd about it.
+/// Parses `$NODEID`, ignoring case; the inner option is the deviation from the standard's form.
 fn node_id(term: &str) -> Option<Option<&'static str>> {
     match term {
         "$NODEID" => Some(None),
@@ -170,7 +170,7 @@ fn literal(text: &str) -> Option<(i128, Option<Oddity>)> {
     if let Some(octal) = text.strip_prefix('0').filter(|rest| !rest.is_empty())
         && let Some(value) = digits(octal, 8)
     {
-        // Below 8 both readings agree, so nobody can be misled.
+        // Up to 7 the octal and the decimal number are the same.
         let odd = (value > 7).then_some(Oddity { expected: "no leading 0, which means octal", rule: &rules::OCTAL });
         return Some((value, odd));
     }
@@ -218,8 +218,8 @@ mod tests {
     fn odd_spellings_are_understood_and_named() {
         let odd = |text| parse(text).and_then(|number| number.oddity.map(|oddity| (number.value, oddity.expected)));
         assert_eq!(odd("180h"), Some((0x180, "hexadecimal numbers with 0x")));
-        assert_eq!(odd("5 ; five"), Some((5, "a comment in a line of its own")));
-        assert_eq!(odd("0x7 # VAR"), Some((7, "a comment in a line of its own")));
+        assert_eq!(odd("5 ; five"), Some((5, "a comment on a line of its own")));
+        assert_eq!(odd("0x7 # VAR"), Some((7, "a comment on a line of its own")));
         assert_eq!(odd("\"5\""), Some((5, "a number without quotes")));
         assert_eq!(odd("0.0"), Some((0, "a whole number without decimal point")));
         assert_eq!(odd("089"), Some((89, "octal digits after a leading 0")));

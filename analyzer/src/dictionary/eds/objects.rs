@@ -14,23 +14,23 @@ use crate::dictionary::rules;
 use crate::dictionary::source::{FieldName, Section, SectionName, Source, canonical};
 use crate::identity::SubIndex;
 
-/// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
+/// Limit of the entries in a description: `CompactSubObj` lets a small file request very many.
 const MOST_ENTRIES: usize = 200_000;
 
 const NAMES: limits::Names =
     limits::Names { low: "LowLimit", high: "HighLimit", default: "DefaultValue", configured: "ParameterValue" };
 
-/// Whether an entry has that field.
+/// Whether an entry may have that field.
 pub(super) const fn is_entry_field(field: FieldName) -> bool {
     is_kept(field) || matches!(field, FieldName::UploadFile | FieldName::DownloadFile | FieldName::ParamRefd)
 }
 
-/// Whether an object has that field.
+/// Whether an object may have that field.
 const fn is_object_field(field: FieldName) -> bool {
     is_entry_field(field) || matches!(field, FieldName::SubNumber | FieldName::CompactSubObj)
 }
 
-/// Whether a description holds that field of an entry.
+/// Whether a [`DeviceDescription`] keeps that field of an entry.
 pub(super) const fn is_kept(field: FieldName) -> bool {
     matches!(
         field,
@@ -101,7 +101,7 @@ fn report_spelling(section: Section<'_>, problems: &mut Problems) {
     problems.report(section.place(), &rules::section::SPELLING, expected, section.name());
 }
 
-/// `[1018]` and `[0x1018]` are the same object.
+/// Adds an object's own section: `[1018]` and `[0x1018]` are the same object.
 pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: Section<'d>, problems: &mut Problems) {
     if parts.head.is_some() {
         report_second(section, problems);
@@ -110,7 +110,7 @@ pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: Section<'d>, problems
     }
 }
 
-/// `[1018sub1]` and `[1018sub01]` are the same entry.
+/// Adds an entry's section: `[1018sub1]` and `[1018sub01]` are the same entry.
 pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: Section<'d>, problems: &mut Problems) {
     match parts.subs.entry(sub) {
         btree_map::Entry::Occupied(_) => report_second(section, problems),
@@ -160,7 +160,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, source: &Source<'_>, problem
     object
 }
 
-/// Sub-indexes without their object.
+/// Reports sub-indexes without their object.
 fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
     let mut object = Object::new(index, String::new(), ObjectCode::RECORD);
     if let Some((_, section)) = parts.subs.first_key_value() {
@@ -177,7 +177,7 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
         let mut fields = Fields { section, problems };
         fields.check_known(|field| field.known().is_some_and(is_entry_field));
         object_code(&mut fields);
-        // Many leave the name of the count away.
+        // Many files leave out the name of sub-index 0.
         if sub != 0 || !fields.text(FieldName::ParameterName).is_empty() {
             name(&mut fields);
         }
@@ -186,7 +186,7 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
 }
 
 pub(super) fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
-    // CiA 306: VAR if not given.
+    // CiA 306: the default is VAR.
     if fields.optional_text(FieldName::ObjectType).is_none() {
         fields.report(FieldName::ObjectType, &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
     }
@@ -230,7 +230,7 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     entry
 }
 
-/// The place of a field of these names.
+/// The place of a field of a section.
 fn place<'s>(section: Section<'s>, name: &'static str) -> Place<'s> {
     FieldName::parse(name).map_or(section.place(), |field| section.place_of(field))
 }
@@ -257,7 +257,7 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
     }
     let expected = "const, ro, wo, rw, rwr or rww";
     if text.is_empty() {
-        // CiA 306: a domain may leave it out, and is rw then.
+        // CiA 306: a domain may leave out the access type, which is rw then.
         if data_type == DataType::DOMAIN {
             return Access::Rw;
         }
@@ -272,7 +272,7 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
     access
 }
 
-/// The access types as some authors write them.
+/// Access types in spellings of some authors.
 pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
     Some(match text.to_ascii_lowercase().as_str() {
         "r" | "read" | "readonly" => Access::Ro,
@@ -302,12 +302,12 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
     // FFh describes the object's structure and is not counted.
     let highest = object.entries().iter().map(|entry| entry.sub.0).filter(|&sub| sub < 0xFF).max().unwrap_or(0);
     let default = count.default.as_ref().and_then(Setting::fixed).and_then(|value| value.as_number());
-    // Where sub-index 0 is writable it counts what is in use, not what there is.
+    // A writable sub-index 0 counts the entries in use, not the existing ones.
     if !count.access.is_writable() && default.is_some_and(|default| default != i128::from(highest)) {
         let place = section.place_of(FieldName::DefaultValue);
         let expected = "the highest sub-index in sub-index 0";
         let found = format!("{highest:02X}h is the highest");
-        // 1003h counts the errors that there are.
+        // 1003h counts the current errors.
         if object.index.0 != object::PREDEFINED_ERROR_FIELD {
             fields.problems.report(place, &rules::list::HIGHEST, expected, &found);
         }

@@ -1,4 +1,4 @@
-//! What stands in an EDS or DCF that a description does not hold.
+//! Parts of an EDS or DCF that a description does not keep.
 
 use super::header;
 use super::modules::INFO_FIELDS;
@@ -33,7 +33,7 @@ const COMMISSIONING: [FieldName; 7] = [
 const UNKEPT_DEVICE_INFO: [FieldName; 3] =
     [FieldName::CanopenSafetySupported, FieldName::ExtendedBootUpMaster, FieldName::ExtendedBootUpSlave];
 
-/// Everything that is in the file and not in the description that was read from it, by line.
+/// All parts of the file that the parsed description does not keep, by line.
 pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &Source<'_>) -> Vec<Loss> {
     let mut losses = Losses::default();
     losses.unread(&description.problems);
@@ -70,7 +70,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
             entry(section, object.and_then(|object| object.entry(SubIndex(sub))), losses);
         }
         SectionName::Beside(index) => {
-            // Only what stands beside an object of compact form is used.
+            // Only the sections next to an object in short form are used.
             let head = source.section(&format!("{index:04X}"));
             let is_used = head.is_some_and(|head| head.field(FieldName::CompactSubObj).is_some())
                 && !canonical(section.name()).ends_with("objectlinks");
@@ -89,7 +89,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
         | SectionName::Tools
         | SectionName::Unknown
         | SectionName::Module(_, ModulePart::Comments) => whole(section, losses),
-        // Lists, which are made of what is described, and what is kept as it is.
+        // Lists, which are written from the described objects, and sections that are kept.
         SectionName::DummyUsage
         | SectionName::MandatoryObjects
         | SectionName::OptionalObjects
@@ -100,7 +100,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
     }
 }
 
-/// An object, which is an entry if it has no sub-indexes.
+/// The section of an object; without sub-indexes it is also its entry.
 fn head(section: Section<'_>, object: Option<&Object>, losses: &mut Losses) {
     match object {
         Some(object) if object.code.is_single() => entry(section, object.entries().first(), losses),
@@ -117,7 +117,7 @@ fn entry(section: Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
     fields(section, losses, |field| field.known().is_some_and(is_kept));
 }
 
-/// The fields that are not blank and not kept.
+/// The fields that are neither blank nor kept.
 fn fields(section: Section<'_>, losses: &mut Losses, kept: impl Fn(Field<'_>) -> bool) {
     for field in section.fields() {
         if !field.value().is_empty() && !kept(field) {

@@ -1,4 +1,4 @@
-//! What the bits of registers mean, where a standard fixes it.
+//! The bits of registers that a standard defines.
 
 use super::ENCODER_PROFILE;
 use crate::identity::Index;
@@ -42,7 +42,7 @@ const AREA_STATE: &[&str] = &["out of range", "range overflow", "range underflow
 /// 6300h to 6302h.
 const CAMS: &[&str] = &["cam 1", "cam 2", "cam 3", "cam 4", "cam 5", "cam 6", "cam 7", "cam 8"];
 
-/// The name of a bit of the object, where the standard fixes it. Bits that belong to the manufacturer have none.
+/// The name of an object's bit, if the standard defines it; manufacturer-specific bits have none.
 pub fn bit_name(index: Index, bit: u8, profile: Option<u16>) -> Option<&'static str> {
     let names = match (index.0, profile) {
         (0x1001, _) => ERROR_REGISTER,

@@ -45,7 +45,7 @@ pub(super) static OBJECTS: &[StandardObject] = &[
     object!(0x6401, "Work area low limit", ARRAY, [1 => 254, "Work area low limit channel", INTEGER32, Rw]),
     object!(0x6402, "Work area high limit", ARRAY, [1 => 254, "Work area high limit channel", INTEGER32, Rw]),
     var!(0x6500, "Operating status", UNSIGNED16, Ro),
-    // Of a linear encoder: the measuring step.
+    // For a linear encoder the object is the measuring step.
     var!(0x6501, "Single-turn resolution", UNSIGNED32, Ro),
     var!(0x6502, "Number of distinguishable revolutions", UNSIGNED16, Ro),
     var!(0x6503, "Alarms", UNSIGNED16, Ro),

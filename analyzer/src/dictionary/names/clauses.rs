@@ -1,11 +1,11 @@
-//! Where the standards describe their objects.
+//! The clauses that describe objects.
 
 use super::StandardObject;
 use crate::clause::{Clause, Confidence};
 
 use Confidence::{Cited, Derived};
 
-/// CiA 301 version 4.2: the first index of an object, the number of its section within 7.5.2, and how sure that is.
+/// CiA 301 version 4.2: the first index of an object, its section within 7.5.2, and the certainty of the section.
 const CIA_301: &[(u16, &str, Confidence)] = &[
     (0x1000, "7.5.2.1", Cited),
     (0x1001, "7.5.2.2", Cited),
@@ -48,8 +48,8 @@ const CIA_301: &[(u16, &str, Confidence)] = &[
 ];
 
 impl StandardObject {
-    /// Where its standard describes it. The sections of others than CiA 301, and of objects that version 4.2 has no more,
-    /// are not known.
+    /// The clause that describes the object. Sections of standards other than CiA 301, and of objects that version
+    /// 4.2 dropped, are unknown.
     pub fn clause(&self) -> Clause {
         let known = CIA_301.binary_search_by_key(&self.first, |&(first, ..)| first).ok();
         let known = known.and_then(|position| CIA_301.get(position));

@@ -1,5 +1,5 @@
-//! The names that CiA 301, 302, 304 and 406 give to objects, sub-indexes and bits, with types, access and units where
-//! the standard fixes them.
+//! The names that CiA 301, 302, 304 and 406 give to objects, sub-indexes and bits, with the types, access and units
+//! that they fix.
 //!
 //! Look-ups are binary searches in static tables and allocate nothing.
 
@@ -44,15 +44,15 @@ pub struct StandardEntry {
     pub first: u8,
     /// The last sub-index: `first`, if it is one entry.
     pub last: u8,
-    /// The standard's name; of a VAR empty, since the object has it.
+    /// The standard's name; empty for a VAR, whose object has it.
     pub name: &'static str,
-    /// The data type, where the standard fixes one.
+    /// The data type, if the standard fixes one.
     pub data_type: Option<DataType>,
-    /// The access type, where the standard fixes one. `ro` stands for `const` too.
+    /// The access type, if the standard fixes one. `ro` includes `const`.
     pub access: Option<Access>,
 }
 
-/// What a standard says about an address. Displays as `TPDO communication parameter 1, COB-ID used by TPDO`.
+/// The names of an address in a standard. Displays as `TPDO communication parameter 1, COB-ID used by TPDO`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObjectName {
     /// The object.
@@ -75,12 +75,12 @@ impl StandardObject {
 }
 
 impl ObjectName {
-    /// Which of several objects of the same kind it is, from 1; `None` if there is only one.
+    /// The number among several objects of the same kind, from 1; `None` if there is only one.
     pub const fn number(&self) -> Option<u16> {
         if self.object.first == self.object.last { None } else { Some(self.address.index.0 - self.object.first + 1) }
     }
 
-    /// Which of several entries of the same kind it is, from 1; `None` if there is only one.
+    /// The number among several entries of the same kind, from 1; `None` if there is only one.
     pub fn entry_number(&self) -> Option<u8> {
         let entry = self.entry.filter(|entry| entry.first != entry.last)?;
         Some(self.address.sub.0 - entry.first + 1)
@@ -102,21 +102,21 @@ impl fmt::Display for ObjectName {
     }
 }
 
-/// What the standards say about that address. `profile` is the device profile number of the device (the low word of
-/// 1000h); without it only the communication area has names.
+/// The names of an address. `profile` is the device profile number of the device (the low word of 1000h); without it
+/// only the communication area has names.
 pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectName> {
     let object = standard_object(address.index, profile)?;
     Some(ObjectName { object, entry: entry(object, address.sub), address })
 }
 
-/// What the standards say about the object of that index.
+/// The object of that index in the standards.
 pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
     let table = in_area(index, profile);
     let position = table.partition_point(|object| object.last < index.0);
     table.get(position).filter(|object| object.first <= index.0)
 }
 
-/// All objects of the standard that defines what lies around that index; none where no standard does.
+/// All objects of the standard that covers that index; empty if there is none.
 pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
     match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
@@ -126,7 +126,7 @@ pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] 
     }
 }
 
-/// Whether CiA 301 puts a COB-ID there: of SYNC, TIME, EMCY, an SDO channel or a PDO.
+/// Whether CiA 301 defines a COB-ID there: of SYNC, TIME, EMCY, an SDO channel or a PDO.
 pub const fn is_cob_id(at: Multiplexer) -> bool {
     matches!(
         (at.index.0, at.sub.0),

@@ -1,4 +1,4 @@
-//! Physical units of objects, where a standard fixes them.
+//! Physical units of objects, as far as a standard fixes them.
 
 use super::ENCODER_PROFILE;
 use crate::identity::Multiplexer;
@@ -7,11 +7,11 @@ use std::borrow::Cow;
 /// A unit: physical value = raw value * factor + offset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
-    /// How many of the unit one step of the raw value is.
+    /// The number of units in one step of the raw value.
     pub factor: f64,
     /// The physical value of raw zero.
     pub offset: f64,
-    /// Such as `ms` or `°C`.
+    /// The symbol, such as `ms` or `°C`.
     pub symbol: Cow<'static, str>,
 }
 
@@ -20,8 +20,8 @@ impl Unit {
         Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
     }
 
-    /// The physical value of a raw one, to six decimals: factors such as 0.1 have no exact binary form, and six
-    /// digits are far beyond any of these devices.
+    /// The physical value of a raw one, rounded to six decimals: factors such as 0.1 have no exact binary form, and
+    /// six digits are far more precise than any of these devices.
     pub fn physical(&self, raw: f64) -> f64 {
         let value = raw.mul_add(self.factor, self.offset);
         (value * 1e6).round() / 1e6
@@ -33,14 +33,14 @@ impl Unit {
     }
 }
 
-/// Measuring units of a position: how many make a revolution or a millimetre is configured.
+/// Measuring units of a position: their number per revolution or millimetre is configured.
 const STEPS: Unit = Unit::new(1.0, "steps");
 const MICROSECONDS: Unit = Unit::new(1.0, "µs");
 const MILLISECONDS: Unit = Unit::new(1.0, "ms");
 /// Inhibit times count multiples of 100 µs.
 const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
 
-/// The unit of an entry, where the standard fixes it. Speeds, whose unit is configured, have none.
+/// The unit of an entry, if the standard fixes it. Speeds have a configured unit and so none here.
 pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
     Some(match (address.index.0, address.sub.0, profile) {
         (0x1006 | 0x1007 | 0x1013, 0, _) => MICROSECONDS,

@@ -1,6 +1,6 @@
-//! How a rule is declared.
+//! The macro that declares rules.
 
-/// Declares the rules of a family, and their list, with how the files of their examples end:
+/// Declares the rules of a family and their list, with the extension of their example files:
 ///
 /// ```text
 /// rules! {

@@ -1,4 +1,4 @@
-//! Objects and their entries in themselves: codes, types, access, limits.
+//! Rules on single objects and entries: codes, types, access, limits.
 
 use super::rules;
 
@@ -26,8 +26,8 @@ rules! {
 
     /// DataType is none that CiA 301 defines
     ///
-    /// Data types are 0001h to 001Bh and 0020h to 0025h of CiA 301, or 0040h to 025Fh of the manufacturer and the profiles.
-    /// Of another one nobody knows the length.
+    /// Data types are 0001h to 001Bh and 0020h to 0025h of CiA 301, or 0040h to 025Fh of the manufacturer and the
+    /// profiles. The length of any other type is unknown.
     ///
     /// # What to do
     ///
@@ -40,16 +40,16 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Write one of these.
+    /// Write one of these access types.
     ACCESS: Error Value, "eds/entry/access", "CiA 306" Unknown;
 
     /// AccessType is written in another way
     ///
-    /// It is const, ro, wo, rw, rwr or rww. What is meant is clear to people, not to every tool.
+    /// It is const, ro, wo, rw, rwr or rww. People understand other spellings, but not every tool does.
     ///
     /// # What to do
     ///
-    /// Write one of these.
+    /// Write one of these access types.
     ACCESS_FORM: Warning Value, "eds/entry/access-form", "CiA 306" Unknown;
 
     /// LowLimit is above HighLimit
@@ -63,11 +63,11 @@ rules! {
 
     /// a limit does not fit the data type
     ///
-    /// It allows what the data type can't hold. Tools take it for no limit, or cut it to some other number.
+    /// The limit is beyond the range of the data type. Tools ignore it, or cut it to another number.
     ///
     /// # What to do
     ///
-    /// Write the highest number of the data type, or none.
+    /// Write the highest number of the data type, or leave the limit out.
     LIMIT_RANGE: Warning Range, "eds/entry/limit-range", "CiA 306" Unknown;
 
     /// a value lies outside its limits

@@ -1,4 +1,4 @@
-//! Fields: which there are, and what every one of a kind may hold.
+//! Rules on fields: which exist, and the values of every field of a kind.
 
 use super::rules;
 
@@ -89,16 +89,16 @@ rules! {
 
     /// AccessType is missing
     ///
-    /// Only a DOMAIN may leave it out, and is `rw` then. Tools take others for `ro` or for `rw`.
+    /// Only a DOMAIN may leave it out, and is `rw` then. For other entries some tools assume `ro`, some `rw`.
     ///
     /// # What to do
     ///
-    /// Say const, ro, wo, rw, rwr or rww.
+    /// Write const, ro, wo, rw, rwr or rww.
     ACCESS_MISSING: Warning MissingField, "eds/field/access-missing", "CiA 306" Unknown;
 
     /// a flag is neither 0 nor 1
     ///
-    /// Fields such as PDOMapping or LSS_Supported are 0 or 1. Tools read another number or a word as they like.
+    /// Fields such as PDOMapping or LSS_Supported are 0 or 1. Tools interpret other values differently.
     ///
     /// # What to do
     ///
@@ -107,7 +107,7 @@ rules! {
 
     /// a number is outside the range of its field
     ///
-    /// What stands there can't be used.
+    /// The value can't be used.
     ///
     /// # What to do
     ///

@@ -1,4 +1,4 @@
-//! What the file says of itself and of the device as a whole: FileInfo, DeviceInfo, DummyUsage, Comments, commissioning.
+//! Rules on the data about the file and the whole device: FileInfo, DeviceInfo, DummyUsage, Comments, commissioning.
 
 use super::rules;
 
@@ -65,7 +65,7 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Set those that the device knows, such as `BaudRate_250=1`.
+    /// Set the bit rates that the device supports, such as `BaudRate_250=1`.
     BIT_RATE_MISSING: Warning MissingField, "eds/device/bit-rate-missing", "CiA 306" Unknown;
 
     /// NrOfRXPDO or NrOfTXPDO is not the number of PDOs
@@ -98,8 +98,8 @@ rules! {
 
     /// the device has neither heartbeat nor node guarding
     ///
-    /// A device has the heartbeat (1017h), or node guarding with both guard time (100Ch) and life time factor (100Dh): else
-    /// nobody sees that it is gone.
+    /// A device has the heartbeat (1017h), or node guarding with both guard time (100Ch) and life time factor (100Dh):
+    /// otherwise no node notices its loss.
     ///
     /// # What to do
     ///
@@ -144,8 +144,8 @@ rules! {
 
     /// a DCF leaves its node-ID or bit rate open
     ///
-    /// A node-ID of 255 is that of a device without one, which gets it by LSS, and a bit rate of 0 is none: a tool that configures
-    /// the device by the file alone does not know where to find it.
+    /// A node-ID of 255 means that the device gets its node-ID by LSS, and a bit rate of 0 means none: a tool with only
+    /// this file can't find the device.
     ///
     /// # What to do
     ///
@@ -162,15 +162,15 @@ rules! {
     /// Put the file beside the DCF, or correct the name.
     DOWNLOAD: Warning MissingField, "eds/dcf/download-file", "CiA 306" Unknown;
 
-    /// a DCF describes the device otherwise than the EDS that it was made of
+    /// a DCF describes the device differently from its EDS
     ///
-    /// A DCF is its EDS with the values that one device is configured to. If objects, types, access or limits are others, it
-    /// belongs to another release of the device, or somebody has edited it. LastEDS names the EDS, which is looked for
+    /// A DCF is its EDS with the values that one device is configured to. If objects, types, access or limits differ,
+    /// the DCF belongs to another release of the device, or was edited. LastEDS names the EDS, which is looked for
     /// beside the DCF.
     ///
     /// # What to do
     ///
-    /// Make the DCF anew of the right EDS; `canvass eds diff` shows all that differs.
+    /// Make the DCF again from the right EDS; `canvass eds diff` shows all differences.
     OTHER_EDS: Warning List, "eds/dcf/other-eds", "CiA 306" Unknown;
 
     /// the section DeviceComissioning is written with double m

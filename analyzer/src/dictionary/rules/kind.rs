@@ -1,20 +1,20 @@
-//! How bad a problem is, and what kind of thing is wrong.
+//! Severity and kind of a problem.
 
 use std::fmt;
 
-/// How bad a problem is.
+/// The severity of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// A habit, or worth knowing: nothing goes wrong.
+    /// A matter of style, or worth knowing: nothing fails.
     Hint,
-    /// Against the letter of the standard; what was meant is clear, and was understood so.
+    /// The text breaks the letter of the standard; its meaning is clear, and was understood.
     Warning,
-    /// A configuration tool or the device goes wrong with it, or what stands there could not be used.
+    /// A configuration tool or the device fails with it, or the text could not be used.
     Error,
 }
 
 impl Severity {
-    /// The word for it, in text and in JSON.
+    /// The name, in text and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hint => "hint",
@@ -30,7 +30,7 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What kind of thing is wrong, for whoever groups or waives problems.
+/// The kind of a problem, for grouping and waivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProblemKind {
     /// Character set, byte order mark, line ends.
@@ -51,11 +51,11 @@ pub enum ProblemKind {
     UnknownField,
     /// A number that can't be read, or is written in a form that the standard does not allow.
     Number,
-    /// A value outside what the field allows.
+    /// A value that the field does not allow.
     Value,
     /// A number that does not fit the data type of its entry.
     Range,
-    /// A count that differs from what is there.
+    /// A count that differs from the number of items.
     Count,
     /// An object that is listed without description, described without being listed, or listed twice or in the
     /// wrong list.
@@ -66,6 +66,6 @@ pub enum ProblemKind {
     CobId,
     /// An object that differs from the standard that defines it.
     Standard,
-    /// A description so large that the rest was left out.
+    /// The description is so large that the rest was left out.
     TooMuch,
 }

@@ -1,4 +1,4 @@
-//! Lists and counts: of objects, sub-indexes, entries of the short form.
+//! Rules on lists and counts: of objects, sub-indexes, entries of the short form.
 
 use super::rules;
 
@@ -25,7 +25,7 @@ rules! {
 
     /// the entries of a list are not in the order of their numbers
     ///
-    /// It means the same to every tool; it is only hard to read.
+    /// All tools read it correctly; only people have trouble.
     ///
     /// # What to do
     ///
@@ -34,7 +34,7 @@ rules! {
 
     /// a field of a list has no number as its name
     ///
-    /// What stands there is not taken for an object.
+    /// The field does not count as an object.
     ///
     /// # What to do
     ///

@@ -1,9 +1,9 @@
-//! The rules of device descriptions: what each asks, why, how grave a breach is, and an example that breaks and one that
+//! The rules of device descriptions: each with its text, reason, severity, and an example that breaks and one that
 //! keeps it.
 //!
-//! The rules are found by the code that reads a description and by [`super::consistency`]; each problem names its rule. A
-//! rule is declared once, in a file of its family: what `canvass explain` prints, the page of rules and the tests are made
-//! of that declaration.
+//! The code that reads a description and [`super::consistency`] find the breaches; each problem names its rule. A
+//! rule is declared once, in a file of its family: `canvass explain`, the page of rules and the tests use that
+//! declaration.
 
 mod declare;
 pub(super) mod entry;
@@ -29,17 +29,17 @@ use std::sync::LazyLock;
 
 /// A rule of device descriptions.
 pub struct Rule {
-    /// Stable and textual, such as `eds/list/count`.
+    /// A stable textual id, such as `eds/list/count`.
     pub id: &'static str,
-    /// How bad it is to break it.
+    /// The severity of a breach.
     pub severity: Severity,
-    /// What kind of problem a breach is.
+    /// The kind of a breach.
     pub kind: ProblemKind,
-    /// Where a standard says so.
+    /// The clause with the requirement.
     pub clause: Clause,
-    /// Lines, of an EDS that breaks it. A line `...` stands for the fields that don't matter.
+    /// Lines of an EDS that breaks the rule. A line `...` stands for irrelevant fields.
     pub fails: &'static str,
-    /// The same lines as they should be.
+    /// The same lines, corrected.
     pub passes: &'static str,
     doc: &'static str,
 }
@@ -50,7 +50,7 @@ impl fmt::Debug for Rule {
     }
 }
 
-/// Rules are the same if they have the same id.
+/// Rules with the same id are equal.
 impl PartialEq for Rule {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
@@ -62,30 +62,30 @@ impl Eq for Rule {}
 const ADVICE: &str = "\n # What to do\n";
 
 impl Rule {
-    /// What is wrong, in one line without full stop.
+    /// The problem in one line, without full stop.
     pub fn title(&self) -> &'static str {
         self.doc.split("\n\n").next().unwrap_or_default().trim()
     }
 
-    /// What the rule asks, and why.
+    /// The requirement and its reason.
     pub fn what(&self) -> String {
         let text = self.doc.split(ADVICE).next().unwrap_or_default();
         paragraphs(text.split_once("\n\n").map_or("", |(_, what)| what))
     }
 
-    /// How to fix a breach.
+    /// The way to fix a breach.
     pub fn advice(&self) -> String {
         paragraphs(self.doc.split_once(ADVICE).map_or("", |(_, advice)| advice))
     }
 
-    /// Whether it is that id, or belongs to that family: `eds/list/count` to `eds/list` and to `eds`.
+    /// Whether the rule has that id or belongs to that family: `eds/list/count` belongs to `eds/list` and `eds`.
     pub fn is_in(&self, prefix: &str) -> bool {
         let rest = self.id.strip_prefix(prefix.trim_end_matches('/'));
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
     }
 }
 
-/// Lines of a paragraph are joined.
+/// Joins the lines of each paragraph.
 fn paragraphs(text: &str) -> String {
     let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     text.split("\n\n").map(joined).filter(|paragraph| !paragraph.is_empty()).collect::<Vec<_>>().join("\n\n")

@@ -1,4 +1,4 @@
-//! Modular devices.
+//! Rules on modular devices.
 
 use super::rules;
 

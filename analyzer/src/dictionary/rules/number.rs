@@ -1,4 +1,4 @@
-//! How numbers and formulas are written, and whether they fit their data type.
+//! Rules on the form and the range of numbers and formulas.
 
 use super::rules;
 
@@ -7,7 +7,7 @@ rules! {
 
     /// a number or value can't be read
     ///
-    /// What stands there could not be used: the field has no value.
+    /// The text could not be used: the field has no value.
     ///
     /// # What to do
     ///
@@ -26,8 +26,7 @@ rules! {
 
     /// the node-ID stands after the number in a formula
     ///
-    /// CiA 306 has `$NODEID+0x180`. There are tools that read 180h of `0x180+$NODEID`, and so give every device the same
-    /// COB-ID.
+    /// CiA 306 has `$NODEID+0x180`. Some tools read `0x180+$NODEID` as 180h, and so give every device the same COB-ID.
     ///
     /// # What to do
     ///
@@ -64,11 +63,11 @@ rules! {
 
     /// a number fits its data type only by its bits
     ///
-    /// A negative number for an unsigned type, or a decimal one above the highest of a signed type: it is taken as the bits
-    /// that it stands for, which not every tool does. So is HighLimit=0xFF of a signed type, which is -1.
+    /// A negative number for an unsigned type, or a decimal one above the highest of a signed type: canvass takes it as
+    /// its bits, but not every tool does. The same holds for HighLimit=0xFF of a signed type, which is -1.
     ///
     /// # What to do
     ///
-    /// Write the number as its data type has it, or in hexadecimal.
+    /// Write a number within the range of the data type, or write it in hexadecimal.
     WRAPPED: Warning Range, "eds/number/wrapped", "CiA 306" Unknown;
 }

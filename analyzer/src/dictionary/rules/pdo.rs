@@ -1,4 +1,4 @@
-//! PDOs and COB-IDs.
+//! Rules on PDOs and COB-IDs.
 
 use super::rules;
 
@@ -35,8 +35,7 @@ rules! {
 
     /// a mapping counts an entry that has no default
     ///
-    /// Sub-index 0 says how many entries are in use. One of them names no object, so that nobody knows what the PDO
-    /// carries.
+    /// Sub-index 0 says how many entries are in use. One of them names no object, so the content of the PDO is unknown.
     ///
     /// # What to do
     ///
@@ -64,7 +63,7 @@ rules! {
 
     /// the access type of a mapped object does not fit the direction of the PDO
     ///
-    /// A TPDO carries what can be read and is not rww, an RPDO what can be written and is not rwr.
+    /// A TPDO carries readable entries other than rww, an RPDO writable entries other than rwr.
     ///
     /// # What to do
     ///
@@ -73,23 +72,23 @@ rules! {
 
     /// the length in a mapping is not that of the mapped object
     ///
-    /// The last byte of an entry is the length of the object in bits. With another one all that follows in the PDO is read
-    /// from the wrong place.
+    /// The last byte of an entry is the length of the object in bits. With another length all following values in the
+    /// PDO are read from the wrong place.
     ///
     /// # What to do
     ///
     /// Write the length of the object's data type.
     LENGTH: Error Mapping, "eds/pdo/length", "CiA 301" "7.5.2.38" Cited;
 
-    /// an entry that can be read and written may be mapped, and it is not told into which PDO
+    /// a mappable entry can be read and written, without a PDO direction
     ///
-    /// With AccessType=rw and PDOMapping=1 a tool offers the entry for RPDOs and for TPDOs. A device that takes it in one of
-    /// them only refuses the other with abort 0604 0041h. One such entry is reported for each object.
+    /// With AccessType=rw and PDOMapping=1 a tool offers the entry for RPDOs and for TPDOs. A device that supports only
+    /// one direction refuses the other with abort 0604 0041h. One such entry is reported for each object.
     ///
     /// # What to do
     ///
-    /// Write rwr for what goes into TPDOs only and rww for what goes into RPDOs only; in XML PDOmapping="TPDO" or "RPDO".
-    /// Leave it so if both can carry the entry.
+    /// Write rwr for an entry of TPDOs only and rww for an entry of RPDOs only; in XML PDOmapping="TPDO" or "RPDO".
+    /// Leave it unchanged if both can carry the entry.
     EITHER: Hint Mapping, "eds/pdo/either-direction", "CiA 306" Unknown;
 
     /// a BOOLEAN is mapped as a whole byte
@@ -102,7 +101,7 @@ rules! {
     /// Write 1 bit where the device can map single bits; else give the object a type of 8 bits.
     BOOLEAN: Warning Mapping, "eds/pdo/boolean", "CiA 301" "7.1.4.3" Cited;
 
-    /// a PDO maps a dummy entry that it may not
+    /// a PDO maps a dummy entry that is not allowed
     ///
     /// The index of a data type skips bits, in RPDOs only, where DummyUsage allows the type, and with its length.
     ///
@@ -129,7 +128,7 @@ rules! {
     /// Map less, or distribute it over two PDOs.
     TOO_LONG: Error Mapping, "eds/pdo/too-long", "CiA 301" "7.5.2.38" Cited;
 
-    /// a COB-ID is one that CiA 301 keeps for something else
+    /// a COB-ID is reserved by CiA 301 for another service
     ///
     /// NMT, SYNC of others, default SDOs, heartbeat and LSS have CAN-IDs that no other service may use: such a PDO commands
     /// or confuses other devices.
@@ -149,29 +148,31 @@ rules! {
     /// Give each a COB-ID of its own, or switch one off with bit 31.
     COB_ID_TWICE: Error CobId, "eds/cob-id/twice", "CiA 301" "7.3.5" Known;
 
-    /// the device receives by a COB-ID by which it sends or receives something else, too
+    /// two messages, at least one of them received, have the same COB-ID
     ///
-    /// An RPDO takes what is meant for another one, or what the device itself sends.
+    /// An RPDO takes messages that are meant for another RPDO, or that the device itself sends.
     ///
     /// # What to do
     ///
-    /// Give each a COB-ID of its own, or switch one off with bit 31. Leave it so if two RPDOs are to take the same message.
+    /// Give each a COB-ID of its own, or switch one off with bit 31. Leave it unchanged if two RPDOs are meant to take
+    /// the same message.
     COB_ID_SHARED: Warning CobId, "eds/cob-id/shared", "CiA 301" "7.3.5" Known;
 
     /// a default COB-ID is not that of the predefined connection set
     ///
     /// By default the first four TPDOs have 180h, 280h, 380h and 480h plus the node-ID, the RPDOs 200h, 300h, 400h and
-    /// 500h, and EMCY 80h; SYNC has 80h and TIME 100h. A network that rests on these finds nothing there.
+    /// 500h, and EMCY 80h; SYNC has 80h and TIME 100h. A network that relies on these defaults does not find the
+    /// message.
     ///
     /// # What to do
     ///
-    /// Write the formula of the predefined connection set, if nothing speaks against it.
+    /// Write the formula of the predefined connection set, unless another COB-ID is intended.
     PREDEFINED: Hint CobId, "eds/cob-id/predefined", "CiA 301" "7.3.3" Cited;
 
     /// the first SDO server has not the COB-IDs of the predefined connection set
     ///
-    /// 1200h:01 is 600h and 1200h:02 is 580h plus the node-ID, and can't be others: each client reaches the device by these. A
-    /// tool that believes the file sends its requests to somebody else.
+    /// 1200h:01 is 600h and 1200h:02 is 580h plus the node-ID, and both are fixed: every client reaches the device by
+    /// them. A tool that follows the file sends its requests to another node.
     ///
     /// # What to do
     ///

@@ -1,4 +1,4 @@
-//! Sections: which there are, and how they are called.
+//! Rules on sections: existence and names.
 
 use super::rules;
 
@@ -54,11 +54,12 @@ rules! {
 
     /// an ARRAY or RECORD has no sub-indexes
     ///
-    /// The entries of such an object are its sub-indexes: without them a tool can neither read nor write anything of it.
+    /// The entries of such an object are its sub-indexes: without them a tool can't read or write the object.
     ///
     /// # What to do
     ///
-    /// Describe the sub-indexes, in sections of their own or by CompactSubObj; or say ObjectType=0x7 for a single value.
+    /// Describe the sub-indexes, in sections of their own or by CompactSubObj; or write ObjectType=0x7 for a single
+    /// value.
     SUBS_MISSING: Error MissingSection, "eds/section/subs-missing", "CiA 306" Unknown;
 
     /// an ARRAY or RECORD has no sub-index 0

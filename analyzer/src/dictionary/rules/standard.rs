@@ -1,11 +1,11 @@
-//! What the standards say of their own objects: CiA 301, CiA 302, CiA 406.
+//! Rules on standard objects: CiA 301, CiA 302, CiA 406.
 
 use super::rules;
 
 rules! {
     "eds";
 
-    /// an object of a standard is described as a single value where it has sub-indexes, or the other way round
+    /// a standard object is described as a single value although it has sub-indexes, or vice versa
     ///
     /// Tools that know the standard look for the entries at other sub-indexes.
     ///
@@ -31,7 +31,7 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Use the data type of the standard. If the device really has another one, that is a fault of the device.
+    /// Use the data type of the standard. If the device really has another type, that is a fault of the device.
     DATA_TYPE: Warning Standard, "eds/standard/data-type", "CiA 301" "7.5.2" Cited;
 
     /// an object of a standard has another access type
@@ -81,7 +81,7 @@ rules! {
 
     /// the identity object is missing
     ///
-    /// 1018h is mandatory since version 4 of CiA 301; without it a master can't tell which device it has before it.
+    /// 1018h is mandatory since version 4 of CiA 301; without it a master can't identify the device.
     ///
     /// # What to do
     ///

@@ -1,4 +1,4 @@
-//! The file as text: characters, lines, comments.
+//! Rules on the text of the file: characters, lines, comments.
 
 use super::rules;
 
@@ -64,8 +64,8 @@ rules! {
 
     /// a line is neither section, field nor comment
     ///
-    /// A line is `[section]`, `field=value`, `;comment` or empty. Strict tools refuse the whole file, others skip the line
-    /// and with it what it should have said.
+    /// A line is `[section]`, `field=value`, `;comment` or empty. Strict tools refuse the whole file, others skip the
+    /// line and lose its content.
     ///
     /// # What to do
     ///
@@ -103,7 +103,7 @@ rules! {
 
     /// half of the lines can't be read
     ///
-    /// Such a file is no device description, or one that was damaged on its way: what is left of it says nothing reliable.
+    /// Such a file is no device description, or was damaged: its rest is not reliable.
     ///
     /// # What to do
     ///

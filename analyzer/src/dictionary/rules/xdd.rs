@@ -1,4 +1,4 @@
-//! Descriptions in XML.
+//! Rules on descriptions in XML.
 
 use super::rules;
 
@@ -7,11 +7,11 @@ rules! {
 
     /// the file is no well-formed XML
     ///
-    /// What follows is not read, by no tool.
+    /// No tool reads the rest of the file.
     ///
     /// # What to do
     ///
-    /// Close what is open, and write & as &amp;.
+    /// Close all open elements, and write & as &amp;.
     MALFORMED: Error Line, "xdd/text/malformed", "CiA 311" Unknown;
 
     /// an element has an attribute twice
@@ -44,16 +44,16 @@ rules! {
 
     /// an index, data type or flag is no hexadecimal number, or too large
     ///
-    /// What stands there could not be used.
+    /// The value could not be used.
     ///
     /// # What to do
     ///
     /// Write the hexadecimal digits.
     NUMBER: Error Number, "xdd/number/unreadable", "CiA 311" Unknown;
 
-    /// an object refers to a parameter that is not there
+    /// an object refers to a missing parameter
     ///
-    /// uniqueIDRef names a parameter of the application process; type and access are described there.
+    /// uniqueIDRef names a parameter of the application process; the parameter describes type and access.
     ///
     /// # What to do
     ///
@@ -93,15 +93,15 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Write one of these.
+    /// Write one of these access types.
     ACCESS: Warning Value, "xdd/object/access", "CiA 311" Unknown;
 
     /// accessType is missing
     ///
-    /// Nothing says what it is then; it is taken for ro.
+    /// The access type is unknown; canvass takes ro.
     ///
     /// # What to do
     ///
-    /// Say const, ro, wo or rw.
+    /// Write const, ro, wo or rw.
     ACCESS_DEFAULT: Hint MissingField, "xdd/object/access-missing", "CiA 311" Unknown;
 }

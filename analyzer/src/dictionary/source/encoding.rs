@@ -1,8 +1,9 @@
-//! Character sets: an EDS should be ASCII, the field has Latin-1, UTF-8 with and without byte order mark, and UTF-16.
+//! Character sets: an EDS should be ASCII; in the field files are Latin-1, UTF-8 with and without byte order mark,
+//! and UTF-16.
 
 use std::borrow::Cow;
 
-/// How the characters of a file are written.
+/// The character set of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::dictionary) enum Encoding {
     Utf8,
@@ -12,16 +13,16 @@ pub(in crate::dictionary) enum Encoding {
     Latin1,
 }
 
-/// The text of a file.
+/// A decoded file.
 #[derive(Debug)]
 pub(super) struct Decoded<'a> {
     pub text: Cow<'a, str>,
     pub encoding: Encoding,
-    /// Bytes that are no character, each with its place in the text, where a replacement character stands for them.
+    /// Bytes that are no character, each with its place in the text, which has a replacement character there.
     pub unread: Vec<(usize, Vec<u8>)>,
 }
 
-/// The text of the file. Bytes that are no UTF-8 are read as Latin-1, in which every byte is a character.
+/// Decodes the file. Bytes that are no UTF-8 are read as Latin-1, in which every byte is a character.
 pub(super) fn decode(bytes: &[u8]) -> Decoded<'_> {
     let exact = |text, encoding| Decoded { text, encoding, unread: Vec::new() };
     match bytes {
@@ -70,7 +71,7 @@ fn utf_16(bytes: &[u8], encoding: Encoding) -> Decoded<'_> {
 }
 
 impl Encoding {
-    /// The mark before the text.
+    /// The byte order mark.
     pub(super) const fn mark(self) -> &'static [u8] {
         match self {
             Self::Utf8 | Self::Latin1 => b"",
@@ -80,7 +81,7 @@ impl Encoding {
         }
     }
 
-    /// Adds the bytes of a text; `None` if it has characters that are not in Latin-1.
+    /// Appends the bytes of a text; `None` if Latin-1 lacks a character.
     pub(super) fn append(self, text: &str, bytes: &mut Vec<u8>) -> Option<()> {
         match self {
             Self::Utf8 | Self::Utf8WithMark => bytes.extend_from_slice(text.as_bytes()),
@@ -95,7 +96,7 @@ impl Encoding {
         Some(())
     }
 
-    /// The bytes of a file with that text; `None` if it has characters that are not in Latin-1.
+    /// Encodes a text; `None` if Latin-1 lacks a character.
     pub(in crate::dictionary) fn encode(self, text: &str) -> Option<Vec<u8>> {
         let mut bytes = self.mark().to_vec();
         self.append(text, &mut bytes)?;

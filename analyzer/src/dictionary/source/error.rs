@@ -1,6 +1,6 @@
 //! Why a file could not be read at all.
 
-/// A file with more bytes is no device description: the largest ones of modular devices have some megabytes.
+/// Maximum size of a device description in bytes: the largest ones, of modular devices, have some megabytes.
 pub const LARGEST_FILE: usize = 16 << 20;
 
 /// Why a file could not be read at all.
@@ -12,21 +12,21 @@ pub enum DescriptionError {
         /// Its length in bytes.
         found: usize,
     },
-    /// There is no section at all.
+    /// The file has no section at all.
     #[error("expected the sections of an EDS such as [FileInfo] or [1000], found none")]
     NoSections,
     /// The file is XML, but not a CANopen device description.
     #[error("expected a CANopen XDD with a CANopenObjectList, found {found}")]
     NotCanopen {
-        /// What was found.
+        /// The text found.
         found: String,
     },
-    /// The file is XML that ends, because of an error in it, before its first object.
+    /// The file is XML with an error before its first object.
     #[error("line {line}: expected well-formed XML with a CANopenObjectList, found {found}")]
     Malformed {
         /// The line, from 1.
         line: u32,
-        /// What the reader of XML says of it.
+        /// The error of the XML reader.
         found: String,
     },
 }

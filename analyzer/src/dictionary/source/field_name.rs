@@ -1,6 +1,6 @@
-//! The names of fields that CiA 306 defines, each known by its number once a line is read.
+//! The fields that CiA 306 defines, each with a number, so that names are compared only once.
 
-/// Names, by rising length.
+/// Declares the names, by rising length.
 macro_rules! field_names {
     ($($field:ident $name:literal)*) => {
         /// A field that CiA 306 defines.
@@ -9,7 +9,7 @@ macro_rules! field_names {
             $($field),*
         }
 
-        /// As CiA 306 writes them, in the order of the enumeration.
+        /// The spelling of CiA 306, in the order of the enumeration.
         static ALL: [(FieldName, &str); const { [$($name),*].len() }] = [$((FieldName::$field, $name)),*];
     };
 }
@@ -91,7 +91,7 @@ field_names! {
 
 const LONGEST: usize = 24;
 
-/// How many names are shorter than so many characters.
+/// The number of names shorter than a length.
 static SHORTER: [usize; LONGEST + 2] = {
     let mut shorter = [0; LONGEST + 2];
     let mut length = 1;
@@ -107,15 +107,15 @@ static SHORTER: [usize; LONGEST + 2] = {
 };
 
 impl FieldName {
-    /// As CiA 306 writes it.
+    /// The spelling of CiA 306.
     pub fn text(self) -> &'static str {
         ALL.get(self as usize).map_or("", |(_, text)| text)
     }
 
-    /// The field of that name, in any case, without blanks in it.
+    /// The field of that name, ignoring case; the name must not contain blanks.
     pub fn parse(name: &str) -> Option<Self> {
         let alike = ALL.get(*SHORTER.get(name.len())?..*SHORTER.get(name.len() + 1)?)?;
-        // Names begin with a letter, and most of the same length with another one.
+        // Names begin with a letter, which already differs between most names of the same length.
         let first = name.as_bytes().first()? | 0x20;
         let is_it = |known: &str| known.as_bytes()[0] | 0x20 == first && known.eq_ignore_ascii_case(name);
         alike.iter().find(|(_, known)| is_it(known)).map(|&(field, _)| field)

@@ -1,8 +1,8 @@
-//! The lines of an EDS: sections, fields and comments, in the file's order and case.
+//! The lines of an EDS: sections, fields and comments, in the order and case of the file.
 //!
-//! CiA 306, basic structure: `[section]`, `field=value`, `;` begins a comment line. Names are the same in any case.
-//! What the field has beyond that and is accepted here: blanks around everything, `#` and `//` comments, a text after
-//! `]`, line ends of all systems, sections and fields that occur twice (the first counts).
+//! CiA 306, basic structure: `[section]`, `field=value`, `;` begins a comment line. Case of names is ignored. This
+//! reader also accepts variants from the field: blanks anywhere, `#` and `//` comments, a text after `]`, line ends
+//! of all systems, repeated sections and fields (the first counts).
 
 use super::field_name::FieldName;
 use super::lines::{Line, lines};
@@ -13,23 +13,23 @@ use crate::dictionary::problem::Problems;
 use crate::dictionary::rules;
 use std::collections::hash_map::Entry;
 
-/// CiA 306: at most so many characters in a line.
+/// CiA 306: the maximum number of characters in a line.
 const LONGEST_LINE: usize = 255;
 
-/// What follows is not read: each short line of a hostile file would take many times its own memory.
+/// Maximum number of lines that are read: each short line of a hostile file takes many times its own memory.
 const MOST_LINES: u32 = 1_000_000;
 
-/// How many lines say something, and how many of them can't be read.
+/// The number of non-empty lines, and of unreadable ones among them.
 #[derive(Default)]
 struct Count {
     used: u32,
     unread: u32,
 }
 
-/// All sections of the text.
+/// Reads all sections of the text.
 pub(super) fn read(text: &str, problems: Problems) -> Builder<'_> {
     let mut builder = Builder::new(text, false, problems);
-    // Most sections have more bytes: nothing is copied because a table was too small.
+    // An estimate of the number of sections, by which tables rarely have to grow: most sections have more bytes.
     let sections = text.len() / 128;
     builder.tree.sections.reserve(sections);
     builder.tree.by_name.reserve(sections);
@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, problems: Problems) -> Builder<'_> {
 }
 
 impl<'t> Builder<'t> {
-    /// Lines are not too long and have no control characters.
+    /// Checks the length of a line, and its control characters.
     fn check_line(&mut self, line: &Line<'_>, number: u32) {
         if line.text.len() > LONGEST_LINE && line.text.chars().nth(LONGEST_LINE).is_some() {
             let expected = "at most 255 characters";
@@ -167,7 +167,7 @@ impl<'t> Builder<'t> {
         }
     }
 
-    /// One way to end a line in the whole file, and not by a carriage return alone.
+    /// Checks that all lines end in the same way, and not by a carriage return alone.
     fn check_line_ends(&mut self) {
         let text = self.text;
         if !text.contains('\r') {

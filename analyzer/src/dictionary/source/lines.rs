@@ -1,4 +1,4 @@
-//! A text by its lines, with what one look at the bytes of each tells.
+//! Splits a text into lines, and classifies the bytes of each in one pass.
 
 use super::MARK;
 use crate::dictionary::place::Span;
@@ -7,16 +7,16 @@ use crate::dictionary::place::Span;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line<'t> {
     pub text: &'t str,
-    /// Where it begins.
+    /// The offset of its beginning.
     pub start: usize,
-    /// Whether there is nothing in it but printable ASCII characters and tabs.
+    /// Whether it consists of printable ASCII characters and tabs only.
     pub is_plain: bool,
-    /// Where the first equals sign is, from the beginning; only of a plain line.
+    /// The offset of the first equals sign from the beginning; only for a plain line.
     equals: Option<usize>,
 }
 
 impl<'t> Line<'t> {
-    /// Without blanks and zeros at both ends.
+    /// The line without blanks and zeros at both ends.
     pub fn trimmed(self) -> Self {
         let is_before = |character| is_blank(character) || character == MARK && self.start == 0;
         let text = if self.is_plain { self.text.trim_ascii_start() } else { self.text.trim_start_matches(is_before) };
@@ -26,7 +26,7 @@ impl<'t> Line<'t> {
         Self { text, start: self.start + cut, equals, ..self }
     }
 
-    /// What stands on both sides of the equals sign, without blanks around it.
+    /// The two sides of the equals sign, without blanks around them.
     pub fn sides(&self) -> Option<(&'t str, &'t str)> {
         if self.is_plain {
             let equals = self.equals?;
@@ -37,18 +37,18 @@ impl<'t> Line<'t> {
         Some((name.trim_end(), value.trim_start()))
     }
 
-    /// All of it.
+    /// The range of the line.
     pub const fn span(&self) -> Span {
         Span::new(self.start, self.start + self.text.len())
     }
 }
 
-/// What stands around a line or a field and is not meant.
+/// Whether a character around a line or a field is insignificant.
 pub(super) fn is_blank(character: char) -> bool {
     character.is_whitespace() || character == '\0'
 }
 
-/// What a byte means for the line that it is in.
+/// The meaning of a byte for its line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Plain,
@@ -72,7 +72,7 @@ const KINDS: [Kind; 256] = {
     kinds
 };
 
-/// Lines that end in LF, CR LF or CR alone. After the end of the last there is an empty one.
+/// Lines that end in LF, CR LF or CR alone. After the last line end there is one more, empty line.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut next = Some(0);
     std::iter::from_fn(move || {
@@ -82,7 +82,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// The line that begins there, and where the next one begins.
+/// The line that begins at `start`, and the offset of the next one.
 fn line_at(text: &str, start: usize) -> (Line<'_>, Option<usize>) {
     let (mut is_plain, mut equals) = (true, None);
     let rest = text.get(start..).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! The text of a description as a lossless tree: sections with fields (EDS, DCF), or elements with attributes (XDD, XDC),
-//! each with its place. Whoever reads, judges, fixes or shows a description does so by this tree.
+//! The text of a description as a lossless tree: sections with fields (EDS, DCF), or elements with attributes (XDD,
+//! XDC), each with its place. Readers, rules, fixes and editors all use this tree.
 
 mod encoding;
 mod error;
@@ -34,7 +34,7 @@ use tree::{Builder, SectionIdentity, Tree};
 /// The byte order mark, with which an editor may begin a text.
 const MARK: char = '\u{FEFF}';
 
-/// How a description is written.
+/// The syntax of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     /// EDS or DCF.
@@ -44,10 +44,10 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// By the first bytes.
+    /// The syntax by the first bytes.
     fn of(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-        // A merge conflict begins with more of them. In UTF-16 the first character has a zero beside it.
+        // A merge conflict begins with several of them. In UTF-16 the first character has a zero beside it.
         let is_xml = text.starts_with(b"<") && !text.starts_with(b"<<")
             || text.starts_with(b"\xFF\xFE<")
             || text.starts_with(b"\xFE\xFF\0<");
@@ -55,17 +55,17 @@ impl Format {
     }
 }
 
-/// The text of a description with everything that is in it.
+/// The text of a description, and its tree.
 #[derive(Debug)]
 pub struct Source<'a> {
-    /// The text, in which all places are.
+    /// The text; all places refer to it.
     pub text: Cow<'a, str>,
     pub(super) encoding: Encoding,
     /// Bytes that are no character, each with its place in the text.
     unread: Vec<(usize, Vec<u8>)>,
     is_xml: bool,
     tree: Tree,
-    /// What is wrong with it as a text.
+    /// Problems of the text.
     problems: Problems,
 }
 
@@ -73,12 +73,12 @@ impl<'a> Source<'a> {
     /// Reads an EDS, DCF, XDD or XDC, distinguished by content.
     ///
     /// # Errors
-    /// If it is larger than [`LARGEST_FILE`].
+    /// If the file is larger than [`LARGEST_FILE`].
     pub fn read(bytes: &'a [u8]) -> Result<Self, DescriptionError> {
         Self::read_as(Format::of(bytes), bytes)
     }
 
-    /// Reads a file of that format.
+    /// Reads a file in that syntax.
     pub(super) fn read_as(format: Format, bytes: &'a [u8]) -> Result<Self, DescriptionError> {
         if bytes.len() > LARGEST_FILE {
             return Err(DescriptionError::TooLarge { found: bytes.len() });
@@ -102,7 +102,8 @@ impl<'a> Source<'a> {
         source
     }
 
-    /// Places lie within the text, on the borders of characters, in order; what is in something else lies within it.
+    /// Checks the invariants in debug builds: places lie within the text, on the borders of characters, in order, and
+    /// nested parts lie inside their parents.
     fn check_places(&self) {
         debug_assert!(self.elements().zip(self.elements().skip(1)).all(|(one, next)| {
             let is_inside = next.whole().end <= one.whole().end;
@@ -123,12 +124,12 @@ impl<'a> Source<'a> {
         }));
     }
 
-    /// What is wrong with it as a text.
+    /// The problems of the text.
     pub(super) fn problems(&self) -> Problems {
         self.problems.clone()
     }
 
-    /// Whether each byte is a part of a character, so that a changed text can be written in the same way.
+    /// Whether each byte is a part of a character, so that a changed text can be written back exactly.
     pub(super) const fn is_exact(&self) -> bool {
         self.unread.is_empty()
     }
@@ -138,7 +139,7 @@ impl<'a> Source<'a> {
         self.is_xml
     }
 
-    /// What stands there.
+    /// The text at a place.
     pub(super) fn get(&self, span: Span) -> &str {
         self.text.get(span.range()).unwrap_or_default()
     }
@@ -149,12 +150,12 @@ impl<'a> Source<'a> {
         (start..end).zip(parts).map(|(id, part)| Section { source: self, part, id: SectionId(id) })
     }
 
-    /// The elements in the order of their start tags; all sections, also those that repeat another.
+    /// The elements in the order of their start tags; or all sections, including repeated ones.
     pub(super) fn elements(&self) -> impl DoubleEndedIterator<Item = Section<'_>> {
         self.parts(0..self.tree.sections.len() as u32)
     }
 
-    /// The sections, each name once: the first counts. XML has none.
+    /// The sections; of repeated ones only the first. Empty for XML.
     pub(super) fn sections(&self) -> impl DoubleEndedIterator<Item = Section<'_>> {
         self.elements().filter(|section| !section.part.is_repeated && !self.is_xml)
     }
@@ -167,7 +168,7 @@ impl<'a> Source<'a> {
         self.elements().filter(move |element| element.name() == name)
     }
 
-    /// The section of that name, in any case.
+    /// The section of that name, ignoring case.
     pub(super) fn section(&self, name: &str) -> Option<Section<'_>> {
         self.by_id(*self.tree.by_name.get(&SectionIdentity::of(name).1)?)
     }
@@ -176,45 +177,45 @@ impl<'a> Source<'a> {
         self.parts(id..id + 1).next()
     }
 
-    /// The section in which a place is; none before the first.
+    /// The section around a place; `None` before the first section.
     pub(super) fn section_at(&self, at: usize) -> Option<Section<'_>> {
         let before = self.tree.sections.partition_point(|section| section.whole.range().start <= at);
         self.by_id(before.checked_sub(1)? as u32).filter(|_| !self.is_xml)
     }
 
-    /// The section whose name is in that line.
+    /// The section whose name is on that line.
     pub(super) fn section_in(&self, line: u32) -> Option<Section<'_>> {
         let found = self.tree.sections.binary_search_by_key(&line, |section| section.line).ok()?;
         self.by_id(found as u32).filter(|_| !self.is_xml)
     }
 
-    /// The field in that line of an EDS.
+    /// The field on that line of an EDS.
     pub(super) fn field_in(&self, line: u32) -> Option<Field<'_>> {
         self.section_at(self.whole_line(line).start)?.field_in(line)
     }
 
-    /// Comments, with their marks.
+    /// The comments, including their marks.
     pub(super) fn comments(&self) -> impl Iterator<Item = Span> {
         self.tree.comments.iter().copied()
     }
 
-    /// How many lines there are.
+    /// The number of lines.
     pub(super) const fn lines(&self) -> u32 {
         self.tree.lines.len() as u32
     }
 
-    /// A line with its end; empty after the last.
+    /// The range of a line with its end; empty after the last line.
     pub fn whole_line(&self, number: u32) -> Range<usize> {
         let start = |line: usize| self.tree.lines.get(line).map_or(self.text.len(), |&start| start as usize);
         (number as usize).checked_sub(1).map_or(self.text.len()..self.text.len(), |line| start(line)..start(line + 1))
     }
 
-    /// A line without blanks around it.
+    /// The range of a line without blanks at both ends.
     pub(super) fn line(&self, number: u32) -> Span {
         self.trimmed(self.whole_line(number))
     }
 
-    /// The range without blanks at both ends; its beginning if there is nothing else.
+    /// The range without blanks at both ends; the beginning of the range if there is nothing else.
     pub(super) fn trimmed(&self, range: Range<usize>) -> Span {
         let text = self.text.get(range.clone()).unwrap_or_default();
         let rest = text.trim_start_matches(is_blank);
@@ -222,19 +223,19 @@ impl<'a> Source<'a> {
         Span::new(start, start + rest.trim_end_matches(is_blank).len())
     }
 
-    /// How the first line ends, and so new ones do.
+    /// The line end for new lines: that of the first line.
     pub(super) fn line_end(&self) -> &'static str {
         if self.text.get(self.whole_line(1)).is_some_and(|line| line.ends_with("\r\n")) { "\r\n" } else { "\n" }
     }
 
-    /// Line and column of a place, both from 1, the column in characters.
+    /// Line and column of a place, both from 1; the column counts characters.
     pub fn position(&self, at: usize) -> (u32, u32) {
         let line = self.tree.lines.partition_point(|&start| start as usize <= at) as u32;
         let before = self.text.get(self.whole_line(line).start..at).unwrap_or_default();
         (line, before.chars().count() as u32 + 1)
     }
 
-    /// Where a problem of this source is; none if it concerns no single line.
+    /// The place of a problem in this source; `None` if it concerns no single line.
     pub(super) fn place(&self, problem: &EdsProblem) -> Option<Span> {
         let section = match problem.spot {
             Spot::Exact(span) => return Some(span),
@@ -268,7 +269,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What is wrong with the character set of an EDS. Every one is right in XML.
+/// Problems of the character set of an EDS. XML allows every character set.
 fn of_encoding(encoding: Encoding, text: &str) -> Problems {
     let mut problems = Problems::default();
     let (rule, found) = match encoding {

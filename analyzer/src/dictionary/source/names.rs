@@ -1,8 +1,8 @@
-//! When two names of sections or fields are the same: in any case, without blanks.
+//! Comparison of the names of sections and fields: ignores case and blanks.
 
 use std::borrow::Cow;
 
-/// The name in lower case and without blanks. Nearly all names of lists are so already.
+/// The name in lower case and without blanks. Nearly all names of lists have this form already.
 pub(in crate::dictionary) fn canonical(name: &str) -> Cow<'_, str> {
     if name.bytes().all(|byte| byte.is_ascii_graphic() && !byte.is_ascii_uppercase()) {
         return Cow::Borrowed(name);
@@ -11,7 +11,7 @@ pub(in crate::dictionary) fn canonical(name: &str) -> Cow<'_, str> {
     Cow::Owned(letters.flat_map(char::to_lowercase).collect())
 }
 
-/// Whether two names are [`canonical`]ly the same. Nearly all names have neither blanks nor other letters.
+/// Whether two names have the same [`canonical`] form. Nearly all names have neither blanks nor non-ASCII letters.
 pub(super) fn is_same(one: &str, other: &str) -> bool {
     // Most names differ in their first letter.
     if let ([first, ..], [second, ..]) = (one.as_bytes(), other.as_bytes())

@@ -1,4 +1,4 @@
-//! Sections with their fields, and elements with their attributes, as readers see them.
+//! Sections with their fields, and elements with their attributes: the interface for readers.
 
 use super::Source;
 use super::field_name::FieldName;
@@ -25,17 +25,17 @@ pub(in crate::dictionary) struct Field<'s> {
 }
 
 impl<'s> Section<'s> {
-    /// As the file writes it, without brackets or the prefix of a namespace.
+    /// The name as in the file, without brackets or namespace prefix.
     pub fn name(self) -> &'s str {
         self.source.get(self.part.name)
     }
 
-    /// Where its name stands.
+    /// The place of its name.
     pub const fn name_span(self) -> Span {
         self.part.name
     }
 
-    /// From its beginning to the next section, or to its end tag.
+    /// The range from its beginning to the next section, or to its end tag.
     pub const fn whole(self) -> Span {
         self.part.whole
     }
@@ -44,7 +44,7 @@ impl<'s> Section<'s> {
         self.part.line
     }
 
-    /// From the line of its name to its last.
+    /// The lines from its name to its end.
     pub fn lines(self) -> RangeInclusive<u32> {
         self.part.line..=self.source.position(self.part.whole.range().end.saturating_sub(1)).0
     }
@@ -53,12 +53,12 @@ impl<'s> Section<'s> {
         self.part.about
     }
 
-    /// Whether an object or entry is named as the standard writes it, case and blanks aside.
+    /// Whether the section of an object or entry has the standard's name, apart from case and blanks.
     pub const fn is_standard(self) -> bool {
         self.part.is_standard
     }
 
-    /// The object or entry that it describes, and whether it is an entry.
+    /// The described object or entry, and whether it is an entry.
     pub const fn address(self) -> Option<(Multiplexer, bool)> {
         match self.part.about {
             SectionName::Object(index) => Some((Multiplexer::new(index, 0), false)),
@@ -67,14 +67,14 @@ impl<'s> Section<'s> {
         }
     }
 
-    /// All its fields, also those that repeat another.
+    /// All its fields, including repeated ones.
     pub fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
         let (first, end) = self.part.fields;
         let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
         (first..end).zip(parts).map(move |(number, part)| Field { section: self, part, number })
     }
 
-    /// Its fields, each name once: the first counts.
+    /// Its fields; of repeated ones only the first.
     pub fn fields(self) -> impl Iterator<Item = Field<'s>> + use<'s> {
         self.all_fields().filter(|field| !field.part.is_repeated)
     }
@@ -84,12 +84,12 @@ impl<'s> Section<'s> {
         self.all_fields().find(|field| field.part.known == Some(name))
     }
 
-    /// The field in whose line a place is, from its name to the end of its value.
+    /// The field on the line of a place, if the place is between its name and the end of its value.
     pub fn field_at(self, at: usize) -> Option<Field<'s>> {
         self.field_in(self.source.position(at).0).filter(|field| field.whole().touches(at))
     }
 
-    /// The field in that line.
+    /// The field on that line.
     pub(super) fn field_in(self, line: u32) -> Option<Field<'s>> {
         let (first, end) = self.part.fields;
         let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
@@ -97,19 +97,19 @@ impl<'s> Section<'s> {
         Some(Field { section: self, part: parts.get(at)?, number: first + at as u32 })
     }
 
-    /// Where the section begins.
+    /// The place of its beginning.
     pub fn place(self) -> Place<'s> {
         let spot = Spot::Exact(self.part.head);
         Place { line: self.part.line, section: self.name(), field: "", spot }
     }
 
-    /// Where a field stands, or would stand.
+    /// The place of a field; for a missing field, of the section.
     pub fn place_of(self, name: FieldName) -> Place<'s> {
         let place = self.field(name).map_or_else(|| self.place(), Field::place);
         Place { field: name.text(), ..place }
     }
 
-    /// An attribute that is there and not blank; in another case too, where there is none in that case.
+    /// A non-blank attribute; if no attribute has exactly this name, one that differs in case.
     pub fn attribute(self, name: &str) -> Option<&'s str> {
         Some(self.attribute_field(name)?.value().trim()).filter(|value| !value.is_empty())
     }
@@ -120,7 +120,7 @@ impl<'s> Section<'s> {
         self.all_fields().find(is_exact).or_else(|| self.all_fields().find(in_any_case))
     }
 
-    /// Where an attribute stands, or would stand.
+    /// The place of an attribute; for a missing one, of the element.
     pub fn place_of_attribute<'p>(self, name: &'p str) -> Place<'p>
     where
         's: 'p,
@@ -129,22 +129,22 @@ impl<'s> Section<'s> {
         Place { field: name, ..field.map_or_else(|| self.place(), Field::place) }
     }
 
-    /// The text directly in an element, without blanks around it.
+    /// The text directly inside an element, without blanks at both ends.
     pub fn text(self) -> &'s str {
         self.source.tree.texts.get(&self.id.0).map_or("", |text| text.trim())
     }
 
-    /// The elements in it, to any depth.
+    /// All nested elements.
     pub fn inside(self) -> impl Iterator<Item = Self> + use<'s> {
         self.source.parts(self.id.0 + 1..self.part.next)
     }
 
-    /// The first element after it that is not in it.
+    /// The next element that is not nested in it.
     pub const fn next(self) -> SectionId {
         SectionId(self.part.next)
     }
 
-    /// Whether it says anything: an attribute, a text, or an element in it.
+    /// Whether it has content: an attribute, a text, or a nested element.
     pub fn has_content(self) -> bool {
         let (first, end) = self.part.fields;
         !self.text().is_empty() || first < end || self.id.0 + 1 < self.part.next
@@ -152,17 +152,18 @@ impl<'s> Section<'s> {
 }
 
 impl<'s> Field<'s> {
-    /// As the file writes it, without the prefix of a namespace.
+    /// The name as in the file, without namespace prefix.
     pub fn name(self) -> &'s str {
         self.section.source.get(self.part.name)
     }
 
-    /// Which one it is, where CiA 306 defines it.
+    /// The field by CiA 306, if CiA 306 defines it.
     pub const fn known(self) -> Option<FieldName> {
         self.part.known
     }
 
-    /// Without blanks at both ends; a comment after the value still stands in it. Of an attribute what it says.
+    /// The value without blanks at both ends; it may include a comment after it. For an attribute, the value with
+    /// entities replaced.
     pub fn value(self) -> &'s str {
         let source = self.section.source;
         match source.tree.values.get(&self.number).filter(|_| source.is_xml) {
@@ -183,17 +184,17 @@ impl<'s> Field<'s> {
         self.part.value
     }
 
-    /// Name and value, with what is between them.
+    /// The range of name and value.
     pub const fn whole(self) -> Span {
         Span { start: self.part.name.start, end: self.part.value.end }
     }
 
-    /// Where a problem of it stands.
+    /// The place for problems of its value.
     pub fn place(self) -> Place<'s> {
         Place { line: self.part.line, section: self.section.name(), field: self.name(), spot: self.part.spot() }
     }
 
-    /// Where a problem of its name stands.
+    /// The place for problems of its name.
     pub fn place_of_name(self) -> Place<'s> {
         Place { spot: self.part.spot_of_name(), ..self.place() }
     }

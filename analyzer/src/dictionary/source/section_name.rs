@@ -1,4 +1,4 @@
-//! What a section is about, by its name.
+//! The meaning of a section's name.
 
 use super::names::canonical;
 
@@ -22,7 +22,7 @@ pub(in crate::dictionary) enum SectionName {
     Object(u16),
     /// `1018sub1`: the sub-index is hexadecimal.
     Sub(u16, u8),
-    /// `1003Name`, `1003Value`, `1003Denotation`, `1003ObjectLinks`: next to an object.
+    /// `1003Name`, `1003Value`, `1003Denotation`, `1003ObjectLinks`: additions to an object.
     Beside(u16),
     /// `M1…`
     Module(u16, ModulePart),
@@ -45,7 +45,7 @@ pub(in crate::dictionary) enum ModulePart {
 }
 
 impl SectionName {
-    /// The object or entry whose section the standard calls so, in any case: most sections are one.
+    /// The object or entry of a section in the standard's spelling, ignoring case: the form of most sections.
     pub fn parse_standard(name: &str) -> Option<Self> {
         let (index, rest) = name.as_bytes().split_first_chunk::<4>()?;
         let index = index.iter().try_fold(0, |index, &digit| Some(index << 4 | u16::from(nibble(digit)?)))?;
@@ -67,7 +67,7 @@ impl SectionName {
         match &*canonical(name) {
             "fileinfo" => Self::FileInfo,
             "deviceinfo" => Self::DeviceInfo,
-            // The standard writes one m; the field writes both.
+            // The standard spells it with one m; files have both.
             "devicecomissioning" | "devicecommissioning" => Self::DeviceCommissioning,
             "dummyusage" => Self::DummyUsage,
             "comments" => Self::Comments,
@@ -83,7 +83,7 @@ impl SectionName {
     }
 }
 
-/// The name of an object's section, or of a sub-index, as CiA 306 writes it.
+/// The name of an object's or a sub-index's section in the form of CiA 306.
 pub(in crate::dictionary) fn standard_section_name(name: &str) -> Option<String> {
     match SectionName::parse(name) {
         SectionName::Object(index) => Some(format!("{index:04X}")),
@@ -97,7 +97,7 @@ fn is_tool(name: &str) -> bool {
     number == "s" || (!number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
-/// `1018`, `1018sub1`, `1003name`; also with `0x` before it.
+/// Parses `1018`, `1018sub1`, `1003name`; also with `0x` before it.
 fn object(name: &str) -> Option<SectionName> {
     let name = name.strip_prefix("0x").unwrap_or(name);
     let (index, rest) = name.split_at_checked(4)?;

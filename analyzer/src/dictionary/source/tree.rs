@@ -9,10 +9,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// What is in a text, in its order.
+/// The parts of a text, in its order.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
-    /// Where each line begins.
+    /// The offset of each line.
     pub lines: Vec<u32>,
     /// Sections, or elements in the order of their start tags.
     pub sections: Vec<SectionPart>,
@@ -21,60 +21,60 @@ pub(super) struct Tree {
     pub comments: Vec<Span>,
     /// The first section of each name.
     pub by_name: HashMap<SectionIdentity, u32>,
-    /// Values of attributes that are not what stands in the file, by the number of the attribute.
+    /// Values of attributes that differ from the text of the file, by the index of the attribute.
     pub values: HashMap<u32, String>,
-    /// The texts of elements that have one, by the number of the element.
+    /// The texts of elements, by the index of the element.
     pub texts: HashMap<u32, String>,
 }
 
-/// Most sections have no more fields.
+/// Up to this number of fields a linear search is faster than a map; most sections have fewer.
 const FEW: usize = 16;
 
 /// A section, or an element.
 #[derive(Debug)]
 pub(super) struct SectionPart {
-    /// Without brackets; of an element without its prefix.
+    /// The name without brackets or namespace prefix.
     pub name: Span,
-    /// The line of the name; of a start tag its first line.
+    /// The line of the name; for a start tag its first line.
     pub head: Span,
-    /// Up to the next section; up to the end tag.
+    /// The range up to the next section or the end tag.
     pub whole: Span,
     pub line: u32,
-    /// The first of its fields, and the first that is not its own.
+    /// Index of the first field, and of the first field after its own.
     pub fields: (u32, u32),
-    /// The first that is neither itself nor inside it.
+    /// Index of the next part that is not nested in it.
     pub next: u32,
     pub about: SectionName,
-    /// Whether an object or entry is named as the standard writes it, case and blanks aside.
+    /// Whether the section of an object or entry has the standard's name, apart from case and blanks.
     pub is_standard: bool,
-    /// Whether it has the name of a section before it.
+    /// Whether an earlier section has the same name.
     pub is_repeated: bool,
 }
 
 /// A field, or an attribute.
 #[derive(Debug)]
 pub(super) struct FieldPart {
-    /// Of an attribute without its prefix.
+    /// The name without namespace prefix.
     pub name: Span,
-    /// Without blanks or quotes around it.
+    /// The value without blanks or quotes around it.
     pub value: Span,
-    /// Its line; of an attribute that of its element.
+    /// Its line; for an attribute, the line of its element.
     pub line: u32,
     pub known: Option<FieldName>,
-    /// Whether it has the name of one before it in its section.
+    /// Whether an earlier field of the section has the same name.
     pub is_repeated: bool,
 }
 
-/// What two sections of the same name have in common. Nearly all are spelled as the standard has it.
+/// The key that sections of the same name share. Nearly all have the standard's spelling.
 #[derive(Debug, PartialEq, Eq, Hash)]
 pub(super) enum SectionIdentity {
     Standard(SectionName),
-    /// [`canonical`]
+    /// The [`canonical`] name.
     Other(String),
 }
 
 impl SectionIdentity {
-    /// With what the section is about.
+    /// The key, and the meaning of the section.
     pub fn of(name: &str) -> (SectionName, Self) {
         match SectionName::parse_standard(name) {
             Some(about) => (about, Self::Standard(about)),
@@ -89,14 +89,14 @@ impl SectionIdentity {
     }
 }
 
-/// Makes the tree of a text, from its beginning to its end.
+/// Builds the tree of a text, from its beginning to its end.
 #[derive(Debug)]
 pub(super) struct Builder<'t> {
     pub text: &'t str,
     pub tree: Tree,
     pub problems: Problems,
     is_xml: bool,
-    /// The fields of the last section by name, once there are more than [`FEW`]: fewer are faster looked through.
+    /// The fields of the last section by name, used when there are more than [`FEW`].
     known: HashMap<Cow<'t, str>, u32>,
 }
 
@@ -109,14 +109,14 @@ impl<'t> Builder<'t> {
         self.text.get(span.range()).unwrap_or_default()
     }
 
-    /// Begins a section or element: fields that are added belong to it.
+    /// Begins a section or element, to which the following fields belong.
     pub fn begin(&mut self, section: SectionPart) -> u32 {
         self.known.clear();
         self.tree.sections.push(section);
         self.tree.sections.len() as u32 - 1
     }
 
-    /// Adds a field to the last section; the first one of the same name there, if there is one.
+    /// Adds a field to the last section; returns an earlier one of the same name.
     pub fn add(&mut self, field: FieldPart) -> Option<u32> {
         let section = self.tree.sections.last()?;
         let first = if section.is_repeated { None } else { self.first_of(section.fields.0, &field) };
@@ -152,7 +152,7 @@ impl<'t> Builder<'t> {
         }
     }
 
-    /// What two fields of the same name have in common.
+    /// The key that fields of the same name share.
     fn key(&self, field: &FieldPart) -> Cow<'t, str> {
         match field.known {
             Some(known) => Cow::Borrowed(known.text()),
@@ -163,12 +163,12 @@ impl<'t> Builder<'t> {
 }
 
 impl FieldPart {
-    /// Where a problem of the field is shown: at its value, or at its name where it has none.
+    /// The place for problems of the field: its value, or its name if the value is empty.
     pub const fn spot(&self) -> Spot {
         if self.value.is_empty() { self.spot_of_name() } else { Spot::Exact(self.value) }
     }
 
-    /// Where a problem of its name is shown: at the name, or at the line where it has none.
+    /// The place for problems of its name: the name, or the line if the name is empty.
     pub const fn spot_of_name(&self) -> Spot {
         if self.name.is_empty() { Spot::Line } else { Spot::Exact(self.name) }
     }

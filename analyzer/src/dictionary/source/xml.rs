@@ -1,4 +1,4 @@
-//! The elements of an XML file as a flat list: a recursive tree of a hostile file could be deeper than any stack.
+//! The elements of an XML file as a flat list: a recursive tree of a hostile file could overflow the stack.
 
 use super::MARK;
 use super::section_name::SectionName;
@@ -11,24 +11,24 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
 
-/// What follows is not read.
+/// Maximum number of elements that are read.
 const MOST_ELEMENTS: usize = 500_000;
 
-/// Device descriptions are some ten elements deep. A bound keeps the time linear: what is inside an element is
-/// looked through once for each element around it.
+/// Maximum depth; device descriptions are some ten elements deep. The limit keeps the time linear: the content of an
+/// element is scanned once for each element around it.
 const DEEPEST: usize = 100;
 
-/// Reads as far as the file is XML; what stops the reading is a problem.
+/// Reads up to the first error of XML, which is reported as a problem.
 pub(super) fn read(text: &str) -> Builder<'_> {
     let mut builder = Builder::new(text, true, Problems::default());
     builder.tree.lines.push(0);
     let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
     builder.tree.lines.extend(ends.map(|(at, _)| at as u32 + 1));
-    // The reader does not count a byte order mark.
+    // The XML reader does not count a byte order mark.
     let body = text.trim_start_matches(MARK);
     let mark = text.len() - body.len();
     let mut reader = Reader::from_str(body);
-    // The elements that are open.
+    // The stack of open elements.
     let mut open: Vec<u32> = Vec::new();
     let position = |reader: &Reader<_>| text.len().min(mark + reader.buffer_position() as usize);
     loop {
@@ -68,7 +68,7 @@ impl<'t> Builder<'t> {
         self.tree.lines.partition_point(|&start| start as usize <= at) as u32
     }
 
-    /// Where a part of the text stands that the reader of XML has found.
+    /// The place of a part of the text that the XML reader returned.
     fn place_of(&self, part: &[u8]) -> Span {
         let start = part.as_ptr().addr().wrapping_sub(self.text.as_ptr().addr());
         debug_assert!(self.text.as_bytes().get(start..start + part.len()) == Some(part), "a part of the text");
@@ -132,7 +132,7 @@ impl<'t> Builder<'t> {
         }
     }
 
-    /// Adds to the text of the element that is open. Blanks before it are no part of it.
+    /// Appends to the text of the open element; leading blanks are dropped.
     fn characters(&mut self, open: Option<&u32>, event: &Event<'_>) {
         let Some((text, &element)) = characters(event).zip(open) else { return };
         if !text.trim().is_empty() || self.tree.texts.contains_key(&element) {
@@ -141,7 +141,7 @@ impl<'t> Builder<'t> {
     }
 }
 
-/// The characters of an event between tags. Entities other than the five of XML are left out: none is ever expanded.
+/// The characters between tags. Entities other than the five of XML are left out: none is ever expanded.
 fn characters<'e>(event: &'e Event<'_>) -> Option<Cow<'e, str>> {
     match event {
         Event::Text(text) => text.decode().ok(),

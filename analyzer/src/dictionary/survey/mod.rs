@@ -1,6 +1,7 @@
-//! What a device answers when its object dictionary is read: compared with its description, and the start of one.
+//! The answers of a device to reading its object dictionary: compares them with its description, or makes a
+//! description from them.
 //!
-//! Nothing here reads from a device: the caller does, and fills a [`Survey`].
+//! Nothing here accesses a device: the caller does, and fills a [`Survey`].
 
 pub mod compare;
 pub mod describe;
@@ -12,23 +13,23 @@ use canvass_traces::hex;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How a device answered when an entry was read.
+/// The answer of a device to reading an entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// With these bytes.
+    /// A value with these bytes.
     Value(Vec<u8>),
-    /// With more bytes than were wanted; there are at least so many.
+    /// A value longer than the limit, of at least this many bytes.
     Long(usize),
-    /// With an abort.
+    /// An abort.
     Aborted(AbortCode),
-    /// Not at all.
+    /// No answer.
     Silent,
-    /// With something that has no place in the transfer, in words.
+    /// A message that breaks the protocol, in words.
     Violated(String),
 }
 
 impl Answer {
-    /// Whether the device has the entry; `None` where the answer does not tell.
+    /// Whether the device has the entry; `None` if the answer does not tell.
     pub const fn exists(&self) -> Option<bool> {
         match self {
             Self::Value(_) | Self::Long(_) => Some(true),
@@ -39,7 +40,7 @@ impl Answer {
         }
     }
 
-    /// Whether the entry exists, and has no value to give at the moment.
+    /// Whether the entry exists, but has no value at the moment.
     pub const fn is_momentary(&self) -> bool {
         matches!(self, Self::Aborted(AbortCode(0x0800_0020..=0x0800_0024)))
     }
@@ -58,7 +59,7 @@ impl fmt::Display for Answer {
     }
 }
 
-/// As many bytes as people read at once, with their number.
+/// The first bytes of a value, with their number: as many as people read at a glance.
 struct Bytes<'a>(&'a [u8]);
 
 impl fmt::Display for Bytes<'_> {
@@ -81,12 +82,12 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Keeps an answer.
+    /// Stores an answer.
     pub fn insert(&mut self, at: Multiplexer, answer: Answer) {
         self.answers.insert(at, answer);
     }
 
-    /// How the device answered there, if it was asked.
+    /// The answer at that address, if it was read.
     pub fn get(&self, at: Multiplexer) -> Option<&Answer> {
         self.answers.get(&at)
     }
@@ -102,7 +103,7 @@ impl Survey {
         self.answers.range(at(0)..=at(0xFF)).map(|(at, answer)| (at.sub, answer))
     }
 
-    /// The bytes that were read there.
+    /// The bytes read at that address.
     pub fn value(&self, at: Multiplexer) -> Option<&[u8]> {
         match self.get(at) {
             Some(Answer::Value(bytes)) => Some(bytes),
@@ -110,13 +111,13 @@ impl Survey {
         }
     }
 
-    /// The bytes that were read there as a number, if they are few enough.
+    /// The bytes read at that address as a number, if there are at most eight.
     pub fn number(&self, at: Multiplexer) -> Option<u64> {
         let bytes = self.value(at).filter(|bytes| (1..=8).contains(&bytes.len()))?;
         Some(bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
     }
 
-    /// How many sub-indexes sub-index 0 counts, if it can be a count.
+    /// The value of sub-index 0, if it can be a count.
     pub fn count(&self, index: Index) -> Option<u8> {
         let at = Multiplexer { index, sub: SubIndex(0) };
         self.value(at).and_then(|bytes| <[u8; 1]>::try_from(bytes).ok()).map(|[count]| count)
@@ -127,7 +128,7 @@ impl Survey {
         self.number(Multiplexer::new(object::DEVICE_TYPE, 0)).map(|device_type| device_type as u16)
     }
 
-    /// How many entries there were answers for, and how many of them exist.
+    /// The number of answered entries, and of existing ones among them.
     pub fn counts(&self) -> (usize, usize) {
         let existing = self.answers.values().filter(|answer| answer.exists() == Some(true));
         (self.answers.len(), existing.count())

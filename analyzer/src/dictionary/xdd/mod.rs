@@ -21,7 +21,7 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     describe(&Source::read_as(Format::Xml, bytes)?)
 }
 
-/// What an XDD or XDC says.
+/// Describes the device in an XDD or XDC.
 pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, DescriptionError> {
     let mut problems = source.problems();
     if source.named("CANopenObjectList").next().is_none() {
@@ -54,7 +54,7 @@ pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, Descrip
     })
 }
 
-/// From the body that describes the communication: the last one.
+/// Data from the profile body that describes the communication: the last one.
 fn file_info(source: &Source<'_>) -> FileInfo {
     let Some(body) = source.named("ProfileBody").last() else { return FileInfo::default() };
     let text = |name: &str| body.attribute(name).unwrap_or_default().to_owned();
@@ -103,7 +103,7 @@ fn device_info(source: &Source<'_>) -> DeviceInfo {
 fn commissioning(element: Section<'_>) -> Commissioning {
     let text = |name: &str| element.attribute(name).unwrap_or_default().to_owned();
     Commissioning {
-        // The schema of CiA 311 has `NodeID`, other programs write `nodeID`.
+        // The schema of CiA 311 has `NodeID`; other programs write `nodeID`.
         node_id: element
             .attribute("NodeID")
             .and_then(|number| NodeId::new(u8::try_from(decimal_or_hexadecimal(number)?).ok()?)),
@@ -130,7 +130,7 @@ fn dummy_usage(source: &Source<'_>) -> BTreeMap<u16, bool> {
     dummies.collect()
 }
 
-/// `250 Kbps`, as the schema has it; also `250`, `250kbps` and `1 Mbps`.
+/// Parses `250 Kbps`, the schema's form; also `250`, `250kbps` and `1 Mbps`.
 fn kbit(text: &str) -> Option<u16> {
     let end = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = text.split_at_checked(end)?;

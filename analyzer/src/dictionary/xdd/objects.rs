@@ -123,12 +123,12 @@ fn name(element: Section<'_>, parameters: &Parameters<'_>) -> String {
     element.attribute("name").or_else(label).unwrap_or_default().to_owned()
 }
 
-/// The access type, made exact by the direction in which a `rw` entry may be mapped.
+/// The access type; for a `rw` entry the direction of its mapping makes it rwr or rww.
 fn access(element: Section<'_>, parameter: &Parameter<'_>, problems: &mut Problems) -> Access {
     let found = element.attribute("accessType");
     let access = match found {
         Some(name) => Access::from_name(name),
-        // What SDO does not reach at all goes by PDO.
+        // An entry without SDO access is reached by PDO.
         None if parameter.is_out_of_reach => match element.attribute("PDOmapping") {
             Some("RPDO") => Some(Access::Wo),
             _ => Some(Access::Ro),
@@ -142,7 +142,7 @@ fn access(element: Section<'_>, parameter: &Parameter<'_>, problems: &mut Proble
         (None, _) => {
             let expected = "const, ro, wo, rw, rwr or rww, here or in the parameter";
             let is_given = found.is_some() || element.attribute("uniqueIDRef").is_some();
-            // One that nobody gives is read, the default of the schema.
+            // A missing access type gets the schema's default, which is not reported as wrong.
             let rule = if is_given { &rules::ACCESS } else { &rules::ACCESS_DEFAULT };
             problems.report(element.place_of_attribute("accessType"), rule, expected, found.unwrap_or("none"));
             Access::Ro
@@ -150,7 +150,7 @@ fn access(element: Section<'_>, parameter: &Parameter<'_>, problems: &mut Proble
     }
 }
 
-/// A number of the type hexBinary: hexadecimal digits without prefix; `0x` before them is reported.
+/// Parses a number of type hexBinary: hexadecimal digits; a `0x` before them is reported.
 fn hexadecimal(element: Section<'_>, attribute: &str, most: u32, problems: &mut Problems) -> Option<u32> {
     let text = element.attribute(attribute).unwrap_or_default();
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));

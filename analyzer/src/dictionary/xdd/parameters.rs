@@ -39,7 +39,7 @@ fn parameter(element: Section<'_>) -> Parameter<'_> {
     Parameter {
         label: text("label"),
         data_type: element.inside().find_map(|element| simple_type(element.name())),
-        // Without the attribute it is read, the default of the schema.
+        // The schema's default for a missing attribute.
         access: element.attribute("access").map_or(Some(Access::Ro), access),
         is_out_of_reach: element.attribute("access") == Some("noAccess"),
         default: value("defaultValue"),

@@ -1,4 +1,4 @@
-//! What stands in an XDD or XDC that a description does not hold.
+//! Parts of an XDD or XDC that a description does not keep.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::dictionary::loss::{Loss, Losses};
 use crate::dictionary::place::SectionId;
 use crate::dictionary::source::Source;
 
-/// The elements that are read, each with the attributes that are; objects also have [`OF_OBJECTS`].
+/// The elements and attributes that are read; objects also have [`OF_OBJECTS`].
 const READ: &[(&str, &[&str])] = &[
     (
         "ProfileBody",
@@ -63,7 +63,7 @@ const READ: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The attributes that objects and sub-objects have alike.
+/// The attributes that objects and sub-objects share.
 const OF_OBJECTS: &[&str] = &[
     "name",
     "objectType",
@@ -79,7 +79,7 @@ const OF_OBJECTS: &[&str] = &[
     "uniqueIDRef",
 ];
 
-/// Elements that only hold others, and the data types of parameters.
+/// Elements that only contain others, and the data types of parameters.
 const AROUND: &[&str] = &[
     "ISO15745ProfileContainer",
     "ISO15745Profile",
@@ -116,10 +116,10 @@ const AROUND: &[&str] = &[
     "BITSTRING",
 ];
 
-/// The same in each file.
+/// An element that is the same in each file.
 const OF_THE_FORMAT: &str = "ProfileHeader";
 
-/// Everything that is in the file and not in the description that was read from it, each kind of thing once.
+/// All parts of the file that the parsed description does not keep; each kind of part once.
 pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &Source<'_>) -> Vec<Loss> {
     let mut seen: BTreeMap<String, (u32, String, usize)> = BTreeMap::new();
     let mut note = |place: String, line: u32, text: &str| {
@@ -145,7 +145,7 @@ pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &So
         if AROUND.contains(&name) {
             continue;
         }
-        // An element that is not known, with everything in it.
+        // An unknown element, with its content.
         if name != OF_THE_FORMAT && element.has_content() {
             note(name.to_owned(), element.line(), element.text());
         }

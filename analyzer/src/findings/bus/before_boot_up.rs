@@ -20,13 +20,13 @@ use canvass_traces::{Duration, Timestamp};
 /// A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).
 #[rule(id = "bus/before-boot-up", severity = Warning, rank = Detail, also = Resetting)]
 struct BeforeBootUp {
-    /// what may still be queued
+    /// grace time for frames that were still queued
     #[threshold(ms = 100)]
     grace: Duration,
-    /// a later boot-up is not that of the reset
+    /// a boot-up later than this does not belong to the reset
     #[threshold(ms = 10_000)]
     within: Duration,
-    /// The first frame since the reset, by node.
+    /// The first frame of each node since its reset.
     early: PerNode<Option<Box<Seen>>>,
 }
 
@@ -44,7 +44,7 @@ impl Rule for BeforeBootUp {
             return;
         }
         let Some(early) = early.take() else { return };
-        // It came after the last reset: the one that this boot-up answers, if it is not from much later.
+        // The frame came after the last reset, and this boot-up came soon enough to belong to that reset.
         let answers = |reset: Timestamp| early.time() > reset && context.now().since(reset) <= self.within;
         if reset.is_some_and(answers) {
             let report = Report::at(early.time()).node(node).evidence(early.evidence()).evidence(context.evidence());

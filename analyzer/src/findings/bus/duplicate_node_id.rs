@@ -12,7 +12,7 @@ use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What two nodes cause that answer to one node-ID.
+/// Effects of two nodes that answer to one node-ID.
 const EFFECTS: &[Effect] = &[Effect::never_on(&["lss/"]), Effect::on_the_rest().of_same_node().if_less_grave()];
 
 /// two devices have the same node-ID
@@ -41,26 +41,26 @@ struct DuplicateNodeId {
     nodes: PerNode<Voice>,
 }
 
-/// What a node-ID has said of late.
+/// The latest messages of a node-ID.
 #[derive(Default)]
 struct Voice {
     interleaving: Interleaving,
     state: Option<State>,
-    /// How often the state has gone to and fro without a command.
+    /// Number of changes of state to and fro without a command.
     flips: u32,
     /// The state before the last one.
     earlier: Option<State>,
     last_boot_up: Option<Timestamp>,
-    /// The last heartbeat, and how long after the one before it came.
+    /// The time of the last heartbeat, and its distance to the one before.
     beat: Option<(Timestamp, Duration)>,
-    /// The state in the last heartbeat before a boot-up that no command explains, with that heartbeat.
+    /// The state in the last heartbeat before an unexplained boot-up, with that heartbeat.
     surviving: Option<(State, Timestamp, Duration)>,
     answer: Option<Answer>,
-    /// Requests that have no answer yet: a repeated one gets two answers rightly.
+    /// Number of unanswered requests: a repeated request rightly gets two answers.
     outstanding: u8,
-    /// The latest request: much later, what was left without an answer gets none.
+    /// Time of the latest request: requests unanswered long after it get no answer any more.
     asked: Option<Timestamp>,
-    /// Requests that have got the same answer twice.
+    /// Number of requests that got the same answer twice.
     doubles: u32,
     identity: [Option<u32>; 4],
 }
@@ -72,9 +72,9 @@ struct Answer {
 }
 
 impl Voice {
-    /// So many changes of state to and fro are no accident.
+    /// Number of changes to and fro from which they are no accident.
     const FLIPS: u32 = 4;
-    /// So many requests with two equal answers are no accident.
+    /// Number of requests with two equal answers from which they are no accident.
     const DOUBLES: u32 = 3;
 
     fn commanded(&mut self) {
@@ -121,7 +121,7 @@ impl Rule for DuplicateNodeId {
 }
 
 impl Voice {
-    /// A request: what was asked long ago and not answered is not waited for any more.
+    /// A request: unanswered requests of long ago are no longer expected to be answered.
     fn asked(&mut self, now: Timestamp) {
         const FORGOTTEN: Duration = Duration::from_secs(10);
         if self.asked.replace(now).is_some_and(|before| now.since(before) > FORGOTTEN) {
@@ -147,7 +147,7 @@ impl Voice {
                 && let Some(other) = self.earlier
             {
                 sink.report(report.detail(2), || {
-                    format!("heartbeats say {other} and {state} in turn, without a command in between")
+                    format!("heartbeats show {other} and {state} in turn, without a command in between")
                 });
             }
         }
@@ -159,13 +159,14 @@ impl Voice {
             && goes_on(last, period, context.now())
         {
             sink.report(report.detail(3), || {
-                format!("a second boot-up, but a heartbeat goes on to say {state}: another device has started")
+                format!("a second boot-up, but another heartbeat continues with {state}: a second device has started")
             });
         }
     }
 
     fn boot_up(&mut self, context: &Context<'_>) {
-        // Both started within seconds and the first one had no time to fail: look at the heartbeats that follow.
+        // If both boot-ups are within seconds, the first device may still be the same one: the following heartbeats
+        // decide.
         let recent = |then: Timestamp| context.now().since(then) <= Duration::from_secs(10);
         let repeated = self.last_boot_up.is_some_and(recent);
         self.last_boot_up = Some(context.now());
@@ -174,16 +175,16 @@ impl Voice {
         self.beat = None;
         (self.flips, self.earlier, self.state) = (0, None, None);
         self.interleaving.restart();
-        // What was asked before may still be answered: requests and answers wait in queues.
+        // Earlier requests may still be answered: requests and answers wait in queues.
         (self.answer, self.doubles) = (None, 0);
-        // Another device may have been put in its place, or another firmware into it.
+        // The device or its firmware may have been replaced.
         self.identity = [None; 4];
     }
 
     fn answered(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(channel) = context.decoded.channel else { return };
         let now = context.now();
-        // A server that gives up a transfer aborts it too, but later.
+        // A server that gives up a transfer also sends an abort, but later.
         let longest = Duration::from_millis(if matches!(response, Response::Abort(_)) { 100 } else { 1_000 });
         if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
             && let Message::SdoResponse(before) = first.seen.decoded.message
@@ -191,9 +192,7 @@ impl Voice {
             && now.since(first.seen.time()) <= longest
         {
             let report = Report::at(now).node(node).detail(4).evidence(first.seen.evidence());
-            sink.report(report.evidence(context.evidence()), || {
-                "one SDO request has got two different answers".to_owned()
-            });
+            sink.report(report.evidence(context.evidence()), || "one SDO request got two different answers".to_owned());
         }
         if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
             && first.seen.record.frame == context.record.frame
@@ -215,19 +214,19 @@ impl Voice {
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.
     fn identify(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
-        // An answer about another object than asked for says nothing of either.
+        // An answer about another object than requested proves neither.
         let Some((sub, value)) = identity(response).filter(|_| context.decoded.violation.is_none()) else { return };
         let Some(known) = self.identity.get_mut(usize::from(sub) - 1) else { return };
         if let Some(before) = known.replace(value).filter(|before| *before != value) {
             let report = Report::at(context.now()).node(node).detail(5 + u64::from(sub));
             sink.report(report.evidence(context.evidence()), || {
-                format!("1018h:{sub:02X} was {before:08X}h and is {value:08X}h now: another device")
+                format!("1018h:{sub:02X} was {before:08X}h and is now {value:08X}h: another device")
             });
         }
     }
 }
 
-/// A part of the identity object, read in one message.
+/// A value of the identity object, if one message contains it whole.
 fn identity(response: Response) -> Option<(u8, u32)> {
     let Response::InitiateUpload { multiplexer, payload } = response else { return None };
     let sub @ 1..=4 = multiplexer.sub.0 else { return None };
@@ -235,14 +234,14 @@ fn identity(response: Response) -> Option<(u8, u32)> {
     (multiplexer.index.0 == object::IDENTITY).then(|| (sub, u32::from_le_bytes(*value)))
 }
 
-/// Whether a heartbeat comes when one was due if nothing had happened since the last one: within a tenth of its period.
+/// Whether a heartbeat comes at its undisturbed time after the last one, within a tenth of the period.
 fn goes_on(last: Timestamp, period: Duration, now: Timestamp) -> bool {
     let Some(phase) = now.since(last).nanos().checked_rem(period.nanos()) else { return false };
     phase.min(period.nanos() - phase) <= period.nanos() / 10
 }
 
-/// Whether two answers to one request, about the same object, say different things. A server that has only begun a
-/// transfer, or confirmed a download, may still abort it.
+/// Whether two answers to one request, about the same object, contradict each other. After beginning a transfer or
+/// confirming a download a server may still abort it.
 fn contradicts(a: Response, b: Response) -> bool {
     let ends = match a {
         Response::InitiateUpload { payload, .. } => payload.value().is_some(),

@@ -1,8 +1,8 @@
-//! Two senders of the same period, heard as one: their beats alternate.
+//! Two senders with the same period, seen as one: their intervals alternate.
 
 use canvass_traces::{Duration, Timestamp};
 
-/// Watches whether intervals alternate between a long and a short one that together are always the same.
+/// Detects intervals that alternate between a long and a short one with a constant sum.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Interleaving {
     last: Option<Timestamp>,
@@ -12,18 +12,19 @@ pub struct Interleaving {
 }
 
 impl Interleaving {
-    /// So many alternations in a row are no accident.
+    /// Number of alternations in a row from which they are no accident.
     const ENOUGH: u32 = 8;
-    /// A shorter interval of more than so many percent of both may be a coarse tick of one sender.
+    /// If the shorter interval is more than this percentage of the sum, one sender with a coarse tick may cause it.
     const ALIASED: u64 = 38;
 
-    /// A beat. Returns the two intervals when they have alternated often enough to be two senders.
+    /// A message of the sender. Returns the two intervals once they have alternated often enough to prove two
+    /// senders.
     pub fn beat(&mut self, now: Timestamp, slack: Duration) -> Option<(Duration, Duration)> {
         let length = now.since(self.last.replace(now)?).nanos();
         let [earlier, previous] = self.before;
         self.before = [previous, length];
         let period = length + previous;
-        // Jitter of the senders must not look like an alternation, nor hide one.
+        // Jitter must neither look like an alternation nor hide one.
         let close = (period / 50).max(1_000_000) + slack.nanos();
         let apart = (period / 8).max(3 * close);
         // A sender whose clock ticks every 20 ms sends every 40 and 60 ms instead of every 50.
@@ -34,7 +35,7 @@ impl Interleaving {
         (self.alternations >= Self::ENOUGH).then_some((Duration(previous), Duration(length)))
     }
 
-    /// Begins anew.
+    /// Resets the detection.
     pub fn restart(&mut self) {
         *self = Self::default();
     }

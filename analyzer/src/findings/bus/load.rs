@@ -6,10 +6,10 @@ use crate::statistics::RATES;
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// The codes of EMCY that the bus brings about: overrun, error passive, recovered from bus off, communication.
+/// EMCY codes caused by the bus: overrun, error passive, recovered from bus off, communication.
 const OF_BUS: &[u64] = &[0x8110, 0x8120, 0x8140, 0x8100];
 
-/// What comes late on a full bus.
+/// Messages that a full bus delays.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["nodes/heartbeat-late", "nodes/heartbeat-jitter", "nodes/heartbeat-missing"]).spanning(SETTLE),
     Effect::on(&["nodes/consumer-time", "nodes/life-guarding", "nodes/guarding-unanswered"]).spanning(SETTLE),
@@ -36,31 +36,31 @@ const EFFECTS: &[Effect] = &[
 /// synchronously, or raise the bit rate.
 #[rule(id = "bus/load", severity = Warning, rank = Participants, services = all, leads_to = EFFECTS)]
 struct Load {
-    /// a load above this is reported
+    /// a higher load is reported
     #[threshold(percent = 85)]
     percent: Percent,
-    /// over which the load is taken
+    /// length of the window over which the load is measured
     #[threshold(ms = 1000, min = 1)]
     window: Duration,
     begin: Option<Timestamp>,
     bits: u64,
-    /// Which windows would be too full at each bit rate: which one it is may be known only at the end.
+    /// Full windows at each bit rate: the right bit rate may be known only at the end.
     #[from(full)]
     full: Vec<Full>,
 }
 
-/// The windows that are too full at a bit rate.
+/// Full windows at one bit rate.
 #[derive(Default)]
 struct Full {
     rate: u32,
     count: u64,
     first: Timestamp,
     last: Timestamp,
-    /// The fullest: percent, and the frame that ended it.
+    /// The fullest window: percent, and the frame that ended it.
     worst: Option<(u64, Seen)>,
 }
 
-/// No window has been too full at any usual bit rate.
+/// No window is full yet at any usual bit rate.
 fn full(_: &Thresholds) -> Vec<Full> {
     RATES.into_iter().map(|rate| Full { rate, ..Full::default() }).collect()
 }
@@ -81,7 +81,7 @@ impl Full {
 }
 
 impl Load {
-    /// A window is over; one that is longer than asked for has had a pause in it: its load is lower all the same.
+    /// Judges a window. A pause makes a window longer than requested, and its load lower.
     #[cold]
     fn judge(&mut self, begin: Timestamp, elapsed: Duration, context: &Context<'_>) {
         let end = context.seen();

@@ -26,7 +26,7 @@ use canvass_macros::rule;
 )]
 struct Malformed;
 
-/// How many bytes the messages of a service have: at least, at most.
+/// Least and largest number of bytes in a message of the service.
 const fn lengths(service: Service) -> (usize, usize) {
     match service {
         Service::Nmt => (2, 2),
@@ -51,7 +51,7 @@ impl Rule for Malformed {
         if is_right && unreadable.is_none() {
             return;
         }
-        // Remote frames have no bytes, and this is the boot-up message of old devices.
+        // A remote frame has no bytes, and an empty EMCY is the boot-up message of old devices.
         let is_empty_emcy = service == Service::BootUp && matches!(context.message(), Message::Emcy(_));
         if *context.message() == Message::GuardingRequest || is_empty_emcy {
             return;
@@ -63,7 +63,7 @@ impl Rule for Malformed {
 #[cold]
 fn tell(unreadable: Option<Unreadable>, (right, length): (usize, usize), context: &Context<'_>, sink: &mut Sink<'_>) {
     let service = context.decoded.service;
-    // Commands come from the master, whichever node they name.
+    // The master sends NMT commands, also if they name a node.
     let node = context.node().filter(|_| service != Service::Nmt);
     let kind = (service as u64) << 8 | length as u64;
     let report = Report::at(context.now()).node(node).detail(kind).kind(kind);

@@ -13,7 +13,7 @@ mod unknown_ids;
 
 use crate::object;
 
-/// The objects that hold the COB-ID of something that a node sends or serves.
+/// The objects with the COB-ID of a message that the node sends or serves.
 const fn is_cob_id(index: u16, sub: u8) -> bool {
     matches!(
         (index, sub),

@@ -18,7 +18,7 @@ use canvass_macros::rule;
 #[rule(id = "bus/no-canopen", severity = Warning, rank = Detail, services = [Unknown, ErrorFrame])]
 struct NoCanopen {
     error_frames: u64,
-    /// CAN FD, CAN XL and 29-bit identifiers.
+    /// Number of CAN FD frames, CAN XL frames and frames with 29-bit identifiers.
     foreign: u64,
     unknown: u64,
     first: Option<Seen>,

@@ -26,14 +26,14 @@ use std::collections::{BTreeMap, BTreeSet};
     also = EndedTransfers
 )]
 struct OverlappingCobId {
-    /// The producers by CAN-ID; an entry for each object that the trace has shown.
+    /// COB-ID of each producer, by node and object, as the trace has shown it.
     producers: BTreeMap<(NodeId, Multiplexer), u32>,
-    /// The same by CAN-ID: looking through all of them would cost more with each that was shown before.
+    /// The producers by CAN-ID, so that a look-up does not depend on their number.
     users: BTreeSet<(u32, NodeId, Multiplexer)>,
 }
 
 impl OverlappingCobId {
-    /// 127 nodes with more TPDOs than any encoder has.
+    /// Maximum number of producers: 127 nodes with more TPDOs than any encoder has.
     const MOST: usize = 4096;
 
     fn forget(&mut self, producer: (NodeId, Multiplexer)) {
@@ -58,7 +58,7 @@ impl Rule for OverlappingCobId {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         if context.decoded.service == Service::BootUp {
-            // What was not stored is gone.
+            // A reset drops the COB-IDs that were not stored.
             self.forget_all(node);
             return;
         }

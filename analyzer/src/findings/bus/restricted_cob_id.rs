@@ -26,7 +26,7 @@ use canvass_macros::rule;
 #[rule(id = "bus/restricted-cob-id", severity = Error, rank = State, also = EndedTransfers)]
 struct RestrictedCobId;
 
-/// What is wrong with a COB-ID.
+/// The fault of a COB-ID, if it has one.
 fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<NodeId>) -> Option<(Severity, String)> {
     let written = direction == Direction::Download;
     if object.index.0 == object::SDO_SERVER_PARAMETER {
@@ -34,9 +34,9 @@ fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<
         let fixed = u32::from(base) + u32::from(node?.raw());
         let wrong = !written && cob_id.0 != fixed;
         return wrong
-            .then(|| (Severity::Warning, format!("{object} reads {cob_id}: CiA 301 fixes it to {fixed:08X}h")));
+            .then(|| (Severity::Warning, format!("{object} reads {cob_id}, but CiA 301 fixes it to {fixed:08X}h")));
     }
-    // Bit 31 of 1005h and 1012h does not say that it is off.
+    // In 1005h and 1012h bit 31 does not switch the message off.
     let used = cob_id.is_valid() || matches!(object.index.0, object::COB_ID_SYNC | object::COB_ID_TIME);
     let can_id = cob_id.can_id();
     match (written, cob_id.0) {
@@ -44,7 +44,9 @@ fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<
         (true, _) => {
             Some((Severity::Error, format!("{object} was set to {cob_id}: CAN-ID {can_id:03X}h is restricted")))
         }
-        (false, 0) => Some((Severity::Info, format!("{object} reads {cob_id}, which is no COB-ID: 80000000h is off"))),
+        (false, 0) => {
+            Some((Severity::Info, format!("{object} reads {cob_id}, which is no COB-ID: 80000000h means off")))
+        }
         (false, _) => Some((Severity::Warning, format!("{object} reads {cob_id}: CAN-ID {can_id:03X}h is restricted"))),
     }
 }

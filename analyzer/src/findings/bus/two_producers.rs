@@ -10,10 +10,10 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// What a period is compared with: one twentieth of it.
+/// Two times differ if they are further apart than the period divided by this number.
 const NEAR: u64 = 20;
 
-/// What goes wrong where two nodes produce SYNC or TIME.
+/// Effects of two producers of SYNC or TIME.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["pdo/sync-counter", "pdo/sync-jitter", "pdo/sync-missing"]),
     Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/time-jump"]),
@@ -45,9 +45,9 @@ struct TwoProducers {
     sync: Interleaving,
     time: Interleaving,
     counters: Counters,
-    /// By node and number from 0.
+    /// The TPDOs of each node, by their number from 0.
     pdos: PerNode<[Option<Pdo>; TPDOS]>,
-    /// Those that have come: node, number from 1.
+    /// The TPDOs seen since the last SYNC: node, number from 1.
     seen: Vec<(NodeId, u16)>,
 }
 
@@ -55,13 +55,13 @@ struct TwoProducers {
 #[derive(Clone, Copy, Default)]
 struct Pdo {
     interleaving: Interleaving,
-    /// How often it came since the last SYNC.
+    /// Number of times it came since the last SYNC.
     since_sync: u8,
-    /// In how many cycles in a row it came twice.
+    /// Number of cycles in a row in which it came twice.
     twice: u8,
 }
 
-/// Two series of SYNC counters.
+/// Two interleaved series of SYNC counters.
 #[derive(Default)]
 struct Counters {
     /// The last value of each series, the later one first.
@@ -70,10 +70,10 @@ struct Counters {
 }
 
 impl Counters {
-    /// So many changes from one series to the other are no accident.
+    /// Number of changes between the series from which they are no accident.
     const ENOUGH: u32 = 8;
 
-    /// A counter; whether two series are mixed.
+    /// Adds a counter; returns whether two series are mixed.
     fn see(&mut self, sync: Sync) -> bool {
         let Some(counter) = sync.counter else { return false };
         let follows = |last: Option<u8>| last.is_some_and(|last| last.checked_add(1) == Some(counter));
@@ -91,7 +91,7 @@ impl Counters {
 }
 
 impl TwoProducers {
-    /// So many cycles in a row are no accident.
+    /// Number of cycles in a row from which a second PDO is no accident.
     const CYCLES: u8 = 5;
 
     fn sync(&mut self, sync: Sync, context: &Context<'_>, sink: &mut Sink<'_>) {
@@ -159,7 +159,7 @@ impl TwoProducers {
     }
 }
 
-/// The place of that TPDO, unless it is beyond those that are judged.
+/// The entry of that TPDO; `None` for TPDOs that are not judged.
 fn slot(pdos: &mut PerNode<[Option<Pdo>; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Option<Pdo>> {
     pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }

@@ -17,10 +17,10 @@ use canvass_macros::rule;
 /// Say which devices the nodes are, by models or descriptions, so that their COB-IDs are known, or record from the start of the machine.
 #[rule(id = "bus/unknown-ids", severity = Info, rank = Detail, services = [Unknown])]
 struct UnknownIds {
-    /// fewer frames are not reported
+    /// a lower number of frames is not reported
     #[threshold(count = 1)]
     frames: u64,
-    /// A bit for each CAN-ID.
+    /// A bit for each CAN-ID with frames.
     ids: CanIds,
     seen: u64,
     first: Option<Seen>,

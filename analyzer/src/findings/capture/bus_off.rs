@@ -7,7 +7,7 @@ use canvass_macros::rule;
 
 const BUS_OFF: u32 = 0x040;
 
-/// The errors that lead to it, or come of it.
+/// Effects: the errors that lead to bus-off, or follow from it.
 const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE)];
 
 /// the recorder's controller went bus-off

@@ -19,10 +19,10 @@ use canvass_traces::Duration;
 /// If timing matters, record in a format and with an interface that keep microseconds.
 #[rule(id = "capture/coarse-timestamps", severity = Info, rank = Detail, of = capture)]
 struct CoarseTimestamps {
-    /// as coarse as this, or coarser
+    /// this resolution, or a coarser one, is reported
     #[threshold(ms = 1)]
     resolution: Duration,
-    /// so many frames are needed to say it
+    /// least number of frames for a report
     #[threshold(count = 20)]
     frames: u64,
 }

@@ -17,7 +17,7 @@ use canvass_traces::{Place, Timestamp};
 #[rule(id = "capture/copies", severity = Info, rank = Detail, of = nothing)]
 pub struct Copies;
 
-/// Says how many copies there were on a bus, and where the first one stands.
+/// Reports the number of copies on a bus, and the place of the first one.
 pub fn tell(copies: u64, time: Timestamp, place: Place, sink: &mut Sink<'_>) {
     let report = Report::at(time).place(time, place);
     sink.report(report, || format!("{copies} frames were recorded twice, the first here"));

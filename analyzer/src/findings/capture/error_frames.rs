@@ -5,14 +5,14 @@ use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
 use canvass_macros::rule;
 
-/// Classes that are errors on the bus: transmit timeout, protocol, transceiver, no acknowledgement, bus error.
+/// Error classes for errors on the bus: transmit timeout, protocol, transceiver, no acknowledgement, bus error.
 const ERRORS: u32 = 0x001 | 0x008 | 0x010 | 0x020 | 0x080;
-/// The report of the controller's state.
+/// Error class for the controller's state.
 const CONTROLLER: u32 = 0x004;
-/// Receive and transmit warning level in byte 1.
+/// Bits of byte 1: receive and transmit warning level.
 const WARNING: u8 = 0x04 | 0x08;
 
-/// Errors make a node error passive.
+/// Effects: errors make a node error passive.
 const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-passive"])];
 
 /// the recorder's controller reports errors on the bus
@@ -35,7 +35,7 @@ impl Rule for ErrorFrames {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(error) = ErrorFrame::of(&context.record.frame) else { return };
         let warning = error.class.0 & CONTROLLER != 0 && error.detail[1] & WARNING != 0;
-        // Other tools know only that there was an error: no class at all.
+        // Other tools record only that there was an error, without any class.
         if error.class.0 & ERRORS == 0 && !warning && error.class.0 != 0 {
             return;
         }

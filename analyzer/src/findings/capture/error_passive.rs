@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
 use canvass_macros::rule;
 
-/// Receive or transmit error passive, in byte 1.
+/// Bits of byte 1: receive or transmit error passive.
 const PASSIVE: u8 = 0x10 | 0x20;
 
 /// the recorder's controller went error passive

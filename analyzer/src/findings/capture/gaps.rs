@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 /// last thing that happened is the best clue.
 #[rule(id = "capture/gaps", severity = Info, rank = Detail, of = capture)]
 struct Gaps {
-    /// a gap is at least as long
+    /// least length of a gap
     #[threshold(ms = 3000)]
     least: Duration,
 }

@@ -1,6 +1,6 @@
-//! Rules about the capture itself: what it can't prove, because it is not in it.
+//! Rules about the capture itself: missing parts and unreliable times limit its evidence.
 //!
-//! These look at how far each source can be trusted; error frames are looked at where they stand.
+//! These rules look at the quality of each source; rules on error frames look at the frames.
 
 mod bus_off;
 mod clock_steps;
@@ -23,7 +23,7 @@ use super::sink::{Findings, Sink};
 use super::source::SourceQuality;
 use super::thresholds::Thresholds;
 
-/// Looks at the sources of a capture.
+/// Checks the sources of a capture.
 pub fn check(sources: &[SourceQuality<'_>], thresholds: &Thresholds, findings: &mut Findings) {
     for definition in registry::all() {
         let Make::Capture(make) = definition.make else { continue };

@@ -17,7 +17,7 @@ use canvass_macros::rule;
 #[rule(id = "capture/out-of-order", severity = Info, rank = Detail, of = nothing)]
 pub struct OutOfOrder;
 
-/// Says how many frames were out of order.
+/// Reports the number of frames out of order.
 pub fn tell(disorder: &Disorder, sink: &mut Sink<'_>) {
     let Some((time, place)) = disorder.first else { return };
     let Disorder { count, largest, .. } = *disorder;

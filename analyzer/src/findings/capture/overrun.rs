@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::wire::error_frame::ErrorFrame;
 use canvass_macros::rule;
 
-/// Overflow of the receive or transmit buffer, in byte 1.
+/// Bits of byte 1: overflow of the receive or transmit buffer.
 const OVERFLOW: u8 = 0x01 | 0x02;
 
 /// the recorder's controller lost frames

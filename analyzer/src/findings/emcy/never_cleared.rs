@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 struct NeverCleared;
 
 impl Rule for NeverCleared {
-    /// What is present at the end is known then.
+    /// The present errors are known only at the end.
     fn frame(&mut self, _: &Context<'_>, _: &mut Sink<'_>) {}
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {

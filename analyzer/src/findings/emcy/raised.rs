@@ -10,7 +10,7 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What an error does to its device.
+/// Effects of an error on its device.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SOON),
     Effect::on(&["emcy/never-cleared"]).of_same_node().of_same_kind(),
@@ -38,11 +38,12 @@ const EFFECTS: &[Effect] = &[
     leads_to = EFFECTS
 )]
 struct Raised {
-    /// When the error register was last read from a node.
+    /// Time at which the error register of a node was last read.
     register_read: PerNode<Option<Timestamp>>,
 }
 
-/// Some devices take the reading of 1001h for an acknowledgement.
+/// Time limit for taking the end of an error as a reaction to the reading of 1001h, by which some devices acknowledge
+/// errors.
 const ACKNOWLEDGED: Duration = Duration::from_millis(200);
 
 impl Rule for Raised {

@@ -6,7 +6,7 @@ use crate::findings::sink::{Report, Sink};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What a storm consists of, and what it does to the bus.
+/// Effects of a storm: the messages in it, and the load of the bus.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["emcy/raised", "emcy/contradiction", "emcy/never-cleared"]).of_same_node(),
     Effect::on(&["bus/load"]).spanning(SOON),
@@ -14,7 +14,7 @@ const EFFECTS: &[Effect] = &[
 
 /// a node sends EMCY again and again
 ///
-/// So many EMCY messages of one node within a short time.
+/// A node sends many EMCY messages within a short time.
 ///
 /// # Why
 /// EMCY has a high priority: a storm delays everything else, and hides which error came first. CiA 301 wants one EMCY
@@ -24,13 +24,13 @@ const EFFECTS: &[Effect] = &[
 /// Set the EMCY inhibit time (1015h) of the node, and look at the first EMCY: the others follow from it.
 #[rule(id = "emcy/storm", severity = Error, rank = DeviceError, services = [Emcy], leads_to = EFFECTS)]
 struct Storm {
-    /// so many messages
+    /// least number of messages
     #[threshold(count = 10, min = 1)]
     times: u64,
-    /// within this time
+    /// time within which they come
     #[threshold(ms = 1000)]
     within: Duration,
-    /// The begin of the time that is counted in, and how many came.
+    /// The begin of the counted time, and the number of messages in it.
     nodes: PerNode<(Timestamp, u64)>,
 }
 

@@ -18,7 +18,7 @@ use canvass_macros::rule;
 #[rule(id = "encoder/alarm", severity = Error, rank = DeviceError, also = EncoderValues)]
 struct Alarm;
 
-/// Reports each bit that is set.
+/// Reports each set bit.
 pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
     for operand in &context.news().operands {
         if operand.object.index.0 != index || operand.written {

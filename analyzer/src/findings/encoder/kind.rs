@@ -1,4 +1,4 @@
-//! What kind of encoder a node is, and how its PDOs are laid out.
+//! The kind of a node's encoder, and the layout of its PDOs.
 
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::findings::Context;
@@ -18,7 +18,7 @@ pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
     context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE)
 }
 
-/// How the shaft or rod of an encoder moves, by the upper word of 1000h.
+/// The motion of an encoder's shaft or rod, by the upper word of 1000h.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EncoderKind {
     /// 01h to 05h of CiA 406, and 0Bh of newer devices.
@@ -27,7 +27,7 @@ pub enum EncoderKind {
     Linear,
 }
 
-/// What kind of encoder a node is; `None` where 1000h is not known or says something else.
+/// The kind of a node's encoder; `None` if 1000h is unknown or has another value.
 pub fn kind(context: &Context<'_>, node: NodeId) -> Option<EncoderKind> {
     let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(object::DEVICE_TYPE, 0))?;
     match device_type >> 16 {

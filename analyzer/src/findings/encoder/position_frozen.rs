@@ -19,10 +19,10 @@ use canvass_traces::{Duration, Timestamp};
 /// it has one.
 #[rule(id = "encoder/position-frozen", severity = Error, rank = Detail, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionFrozen {
-    /// as shown in 6030h; a lower value counts as standing still
+    /// a lower value of 6030h counts as standing still
     #[threshold(count = 10)]
     speed: u64,
-    /// how long the position stands still while the speed is higher
+    /// least time of a constant position at a higher speed
     #[threshold(ms = 1000)]
     time: Duration,
     nodes: PerNode<Axis>,
@@ -30,11 +30,11 @@ struct PositionFrozen {
 
 #[derive(Default)]
 struct Axis {
-    /// When the position has come first, and the position.
+    /// Time of the first message with the current position, and the position.
     since: Option<(Timestamp, u64)>,
-    /// The frame with which it has come first, as soon as it has come again.
+    /// The frame of that message; kept only when the position has come again.
     first: Option<Seen>,
-    /// Further PDOs with the same position, while the shaft turns.
+    /// Number of further PDOs with the same position while the shaft turns.
     same: u32,
     turns: bool,
 }
@@ -69,7 +69,7 @@ impl Rule for PositionFrozen {
         };
         axis.same += 1;
         if axis.same == 1 {
-            // Keeping every frame would cost more than all else here.
+            // Copying every frame would cost more than everything else here.
             axis.first = context.previous.cloned();
         }
         const ENOUGH: u32 = 5;

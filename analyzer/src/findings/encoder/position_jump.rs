@@ -11,11 +11,11 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a position jumps as no shaft can
 ///
-/// Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed allows
-/// in that time. The measuring units per revolution are those of 6001h or 6501h where they are known, else the given
-/// resolution is taken; of linear devices 6501h is the length of a step, and of 6020h the description tells the unit;
-/// without them nothing is said. The end of the range, and the second after a preset, a write of any parameter or a
-/// restart are not counted.
+/// Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed
+/// allows in that time. The measuring units per revolution are those of 6001h or 6501h if known, else the threshold
+/// `resolution`. On linear devices 6501h is the length of a step, and the description gives the unit of 6020h;
+/// without these values the rule reports nothing. Jumps at the end of the range, and within a second after a
+/// preset, a write of any parameter or a restart, are not counted.
 ///
 /// # Why
 /// The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries
@@ -26,13 +26,13 @@ use canvass_traces::{Duration, Timestamp};
 /// multi-turn part may be at fault.
 #[rule(id = "encoder/position-jump", severity = Error, rank = Detail, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionJump {
-    /// the highest speed of the shaft
+    /// highest possible speed of the shaft
     #[threshold(count = 12_000, unit = "rpm")]
     speed: u64,
-    /// the highest speed of a linear device
+    /// highest possible speed of a linear device
     #[threshold(count = 20_000, unit = "mm/s")]
     linear_speed: u64,
-    /// units per revolution if not known
+    /// units per revolution, if neither 6001h nor 6501h is known
     #[threshold(count = 65_536)]
     resolution: u64,
     /// a smaller jump is not reported
@@ -44,43 +44,45 @@ struct PositionJump {
 #[derive(Clone, Copy, Default)]
 struct Axis {
     last: Option<(u64, Timestamp)>,
-    /// 6001h and 6002h, as the trace has shown them.
+    /// 6001h and 6002h, as shown in the trace.
     per_revolution: Option<u64>,
     range: Option<u64>,
     /// The largest position seen.
     highest: u64,
-    /// How far the position can get in a second, once it was worked out.
+    /// The largest possible movement in a second, if computed already.
     a_second: Option<u64>,
 }
 
 impl Axis {
-    /// How far the shaft has turned, the shorter way round if the range is known; at its end if that is likely.
+    /// The distance between two positions, the shorter way round if the range is known, or if the end of the range is
+    /// likely.
     fn distance(&self, from: u64, position: &Operand, allowed: u64) -> u64 {
         let (to, direct) = (position.raw, from.abs_diff(position.raw));
         match self.range {
-            // A channel of a draw-wire encoder has no range but its bits: a little below its zero it is at their end.
+            // The range of a draw-wire encoder's channel is its number of bits: slightly below zero the position is
+            // near the largest value.
             _ if is_channel(position) => {
                 let whole = 1_u64.checked_shl(u32::from(position.bits)).unwrap_or(0);
                 direct.min(whole.wrapping_sub(direct))
             }
             Some(range) if range > from.max(to) => direct.min(range - direct),
-            // Where the range ends is not known: a fall from near the highest to near 0 and back may be its end.
+            // If the range is unknown, a jump between nearly the highest position and nearly 0 may be its end.
             _ if from.max(to).saturating_add(allowed) >= self.highest && from.min(to) <= allowed => 0,
             _ => direct,
         }
     }
 }
 
-/// Whether it is the position of one channel (6020h) of an encoder with several.
+/// Whether the value is the position of one channel (6020h) of an encoder with several.
 const fn is_channel(position: &Operand) -> bool {
     position.object.index.0 == encoder::CHANNEL_POSITION_VALUES
 }
 
-/// Far more than any number of units.
+/// More than any number of units.
 const NO_LIMIT: u64 = u64::MAX;
 
 impl PositionJump {
-    /// How far the position can get in a second.
+    /// The largest possible movement in a second, in units.
     fn units_a_second(&self, position: &Operand, per_revolution: Option<u64>, context: &Context<'_>) -> u64 {
         let node = position.node;
         let known = context.scene.bus.node(node);
@@ -95,7 +97,7 @@ impl PositionJump {
                 _ => NO_LIMIT,
             };
         }
-        // A step of the sensor: of a revolution, or in nanometres.
+        // A step of the sensor: a part of a revolution, or a length in nanometres.
         let step = || {
             known
                 .and_then(|known| known.certain(node, Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0)))
@@ -112,12 +114,12 @@ impl PositionJump {
         }
     }
 
-    /// [`Self::units_a_second`], kept as long as nothing that it depends on is shown anew.
+    /// [`Self::units_a_second`], kept until one of its inputs is shown again.
     #[cold]
     fn work_out(&mut self, position: &Operand, context: &Context<'_>) -> u64 {
         let node = position.node;
         let a_second = self.units_a_second(position, self.nodes[node].per_revolution, context);
-        // The unit of a channel can be set at any time.
+        // The unit of a channel may change at any time.
         self.nodes[node].a_second = Some(a_second).filter(|_| !is_channel(position));
         a_second
     }
@@ -128,19 +130,19 @@ impl PositionJump {
         let last = axis.last.replace((position.raw, context.now()));
         let before_this = *axis;
         axis.highest = axis.highest.max(position.raw);
-        // So much is always allowed.
+        // Small movements are always allowed.
         let moved = last.filter(|(before, _)| before.abs_diff(position.raw) > self.least);
         let Some((before, at)) = moved else { return };
         let facts = context.scene.facts.node(node);
         if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {
             return;
         }
-        // PDOs wait for the bus, and recorders for the processor.
+        // PDOs wait for the bus, and recorders for the processor, so the interval may be longer than measured.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
         let a_second = before_this.a_second.unwrap_or_else(|| self.work_out(position, context));
-        // In units of a billionth.
+        // In billionths of a unit.
         let allowed = u128::from(a_second) * u128::from(elapsed.nanos());
-        // The straight way is the longest, and most often short enough: dividing takes much longer than this.
+        // The direct distance is the longest, and usually short enough; this saves the slower division.
         if u128::from(before.abs_diff(position.raw)) * 1_000_000_000 <= allowed {
             return;
         }
@@ -174,7 +176,7 @@ impl Rule for PositionJump {
             let axis = &mut self.nodes[operand.node];
             match operand.object.index.0 {
                 encoder::POSITION_VALUE if context.decoded.service == Service::Pdo => position = Some(operand),
-                // Of several channels the first one.
+                // Only the first of several channels is judged.
                 encoder::CHANNEL_POSITION_VALUES if context.decoded.service == Service::Pdo => {
                     position = position.or(Some(operand));
                 }
@@ -192,7 +194,7 @@ impl Rule for PositionJump {
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
-        // Which kind of encoder it is may be known now.
+        // The kind of encoder may be known from now on.
         self.nodes[node].a_second = None;
     }
 

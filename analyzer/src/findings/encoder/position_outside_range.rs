@@ -39,9 +39,9 @@ struct PositionOutsideRange {
 /// Bit 2 of 6000h.
 const SCALING: u64 = 1 << 2;
 
-/// The positions of the sensor itself: steps of one revolution (6501h) times revolutions (6502h).
+/// The number of positions of the sensor itself: steps of one revolution (6501h) times revolutions (6502h).
 fn physical_range(context: &Context<'_>, node: NodeId) -> Option<u64> {
-    // In linear devices 6501h is the length of a step.
+    // On linear devices 6501h is the length of a step.
     let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(EncoderKind::Rotary))?;
     let of = |index| known.certain(node, Multiplexer::new(index, 0)).map(u64::from);
     of(encoder::SINGLE_TURN_RESOLUTION)?.checked_mul(of(encoder::NUMBER_OF_REVOLUTIONS)?).filter(|&range| range > 0)
@@ -58,7 +58,7 @@ impl Rule for PositionOutsideRange {
         for operand in &context.news().operands {
             let scaling = &mut self.nodes[operand.node];
             match operand.object.index.0 {
-                // 6500h shows what of 6000h is in force.
+                // 6500h shows which bits of 6000h are in force.
                 encoder::OPERATING_PARAMETERS | encoder::OPERATING_STATUS => {
                     scaling.on = Some(operand.raw & SCALING != 0);
                 }

@@ -12,9 +12,9 @@ use canvass_traces::Duration;
 #[derive(Clone, Copy, Default)]
 struct Channels {
     sum: u64,
-    /// How often the sum was the same.
+    /// Number of times the sum was the same.
     agreed: u32,
-    /// The last value of the first channel, and how often it was another than before.
+    /// The last value of the first channel, and how often it changed.
     last: u64,
     moved: u32,
 }
@@ -33,13 +33,14 @@ struct Channels {
 /// Stop relying on this device. See which of the two channels jumped or froze.
 #[rule(id = "encoder/redundant-channels", severity = Error, rank = Detail, services = [Pdo, BootUp])]
 struct RedundantChannels {
-    /// the sum may be off, as both are taken one after the other
+    /// permitted deviation of the sum, as the channels are sampled one after the other
     #[threshold(count = 20, unit = "units")]
     tolerance: u64,
     nodes: PerNode<Channels>,
 }
 
-/// The two channels in a PDO; whether a mapping says that they are positions, or only their place does.
+/// The two channels in a PDO; the flag tells whether a mapping proves that they are positions, or only their place
+/// suggests it.
 fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
     match context.news().operands.as_slice() {
         [] => {}
@@ -52,7 +53,7 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
     if !is_encoder(context, node) || layout(context).is_some() {
         return None;
     }
-    // Without a mapping: two halves. Angles run over; only lengths don't.
+    // Without a mapping the halves are compared only for linear devices: angles wrap around.
     if kind(context, node) == Some(EncoderKind::Rotary) {
         return None;
     }
@@ -69,9 +70,9 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
 const POSITION: u16 = encoder::CHANNEL_POSITION_VALUES;
 
 impl RedundantChannels {
-    /// From so many PDOs on the sum is known, if a mapping says what they hold.
+    /// Number of PDOs that determine the sum, if the mapping is known.
     const ENOUGH: u32 = 5;
-    /// Without a mapping so many PDOs and movements must show that the sum is constant.
+    /// Number of PDOs and movements with a constant sum that prove two channels, if the mapping is unknown.
     const SHOWN: u32 = 20;
 }
 
@@ -89,7 +90,7 @@ impl Rule for RedundantChannels {
 }
 
 impl RedundantChannels {
-    /// Apart, so that the PDOs that hold nothing to compare cost nothing.
+    /// A function of its own, so that PDOs without two channels cost nothing.
     #[inline(never)]
     fn compare(
         &mut self,
@@ -99,7 +100,7 @@ impl RedundantChannels {
         sink: &mut Sink<'_>,
     ) {
         let known = &mut self.nodes[node];
-        // Zero point, direction or mapping may just have been set.
+        // Zero point, direction or mapping may just have been changed.
         let facts = context.scene.facts.node(node);
         if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {
             *known = Channels::default();

@@ -1,4 +1,4 @@
-//! The errors that nodes have reported by EMCY and not yet taken back, once for all rules that ask.
+//! The errors that nodes have reported by EMCY and not yet taken back, for all rules.
 
 use crate::findings::Seen;
 use crate::message::{Message, Service};
@@ -7,13 +7,13 @@ use crate::wire::emcy::EmcyCode;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Record, Timestamp};
 
-/// The errors that are present at all nodes of a bus.
+/// The present errors of all nodes of a bus.
 #[derive(Default)]
 pub struct Errors {
     nodes: PerNode<OpenErrors<Raised>>,
 }
 
-/// The first message of an error: less than what was seen, as there may be many.
+/// The first message of an error. Smaller than a whole [`Seen`], as there may be many.
 pub struct Raised {
     record: Record,
     node: NodeId,
@@ -21,19 +21,19 @@ pub struct Raised {
 }
 
 impl Raised {
-    /// When it came.
+    /// Time of the message.
     pub const fn time(&self) -> Timestamp {
         self.record.timestamp
     }
 
-    /// The message as it was seen.
+    /// The message as a kept frame.
     pub fn seen(&self) -> Seen {
         Seen { record: self.record.clone(), decoded: Decoded::emcy(self.node, self.source, self.record.frame.data()) }
     }
 }
 
 impl Errors {
-    /// Takes a frame; returns the errors that it says are gone.
+    /// Handles a frame; returns the errors that end with it.
     pub(super) fn frame(&mut self, record: &Record, decoded: &Decoded) -> Vec<(EmcyCode, Raised)> {
         let Some(node) = decoded.node else { return Vec::new() };
         let errors = &mut self.nodes[node];
@@ -48,7 +48,7 @@ impl Errors {
         Vec::new()
     }
 
-    /// All that are present.
+    /// All present errors.
     pub fn open(&self) -> impl Iterator<Item = (NodeId, EmcyCode, &Raised)> {
         self.nodes.iter().flat_map(|(node, errors)| errors.iter().map(move |(code, raised)| (node, code, raised)))
     }

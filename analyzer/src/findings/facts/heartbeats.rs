@@ -1,4 +1,4 @@
-//! The heartbeats of all nodes of a bus, and their periods: told by 1017h, or learned.
+//! The heartbeats of all nodes of a bus, and their periods: from 1017h, or learned.
 
 use super::NodeFacts;
 use crate::findings::rhythm::{Interval, Rhythm};
@@ -14,12 +14,12 @@ use canvass_traces::{Duration, Timestamp};
 #[derive(Default)]
 pub struct Heartbeats {
     nodes: PerNode<Rhythm>,
-    /// LSS has configured a slave, which is not yet back in waiting state.
+    /// Whether LSS has configured a slave that is not yet back in waiting state.
     configured_by_lss: bool,
 }
 
 impl Heartbeats {
-    /// Takes a heartbeat; returns the interval if it ends one. `facts` are those of its node.
+    /// Handles a heartbeat; returns the interval that ends with it. `facts` are those of its node.
     pub fn beat(&mut self, now: Timestamp, decoded: &Decoded, facts: &NodeFacts) -> Option<Interval> {
         let (Message::ErrorControl(_), Some(node)) = (decoded.message, decoded.node) else { return None };
         let rhythm = self.rhythm(node);
@@ -29,24 +29,24 @@ impl Heartbeats {
         rhythm.beat(now)
     }
 
-    /// Takes any other frame. `changes_state`: it is an NMT command that changes the state of some node.
+    /// Handles any other frame. `changes_state`: the frame is an NMT command that changes the state of a node.
     pub fn other(&mut self, decoded: &Decoded, changes_state: bool, bus: &Bus) {
         match (decoded.service, decoded.message) {
-            // A reset ends the beat, another change of state may let it begin anew.
+            // A reset interrupts the heartbeat; another change of state may restart its period.
             (Service::Nmt, Message::Nmt(nmt)) if nmt.command.is_reset() => self.pause(nmt.node),
             (Service::Nmt, Message::Nmt(nmt)) if changes_state => {
                 self.nodes.named_mut(nmt.node).for_each(|(_, rhythm)| rhythm.shift());
             }
             (Service::BootUp, _) => {
-                // What was stored is in force again.
+                // Stored parameters are in force again.
                 if let Some(node) = decoded.node {
                     self.restart(node, bus);
                 }
             }
             (Service::Sdo, _) => self.configured(decoded, bus),
-            // It may be a heartbeat that came just when the node was asked.
+            // The message may be a heartbeat that came just after a guarding request.
             (Service::Guarding, Message::ErrorControl(_)) => self.pause(decoded.node.map_or(0, NodeId::raw)),
-            // A node that goes back to waiting with another configuration may reset itself.
+            // A node that returns to waiting with another configuration may reset itself.
             (Service::Lss, Message::LssRequest(request)) => match request {
                 lss::Request::ConfigureNodeId { .. } | lss::Request::ConfigureBitTiming { .. } => {
                     self.configured_by_lss = true;
@@ -62,7 +62,7 @@ impl Heartbeats {
         }
     }
 
-    /// The heartbeat time was read or written: from now on it counts.
+    /// Takes over the heartbeat time when it is read or written.
     fn configured(&mut self, decoded: &Decoded, bus: &Bus) {
         if !decoded.ends_transfer() {
             return;
@@ -76,8 +76,8 @@ impl Heartbeats {
         }
     }
 
-    /// Forgets what was learned of a node, and takes its producer time as far as the trace itself has shown it: a
-    /// description only says what the default is.
+    /// Forgets the learned period of a node, and takes over its heartbeat time if the trace itself has shown it: a
+    /// description gives only the default.
     fn restart(&mut self, id: NodeId, bus: &Bus) {
         let mut parameters = bus.node(id).into_iter().flat_map(|node| node.parameters());
         let time = parameters
@@ -89,27 +89,27 @@ impl Heartbeats {
         rhythm.tell(told);
     }
 
-    /// The next beat of a node, or of all where it is 0, ends no interval.
+    /// Makes the next heartbeat of a node, or of all nodes if it is 0, end no interval.
     fn pause(&mut self, node: u8) {
         self.nodes.named_mut(node).for_each(|(_, rhythm)| rhythm.pause());
     }
 
-    /// The next beats end no intervals.
+    /// Makes the next heartbeats end no intervals.
     pub fn interrupted(&mut self) {
         self.nodes.values_mut().for_each(Rhythm::pause);
     }
 
-    /// The rhythm of a node.
+    /// The rhythm of a node, to change.
     fn rhythm(&mut self, node: NodeId) -> &mut Rhythm {
         &mut self.nodes[node]
     }
 
-    /// The rhythm of a node, to look at.
+    /// The rhythm of a node.
     pub fn of(&self, node: NodeId) -> &Rhythm {
         &self.nodes[node]
     }
 
-    /// All nodes with their rhythms.
+    /// The rhythms of all nodes.
     pub fn all(&self) -> impl Iterator<Item = (NodeId, &Rhythm)> {
         self.nodes.iter()
     }

@@ -1,4 +1,4 @@
-//! What the nodes of a bus have done, as many rules want to know it.
+//! Facts about the nodes of a bus that several rules need.
 
 mod errors;
 mod heartbeats;
@@ -28,75 +28,75 @@ use crate::wire::sdo::Request;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
-/// What all nodes of a bus have done so far.
+/// The facts about all nodes of a bus.
 #[derive(Default)]
 pub struct Facts {
     nodes: PerNode<NodeFacts>,
-    /// When the LSS or LMT master last said something that may make slaves reset themselves.
+    /// Time of the last LSS or LMT message after which slaves may reset themselves.
     pub layer_setting: Option<Timestamp>,
-    /// How many nodes have sent something.
+    /// Number of nodes that have sent a message.
     pub present: u8,
-    /// Whether a request of an SDO client was seen.
+    /// Whether an SDO client has sent a request.
     pub has_sdo_client: bool,
     /// The communication parameters of TPDOs, after the frame.
     pub tpdos: AllParameters,
     /// The heartbeats and their periods, after the frame.
     pub heartbeats: Heartbeats,
-    /// The SDO requests that wait for an answer, after the frame.
+    /// The unanswered SDO requests, after the frame.
     pub requests: Requests,
-    /// The errors that nodes have reported and not taken back, after the frame.
+    /// The present errors of the nodes, after the frame.
     pub errors: Errors,
-    /// Which nodes are there, before the frame.
+    /// The presence of the nodes, before the frame.
     pub presence: Presence,
-    /// What the frame means to several rules.
+    /// The meaning of the frame to several rules.
     pub news: News,
 }
 
-/// What a frame means to several rules: worked out once for all of them.
+/// The meaning of a frame to several rules: computed once for all of them.
 #[derive(Default)]
 pub struct News {
-    /// Whether it is an NMT command that changes the state of some node, so that what was periodic may begin anew.
+    /// Whether it is an NMT command that changes the state of a node, so that periodic messages may begin anew.
     pub begins_anew: bool,
-    /// Whether it is a TPDO of whose parameters something is known.
+    /// Whether it is a TPDO with a known parameter.
     pub is_known_tpdo: bool,
-    /// Whether the node that it is about has sent it.
+    /// Whether the concerned node has sent it.
     pub is_from_node: bool,
-    /// The silence of its node that it ends, if it was an outage.
+    /// The outage of its node that ends with it.
     pub returned: Option<Outage>,
-    /// Of a heartbeat: the interval that it ends.
+    /// The interval that ends with a heartbeat.
     pub heartbeat: Option<Interval>,
-    /// Of an SDO message: what it does to the requests that wait.
+    /// The effect of an SDO message on the unanswered requests.
     pub request: RequestEvent,
-    /// Of an EMCY: the errors that it says are gone.
+    /// The errors that end with an EMCY.
     pub ended_errors: Vec<(EmcyCode, Raised)>,
-    /// The values of an encoder's objects in it.
+    /// The values of an encoder's objects in the frame.
     pub operands: Vec<Operand>,
 }
 
-/// Whether a request asks to store or restore parameters.
+/// Whether a request stores or restores parameters.
 fn stores(request: Request) -> bool {
     let Request::InitiateDownload { multiplexer, payload } = request else { return false };
     match multiplexer.index.0 {
         object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS => true,
-        // Some devices store other objects too, by the same signatures.
+        // Some devices store through other objects too, with the same signatures.
         0x2000..=0x5FFF => payload.value().is_some_and(|value| matches!(value, b"save" | b"load")),
         _ => false,
     }
 }
 
 impl Facts {
-    /// What a node has done.
+    /// The facts about a node.
     pub fn node(&self, id: NodeId) -> &NodeFacts {
         &self.nodes[id]
     }
 
-    /// Takes the next frame before the rules see it, and returns the node whose TPDO parameters may have changed.
+    /// Handles the next frame before the rules see it; returns the node whose TPDO parameters may have changed.
     pub(super) fn follow(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
         let now = record.timestamp;
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
         let reconfigured = self.tpdos.frame(decoded, bus);
         let is_from_node = decoded.is_from_node();
-        // Nearly always there is nothing to take away, nor to put there.
+        // Nearly always `None` replaces `None`, and the test is cheaper than the write.
         if self.news.returned.is_some() {
             self.news.returned = None;
         }
@@ -108,7 +108,7 @@ impl Facts {
         let news = &mut self.news;
         news.is_from_node = is_from_node;
         (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
-        // Most frames are no SDO messages: nothing to take away.
+        // Most frames are no SDO messages, so there is nothing to reset.
         if !matches!(news.request, RequestEvent::None) {
             news.request = RequestEvent::None;
         }
@@ -146,21 +146,21 @@ impl Facts {
         self.nodes[node].last_seen.is_some_and(|since| self.presence.is_long(node, now.since(since)))
     }
 
-    /// The silence of a node, if it is longer than its heartbeat or guarding allows and nothing explains it.
+    /// The outage of a node: a silence that is longer than its heartbeat or guarding allows, without an explanation.
     #[cold]
     pub fn outage(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
         let period = self.heartbeats.of(node).period();
         self.presence.outage(node, now, &self.nodes[node], period, self.layer_setting)
     }
 
-    /// Frames may be missing here, or the clock has stepped.
+    /// Tells that frames may be missing here, or the clock has stepped.
     pub(super) fn interrupted(&mut self, now: Timestamp) {
         self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
     }
 
-    /// Takes the frame after the rules have seen it.
+    /// Handles the frame after the rules have seen it.
     pub(super) fn note(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) {
         let now = record.timestamp;
         match decoded.message {
@@ -210,7 +210,7 @@ impl Facts {
         }
     }
 
-    /// A node has started: how long it takes after a reset is known, if it was there before that.
+    /// A node has booted; its time from reset to boot-up is noted, if it was present before.
     fn restarted(&mut self, node: NodeId, now: Timestamp) {
         const LONGEST: Duration = Duration::from_secs(60);
         let took = self.nodes[node].pending_reset.map(|reset| now.since(reset));
@@ -219,8 +219,8 @@ impl Facts {
         }
     }
 
-    /// A node has started with a new node-ID: the one that it had before will not come back. Where nothing tells which
-    /// that is, it is the only one that was reset and is silent since.
+    /// A node has booted with a new node-ID; the old one will not return. If nothing tells the old node-ID, it is
+    /// that of the only node that was reset and is silent since.
     fn moved(&mut self, bus: &Bus) {
         let from = bus.events().iter().find_map(|event| match event {
             Event::NodeIdChanged { from, .. } => Some(*from),
@@ -235,8 +235,8 @@ impl Facts {
         }
     }
 
-    /// Whether an NMT command repeats what the nodes that it names were told last, so that it changes nothing: some
-    /// masters send it again and again.
+    /// Whether an NMT command repeats the last command to its nodes, so that it changes nothing: some masters repeat
+    /// commands again and again.
     fn is_repeated(&self, nmt: Nmt) -> bool {
         let resets = nmt.command.is_reset();
         let mut present = self.nodes.named(nmt.node).map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());
@@ -264,7 +264,7 @@ impl Facts {
             return;
         }
         let facts = &mut self.nodes[node];
-        // Some devices store other objects too, by the same signatures.
+        // Some devices store through other objects too, with the same signatures.
         let signed = matches!(transfer.data(), b"save" | b"load");
         match transfer.multiplexer.index.0 {
             object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS => facts.last_store = Some(now),

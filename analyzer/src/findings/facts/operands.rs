@@ -1,4 +1,4 @@
-//! The values of an encoder's objects, wherever they come by: in a PDO or an SDO transfer.
+//! The values of an encoder's objects, in PDOs and SDO transfers.
 
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::{Message, PdoNumber};
@@ -18,7 +18,7 @@ pub struct Operand {
     pub raw: u64,
     /// How many bits it has.
     pub bits: u8,
-    /// Whether a client wrote it: else it is the device's own word.
+    /// Whether a client wrote the value; else the device sent it.
     pub written: bool,
 }
 

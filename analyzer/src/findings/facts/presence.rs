@@ -1,4 +1,4 @@
-//! Whether nodes are there: silences that are longer than their heartbeat, or the guarding of the master, allows.
+//! The presence of nodes: detects silences that are longer than the heartbeat or the master's guarding allows.
 
 use super::node::NodeFacts;
 use crate::findings::percent::Percent;
@@ -6,81 +6,81 @@ use crate::wire::nmt::{Command, Nmt};
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Timestamp};
 
-/// What is known of the presence of all nodes of a bus.
+/// The presence of all nodes of a bus.
 #[derive(Default)]
 pub struct Presence {
     nodes: PerNode<Watch>,
-    /// A silence that is not longer is none; `None` where nothing is expected of the node.
+    /// The shortest silence that may be an outage; `None` if the node need not send.
     alarms: PerNode<Option<Duration>>,
-    /// Whether the master has told or asked the node something since it last sent something.
+    /// Whether the master has commanded or asked the node since its last message.
     addressed: PerNode<bool>,
-    /// Nothing is known of before: frames may be missing there.
+    /// Nothing before this time counts: frames may be missing there.
     since: Timestamp,
 }
 
-/// One node.
+/// The state of one node.
 #[derive(Clone, Copy, Default)]
 struct Watch {
     orders: Orders,
     guarding: Guarding,
-    /// The longest time that it has taken to restart when it was reset.
+    /// The longest time from a reset to the boot-up.
     restart: Option<Duration>,
 }
 
-/// What the master has told a node since it last sent something.
+/// The master's commands to a node since the node's last message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Orders {
-    /// How often it was reset.
+    /// Number of resets.
     pub resets: u32,
     /// The first reset.
     pub first_reset: Option<Timestamp>,
     /// The last reset.
     pub last_reset: Option<Timestamp>,
-    /// The last of all commands.
+    /// The last command of any kind.
     pub last: Option<(Command, Timestamp)>,
-    /// Whether another command came before the first reset: the heartbeat may begin anew with it.
+    /// Whether another command preceded the first reset: it may restart the heartbeat's period.
     pub shifts: bool,
 }
 
-/// How the master guards a node.
+/// The master's guarding of a node.
 #[derive(Clone, Copy, Default)]
 struct Guarding {
     asked: Option<Timestamp>,
     interval: Option<Duration>,
-    /// Requests since the node last sent something, before it was reset.
+    /// Number of requests since the node's last message, before a reset.
     unanswered: u32,
 }
 
-/// By what it is known that a node should have sent something.
+/// The reason why a node should have sent a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sign {
     /// Its heartbeat, with its period.
     Heartbeat(Duration),
-    /// The guarding requests of the master, with their distance.
+    /// The guarding requests of the master, with their interval.
     Guarding(Duration),
 }
 
-/// The silence of a node that should have sent something.
+/// The silence of a node that should have sent a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Outage {
-    /// When it last sent something.
+    /// Time of its last message.
     pub since: Timestamp,
-    /// What has not come.
+    /// The missing message.
     pub sign: Sign,
-    /// What the master told it in the meantime.
+    /// The master's commands during the silence.
     pub orders: Orders,
 }
 
 impl Presence {
-    /// A longer silence, of the period, is an outage.
+    /// A silence that is longer than this share of the period is an outage.
     const MISSING: Percent = Percent(300);
-    /// The same before a reset: a master that waits for one and a half periods resets the node sooner.
+    /// The same before a reset: masters reset a node after one and a half periods of silence.
     const BEFORE_RESET: Percent = Percent(150);
-    /// Resets that follow each other sooner are one: some masters reset communication and then the node.
+    /// Resets within this time count as one: some masters reset communication and then the node.
     const RETRY: Duration = Duration::from_secs(2);
-    /// How long a node that is there may take to restart, before the capture has shown how long it takes.
+    /// Time that a present node may take to restart, until the capture has shown its own.
     const RESTART: Duration = Duration::from_secs(10);
-    /// How long a node may be silent around layer setting.
+    /// Time for which a node may be silent around layer setting.
     const LAYER_SETTING: Duration = Duration::from_secs(10);
 
     /// Whether a silence of that length may be an outage.
@@ -89,8 +89,8 @@ impl Presence {
         self.alarms[node].is_some_and(|alarm| silence > alarm)
     }
 
-    /// The silence of a node, if it is longer than what the node was commanded in the meantime explains. `period` is that of
-    /// its heartbeat, `layer_setting` when the LSS master last said something that may reset nodes.
+    /// The outage of a node, if its silence is longer than the commands meanwhile explain. `period` is that of its
+    /// heartbeat, `layer_setting` the time of the last LSS message that may reset nodes.
     pub fn outage(
         &self,
         node: NodeId,
@@ -105,7 +105,7 @@ impl Presence {
             return None;
         }
         let Orders { first_reset, last_reset, shifts, .. } = watch.orders;
-        // What follows a reset is the reset's, unless the master has to repeat it.
+        // The silence after a reset belongs to the reset, unless the master has to repeat it.
         let tried = first_reset.zip(last_reset).is_some_and(|(first, last)| last.since(first) >= Self::RETRY);
         let repeated = tried && first_reset.is_some_and(|reset| now.since(reset) > self.restart_limit(node));
         let end = first_reset.filter(|_| !repeated);
@@ -119,7 +119,7 @@ impl Presence {
             }
         };
         let (Sign::Heartbeat(period) | Sign::Guarding(period)) = sign;
-        // A command that changes the state may let the heartbeat begin anew.
+        // A command that changes the state may restart the heartbeat's period.
         let shift = if shifts { period } else { Duration::ZERO };
         let excuse = |then: Option<Timestamp>, length: Duration| {
             let end = then.filter(|then| *then + length > since).map(|then| then + length);
@@ -131,17 +131,17 @@ impl Presence {
         is_lost.then_some(Outage { since, sign, orders: watch.orders })
     }
 
-    /// How long a node may take to restart after a reset.
+    /// Time that a node may take to restart after a reset.
     pub fn restart_limit(&self, node: NodeId) -> Duration {
         self.nodes[node].restart.map_or(Self::RESTART, |longest| longest.times(2) + Duration::from_secs(1))
     }
 
-    /// A heartbeat has come, and the next one is due after that period.
+    /// Handles a heartbeat; the next one is due after that period.
     pub fn beat(&mut self, node: NodeId, period: Option<Duration>) {
         self.alarms[node] = period.map(|period| Self::BEFORE_RESET.of(period));
     }
 
-    /// A node has sent something.
+    /// Handles a message of a node.
     #[inline]
     pub fn heard(&mut self, node: NodeId) {
         if std::mem::take(&mut self.addressed[node]) {
@@ -150,13 +150,13 @@ impl Presence {
         }
     }
 
-    /// A node that was there has restarted so long after it was reset.
+    /// Notes the time from a node's reset to its boot-up.
     pub fn restarted(&mut self, node: NodeId, took: Duration) {
         let restart = &mut self.nodes[node].restart;
         *restart = (*restart).max(Some(took));
     }
 
-    /// The master has sent a command.
+    /// Handles a command of the master.
     pub fn commanded(&mut self, now: Timestamp, nmt: Nmt) {
         self.addressed.named_mut(nmt.node).for_each(|(_, addressed)| *addressed = true);
         for (_, watch) in self.nodes.named_mut(nmt.node) {
@@ -171,7 +171,7 @@ impl Presence {
         }
     }
 
-    /// The master has asked a node for its state.
+    /// Handles a guarding request of the master.
     pub fn guarded(&mut self, now: Timestamp, node: NodeId) {
         self.addressed[node] = true;
         let (watch, alarm) = (&mut self.nodes[node], &mut self.alarms[node]);
@@ -185,7 +185,7 @@ impl Presence {
         guarding.unanswered += u32::from(watch.orders.resets == 0);
     }
 
-    /// Frames may be missing here.
+    /// Tells that frames may be missing here.
     pub fn interrupted(&mut self, now: Timestamp) {
         self.since = now;
         for watch in self.nodes.values_mut() {

@@ -1,4 +1,4 @@
-//! The requests that wait for an answer, on each SDO channel.
+//! The unanswered requests on each SDO channel.
 
 use crate::Multiplexer;
 use crate::findings::Seen;
@@ -10,53 +10,53 @@ use crate::wire::nmt::Command;
 use crate::wire::sdo::Request;
 use canvass_traces::{Duration, Record, Timestamp};
 
-/// The requests that wait for an answer.
+/// The unanswered requests.
 #[derive(Default)]
 pub struct Requests {
     channels: Vec<Option<Pending>>,
-    /// The latest requests that a client has given up, and when: their answers may still come.
+    /// The latest abandoned requests with their times: answers may still come.
     left: Vec<Left>,
 }
 
-/// A request that nobody waits for any more.
+/// An abandoned request.
 struct Left {
     channel: ChannelIndex,
     pending: Pending,
     since: Timestamp,
-    /// The client has given it up; else a restart of the node has ended it.
+    /// Whether the client has abandoned it; else a restart of the node has ended it.
     by_client: bool,
 }
 
-/// A request that waits for its answer.
+/// An unanswered request.
 #[derive(Clone)]
 pub struct Pending {
     /// The request.
     pub request: Seen,
-    /// When it was sent.
+    /// Time of its first sending.
     pub since: Timestamp,
-    /// How often it was sent.
+    /// Number of times it was sent.
     pub times: u32,
-    /// The object that the transfer is about.
+    /// The object of the transfer.
     pub object: Option<Multiplexer>,
 }
 
-/// What a frame did to the requests.
+/// The effect of a frame on the requests.
 #[derive(Default)]
 pub enum RequestEvent {
-    /// Nothing that counts.
+    /// No effect.
     #[default]
     None,
     /// An answer came.
     Answered(Pending),
-    /// The client sent something else: it does not wait any more.
+    /// The client sent another request, so it does not wait any more.
     GivenUp(Pending),
-    /// The answer came to a request that the client had given up at that time, or that a restart had ended then.
+    /// The answer to an abandoned request came.
     AnsweredLate {
         /// The request.
         pending: Pending,
-        /// When it was given up.
+        /// Time at which it was abandoned.
         gave_up: Timestamp,
-        /// Whether the client did so.
+        /// Whether the client abandoned it; else a restart of the node ended it.
         by_client: bool,
     },
     /// The client sent the same request again.
@@ -64,7 +64,7 @@ pub enum RequestEvent {
 }
 
 impl RequestEvent {
-    /// Whether it is something else than that a request is answered.
+    /// Whether the event is another than a request being answered.
     #[inline]
     pub const fn is_unusual(&self) -> bool {
         !matches!(self, Self::None | Self::Answered(_))
@@ -72,13 +72,13 @@ impl RequestEvent {
 }
 
 impl Requests {
-    /// So many requests that were given up are remembered, and for so long.
+    /// Maximum number of abandoned requests that are remembered.
     const LEFT: usize = 32;
     const REMEMBERED: Duration = Duration::from_secs(10);
     /// Copies that an interface loops back come within this time.
     const COPY: Duration = Duration::from_millis(1);
 
-    /// Takes a frame of SDO, a boot-up or an NMT command.
+    /// Handles an SDO frame, a boot-up or an NMT command.
     pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> RequestEvent {
         let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
             self.forget_node(record.timestamp, decoded);
@@ -89,7 +89,7 @@ impl Requests {
                 Some(pending) => self.give_up(channel, pending, record.timestamp),
                 None => RequestEvent::None,
             },
-            // The server does not answer the end of a block upload, nor segments of a block one by one.
+            // The server does not answer the end of a block upload, nor the segments of a block one by one.
             Message::SdoRequest(Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
                 *self.slot(channel) = None;
                 RequestEvent::None
@@ -128,7 +128,7 @@ impl Requests {
         }
     }
 
-    /// The client does not wait any more.
+    /// Handles a request whose client does not wait any more.
     #[cold]
     fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> RequestEvent {
         if self.left.len() >= Self::LEFT {
@@ -138,7 +138,8 @@ impl Requests {
         RequestEvent::GivenUp(pending)
     }
 
-    /// What an answer about that object is if its request was given up: none that waits asks for the same.
+    /// The event of an answer about that object, if its request was abandoned and no waiting request concerns the
+    /// same object.
     #[inline]
     fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<RequestEvent> {
         if self.left.is_empty() {
@@ -151,7 +152,7 @@ impl Requests {
             return None;
         }
         let at = self.left.iter().position(|left| left.channel == channel && left.pending.object == Some(object))?;
-        // Each time that it was sent may have an answer.
+        // Each sending of the request may get an answer.
         let left = self.left.get_mut(at)?;
         let (gave_up, by_client) = (left.since, left.by_client);
         let pending = left.pending.clone();
@@ -162,10 +163,10 @@ impl Requests {
         Some(RequestEvent::AnsweredLate { pending, gave_up, by_client })
     }
 
-    /// A node that restarts has forgotten what it was asked, unless that waits in a queue.
+    /// A restarting node forgets its requests, unless they wait in a queue.
     fn forget_node(&mut self, now: Timestamp, decoded: &Decoded) {
         let named = match decoded.message {
-            // Going to operational or pre-operational does not disturb a transfer.
+            // A change to operational or pre-operational does not disturb a transfer.
             Message::Nmt(nmt) if matches!(nmt.command, Command::START | Command::ENTER_PRE_OPERATIONAL) => return,
             Message::Nmt(nmt) => nmt.node,
             _ => decoded.node.map_or(0, |node| node.raw()),
@@ -190,13 +191,13 @@ impl Requests {
         &mut self.channels[at]
     }
 
-    /// All requests that wait, with their channels.
+    /// All unanswered requests, with their channels.
     pub fn open(&self) -> impl Iterator<Item = (ChannelIndex, &Pending)> {
         let channels = (0_u16..).map(ChannelIndex).zip(&self.channels);
         channels.filter_map(|(channel, pending)| Some((channel, pending.as_ref()?)))
     }
 
-    /// Answers may have come unseen.
+    /// Tells that answers may be missing in the capture.
     pub fn interrupted(&mut self) {
         self.channels.fill_with(|| None);
         self.left.clear();
@@ -217,7 +218,7 @@ impl Pending {
         })
     }
 
-    /// ` for 6004h:00`, where the object is known.
+    /// ` for 6004h:00`, if the object is known.
     pub fn about(&self) -> String {
         self.object.map(|object| format!(" for {object}")).unwrap_or_default()
     }

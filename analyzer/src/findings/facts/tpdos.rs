@@ -1,7 +1,7 @@
-//! The communication parameters of TPDOs, as the trace itself has shown them.
+//! The communication parameters of TPDOs, as shown by the trace itself.
 //!
-//! A description says only what the defaults are; most machines set these parameters before a capture begins, so that
-//! nothing is concluded from defaults.
+//! A description gives only the defaults. Most machines set these parameters before a capture begins, so nothing is
+//! concluded from defaults.
 
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::Service;
@@ -11,7 +11,7 @@ use crate::object::encoder;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_traces::Duration;
 
-/// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
+/// Number of TPDOs of a node that are judged; further ones are rare.
 pub const TPDOS: usize = 8;
 
 /// Synchronous window length, in microseconds; 0 is no window.
@@ -21,21 +21,21 @@ const SYNC_WINDOW: u16 = object::SYNCHRONOUS_WINDOW_LENGTH;
 const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
-/// What is known of one TPDO.
+/// The known parameters of one TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Parameters {
     /// Sub-index 2.
     pub transmission_type: Option<u8>,
-    /// Sub-index 3; `None` where it is 0 or not known.
+    /// Sub-index 3; `None` if it is 0 or unknown.
     pub inhibit: Option<Duration>,
-    /// Sub-index 5; `None` where it is 0 or not known.
+    /// Sub-index 5; `None` if it is 0 or unknown.
     pub event_timer: Option<Duration>,
 }
 
 impl Parameters {
     const UNKNOWN: Self = Self { transmission_type: None, inhibit: None, event_timer: None };
 
-    /// Whether anything is known.
+    /// Whether any parameter is known.
     pub const fn is_known(&self) -> bool {
         self.transmission_type.is_some() || self.inhibit.is_some() || self.event_timer.is_some()
     }
@@ -47,18 +47,18 @@ pub struct AllParameters {
     nodes: PerNode<[Parameters; TPDOS]>,
     /// 1007h of the nodes.
     windows: PerNode<Option<Duration>>,
-    /// Whether they were read at all.
+    /// Whether the parameters have been read.
     known: PerNode<bool>,
     /// Whether the cyclic timer of an encoder (6200h) was shown later than the event timer of its first TPDO.
     cyclic: PerNode<bool>,
 }
 
 impl AllParameters {
-    /// Takes a frame; returns the node whose parameters may have changed.
+    /// Handles a frame; returns the node whose parameters may have changed.
     #[inline]
     pub fn frame(&mut self, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
         let node = decoded.node?;
-        // What a description says of objects that can't be written is known from the first frame on.
+        // Described values of read-only objects are known from the first frame on.
         let is_new = !self.known[node];
         let may_change = match decoded.service {
             Service::BootUp => true,
@@ -96,8 +96,8 @@ impl AllParameters {
             row.transmission_type = of(2).map(|value| value as u8);
             row.inhibit = time(of(3), Duration::from_micros(100));
             row.event_timer = time(of(5), millis);
-            // Encoders have a timer of their own for their first TPDO; where both exist they are the same, so that the
-            // latest holds.
+            // Encoders have a timer of their own for their first TPDO. Where both exist they are the same timer, so
+            // the later value holds.
             let is_cyclic = index == object::TPDO_COMMUNICATION_PARAMETER && row.transmission_type == Some(254);
             if is_cyclic && (cyclic || row.event_timer.is_none()) && known.profile(node) == Some(ENCODER_PROFILE) {
                 row.event_timer = time(known.certain(node, CYCLIC_TIMER), millis);
@@ -105,21 +105,20 @@ impl AllParameters {
         }
     }
 
-    /// The window after SYNC in which a node's synchronous PDOs must come (1007h); `None` where there is none, or it is
-    /// not known.
+    /// The window after SYNC for a node's synchronous PDOs (1007h); `None` if there is none, or it is unknown.
     pub fn sync_window(&self, node: NodeId) -> Option<Duration> {
         self.windows[node]
     }
 
-    /// The parameters of a TPDO, by its number from 1; nothing is known of those beyond [`TPDOS`].
+    /// The parameters of a TPDO, by its number from 1; unknown beyond [`TPDOS`].
     pub fn of(&self, node: NodeId, number: u16) -> &Parameters {
         let row = usize::from(number).checked_sub(1);
         row.and_then(|row| self.nodes[node].get(row)).unwrap_or(&Parameters::UNKNOWN)
     }
 }
 
-/// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
-/// encoders, or which model the node is.
+/// Whether a transfer has shown a source of the parameters: the parameters themselves, the cyclic timer or the
+/// profile of encoders, or the model of the node.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
     let object = decoded.object.is_some_and(|object| {
         matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF | encoder::CYCLIC_TIMER)

@@ -27,10 +27,10 @@ impl Dialogue {
     fn answered(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let message = context.message();
         let Some(request) = &self.request else {
-            // It may have been asked before the capture began.
+            // The request may have preceded the capture.
             if context.now().since(context.scene.start) > Duration::from_secs(1) {
                 let report = Report::at(context.now()).detail(1).evidence(context.evidence());
-                sink.report(report, || format!("{}: nobody has asked for it", words(message)));
+                sink.report(report, || format!("{}, without a request", words(message)));
             }
             return;
         };

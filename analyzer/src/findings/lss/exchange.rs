@@ -1,20 +1,20 @@
-//! Request and answer of LSS and LMT, whose messages on 7E5h and 7E4h have the command specifier in byte 0.
+//! Requests and answers of LSS and LMT, whose messages on 7E5h and 7E4h have the command specifier in byte 0.
 
 use crate::findings::{Context, Seen};
 use crate::message::Message;
 use crate::wire::layer_setting::ConfigureCommand;
 use crate::wire::{lmt, lss};
 
-/// A message of the master or of a slave.
+/// The sender of a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sender {
-    /// On 7E5h.
+    /// The master, on 7E5h.
     Master,
-    /// On 7E4h.
+    /// A slave, on 7E4h.
     Slave,
 }
 
-/// Who sent a message.
+/// The sender of a message.
 pub const fn sender(message: &Message) -> Option<Sender> {
     match message {
         Message::LssRequest(_) | Message::LmtRequest(_) => Some(Sender::Master),
@@ -23,7 +23,7 @@ pub const fn sender(message: &Message) -> Option<Sender> {
     }
 }
 
-/// Whether one slave, and only one, must answer a request.
+/// Whether exactly one slave must answer a request.
 pub fn wants_answer(message: &Message) -> bool {
     match message {
         Message::LssRequest(request) => request.wants_answer(),
@@ -32,7 +32,7 @@ pub fn wants_answer(message: &Message) -> bool {
     }
 }
 
-/// Whether a request asks to store.
+/// Whether a request stores the configuration.
 pub const fn is_store(message: &Message) -> bool {
     matches!(
         message,
@@ -58,7 +58,7 @@ pub const fn configured(message: &Message) -> Option<(ConfigureCommand, u8)> {
     }
 }
 
-/// The words of a message.
+/// The text of a message.
 pub fn words(message: &Message) -> String {
     match message {
         Message::LssRequest(request) => request.to_string(),
@@ -74,16 +74,16 @@ pub fn command(seen: &Seen) -> u8 {
     seen.record.frame.bytes()[0]
 }
 
-/// The command specifier of the frame that is looked at.
+/// The command specifier of the current frame.
 pub fn own_command(context: &Context<'_>) -> u8 {
     context.record.frame.bytes()[0]
 }
 
-/// The command specifier of the answer to a request; `None` of requests that are not answered.
+/// The command specifier of the answer to a request; `None` for requests without answer.
 pub const fn answer_to(command: u8) -> Option<u8> {
     match command {
         0x11 | 0x13 | 0x17 | 0x24..=0x26 | 0x5A..=0x5E => Some(command),
-        // LMT: identify remote slave, after its last bound.
+        // In LMT the identification of remote slaves is answered after its last bound.
         0x08 => Some(0x09),
         0x43 => Some(0x44),
         0x46..=0x4B | 0x51 => Some(0x4F),

@@ -21,13 +21,13 @@ use canvass_macros::rule;
 /// start.
 #[rule(id = "lss/not-stored", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct NotStored {
-    /// The slave's answers to the configurations that are not stored: node-ID and bit rate.
+    /// The slave's answers to configurations that are not stored yet: node-ID and bit rate.
     changed: [Option<Seen>; 2],
     /// The latest request.
     request: Option<String>,
-    /// What the master asked for, for both.
+    /// The master's requests for node-ID and bit rate.
     asked: [String; 2],
-    /// The master finds slaves without node-ID, to give them one at every start.
+    /// Whether the master looks for slaves without node-ID, to assign one at every start.
     assigns: bool,
 }
 
@@ -41,7 +41,7 @@ impl NotStored {
         sink.report(report, || {
             let asked = [&node_id, &bit_rate].into_iter().zip(&self.asked).filter(|row| row.0.is_some());
             let asked: Vec<&str> = asked.map(|row| row.1.as_str()).collect();
-            format!("\"{}\" was confirmed and not stored", asked.join("\" and \""))
+            format!("\"{}\" was confirmed but not stored", asked.join("\" and \""))
         });
     }
 }

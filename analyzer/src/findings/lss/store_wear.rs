@@ -18,13 +18,13 @@ use canvass_macros::rule;
 /// Store once, at commissioning; or assign node-IDs at every start and don't store them.
 #[rule(id = "lss/store-wear", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct StoreWear {
-    /// fewer stores in a capture are not judged
+    /// a lower number of stores is not judged
     #[threshold(count = 10, min = 1)]
     times: u64,
-    /// how many writes the memory bears
+    /// number of writes that the memory bears
     #[threshold(count = 100_000, min = 1)]
     cycles: u64,
-    /// the service life
+    /// service life of the device
     #[threshold(count = 10, unit = "years", min = 1)]
     years: u64,
     stores: Wear,

@@ -19,10 +19,10 @@ use canvass_traces::Duration;
 /// devices.
 #[rule(id = "lss/unanswered", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct Unanswered {
-    /// time to answer
+    /// timeout for an answer
     #[threshold(ms = 1000)]
     wait: Duration,
-    /// time to answer a store
+    /// timeout for the answer to a store
     #[threshold(ms = 5000)]
     store: Duration,
     open: Option<Seen>,

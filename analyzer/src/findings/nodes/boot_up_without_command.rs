@@ -6,7 +6,7 @@ use crate::findings::{Context, NodeFacts, Seen};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What a restart causes.
+/// Effects of a restart.
 const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/boot-up-without-command"]));
 
 /// a node restarts by itself
@@ -32,7 +32,7 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 )]
 struct BootUpWithoutCommand;
 
-/// Whether something that was said to the node explains its boot-up.
+/// Whether a message to the node explains its boot-up.
 pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> bool {
     const WHILE: Duration = Duration::from_secs(10);
     let recent = |then: Option<Timestamp>| NodeFacts::is_recent(then, context.now(), WHILE);
@@ -40,7 +40,7 @@ pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> b
     let after_boot_up = |then: Option<Timestamp>| recent(then) && then > facts.last_boot_up;
     let answered = |reset: Timestamp| {
         let usual = context.now().since(reset) <= context.scene.facts.presence.restart_limit(node);
-        // A node that was there when it was reset, and is silent since, is busy with that.
+        // A node that was present at the reset and is silent since is still restarting.
         let silent = facts.last_seen.is_none_or(|seen| seen <= reset + Duration::from_secs(1));
         usual || silent && context.news().returned.is_none()
     };

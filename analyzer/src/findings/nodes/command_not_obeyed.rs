@@ -10,7 +10,7 @@ use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 use std::rc::Rc;
 
-/// What shows the state in which the node has stayed.
+/// Effects: messages that show the state in which the node has stayed.
 const EFFECTS: &[Effect] =
     &[Effect::on(&["nodes/pdo-outside-operational", "nodes/sdo-in-stopped", "nodes/no-boot-up"]).of_same_node()];
 
@@ -37,7 +37,7 @@ const EFFECTS: &[Effect] =
     leads_to = EFFECTS
 )]
 struct CommandNotObeyed {
-    /// time to reach a state
+    /// time to reach the commanded state
     #[threshold(ms = 100)]
     settle: Duration,
     /// time to begin a reset
@@ -49,7 +49,7 @@ struct CommandNotObeyed {
 #[derive(Default)]
 struct Watched {
     pending: Option<Pending>,
-    /// It has left operational, or started anew, when it was told to.
+    /// Whether it has obeyed a command to leave operational or to reset.
     obedient: bool,
     /// The last heartbeat, with its state.
     beat: Option<(Timestamp, State)>,
@@ -57,32 +57,32 @@ struct Watched {
 }
 
 struct Pending {
-    /// Shared by all nodes that it names.
+    /// The command, shared by all nodes that it names.
     command: Rc<Seen>,
     expected: State,
-    /// How often another state was seen.
+    /// Number of messages with another state.
     against: u8,
-    /// The last heartbeat before the command, and how many came at their time after it.
+    /// The last heartbeat before the command, and the number of heartbeats at their regular times after it.
     before: Option<(Timestamp, State)>,
     on_time: u64,
 }
 
-/// The commands that were not obeyed.
+/// The disobeyed commands.
 #[derive(Default)]
 struct Disobeyed {
     times: u64,
     resets: u64,
-    /// When the first of them came, since the start.
+    /// Times of the first disobeyed resets, since the start.
     reset_at: Vec<Duration>,
     starts: u64,
     first: String,
 }
 
 impl Disobeyed {
-    /// How many resets are listed with their times.
+    /// Number of resets listed with their times.
     const LISTED: usize = 8;
 
-    /// One more, in words: what there is to say of all.
+    /// Adds a command; returns the text about all of them.
     fn add(&mut self, expected: State, since_start: Duration, words: String) -> String {
         self.times += 1;
         match expected {
@@ -117,11 +117,11 @@ impl Disobeyed {
 }
 
 impl Pending {
-    /// No device restarts sooner.
+    /// No device restarts faster than this.
     const RESTART: Duration = Duration::from_millis(5);
 
-    /// Whether a heartbeat comes just when it would have come without the reset: then the node has not begun anew. Where
-    /// the reset fell together with a beat, a timer that starts after it is late by what the restart takes.
+    /// Whether a heartbeat comes exactly as it would have come without the reset: then the node has not restarted. If
+    /// the reset coincides with a heartbeat, a restarted timer is late by the duration of the restart.
     fn goes_on(&mut self, now: Timestamp, state: State, period: Option<Duration>) -> bool {
         let (Some((before, old)), Some(period)) = (self.before, period.filter(|period| *period > Duration::ZERO))
         else {
@@ -153,9 +153,9 @@ impl CommandNotObeyed {
         };
         let command = Rc::new(context.seen());
         for (_, watched) in self.nodes.named_mut(node) {
-            // The same command again: the node has had its time since the first one.
+            // A repeated command: the node has had its time since the first one.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
-            // Of a node that was not seen before, nobody knows whether it has just been switched on.
+            // An unseen node may just have been switched on.
             if expected == State::BOOT_UP && watched.beat.is_none() {
                 watched.pending = None;
             } else if !waits || expected == State::BOOT_UP {
@@ -165,7 +165,7 @@ impl CommandNotObeyed {
         }
     }
 
-    /// Error control shows a state.
+    /// Handles a state shown by error control.
     fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
         let watched = &mut self.nodes[node];
         let Some(pending) = &mut watched.pending else { return };
@@ -203,7 +203,7 @@ impl CommandNotObeyed {
         let is_master = !is_slave && state == State::OPERATIONAL;
         let at = pending.command.time();
         let waited = context.now().since(at);
-        let master = if is_master { "; it is right if this is the NMT master itself" } else { "" };
+        let master = if is_master { "; correct if this is the NMT master itself" } else { "" };
         let words = match pending.expected {
             State::BOOT_UP => format!("{state} {waited} after the command to reset it, and no boot-up{master}"),
             expected => format!("{state} {waited} after the command to be {expected}{master}"),

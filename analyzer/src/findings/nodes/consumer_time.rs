@@ -8,7 +8,7 @@ use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// What a consumer does about it.
+/// Effects: reactions of the consumer.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["emcy/raised"]).of_same_node().with_codes(MONITORING).during(SOON, SETTLE),
     Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
@@ -16,9 +16,9 @@ const EFFECTS: &[Effect] = &[
 
 /// a heartbeat consumer time is missed
 ///
-/// The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of another
-/// (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back. Monitoring begins
-/// with the first heartbeat. Where a reset or boot-up is the reason, nothing is said.
+/// The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of
+/// another (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back.
+/// Monitoring begins with the first heartbeat. Silence because of a reset or boot-up is not reported.
 ///
 /// # Why
 /// The consumer sees a heartbeat event: it sends EMCY 8130h and, unless 1029h says otherwise, leaves operational.
@@ -35,11 +35,11 @@ const EFFECTS: &[Effect] = &[
     leads_to = EFFECTS
 )]
 struct ConsumerTime {
-    /// Who consumes the heartbeat of each node, and how long it waits.
+    /// The heartbeat consumers of each node, with their consumer times.
     consumers: PerNode<Consumers>,
-    /// How many there are in all.
+    /// Number of all consumers.
     count: usize,
-    /// The nodes whose description or stored parameters were looked at.
+    /// The nodes whose description or stored parameters have been read.
     known: PerNode<bool>,
     last: PerNode<Option<Seen>>,
 }
@@ -48,15 +48,15 @@ struct ConsumerTime {
 struct Consumer {
     node: NodeId,
     time: Duration,
-    /// The silence under way was reported.
+    /// Whether the current silence was reported.
     told: bool,
 }
 
-/// Who consumes the heartbeat of one node.
+/// The consumers of one node's heartbeat.
 #[derive(Default)]
 struct Consumers {
     list: Vec<Consumer>,
-    /// The shortest time of those whose silence was not reported: before that there is nothing to look at.
+    /// The shortest consumer time that was not reported yet: before it there is nothing to check.
     patience: Option<Duration>,
 }
 
@@ -75,10 +75,10 @@ impl Consumers {
 }
 
 impl ConsumerTime {
-    /// 127 producers for each of 127 consumers.
+    /// Maximum number of consumers: 127 producers for each of 127 nodes.
     const MOST: usize = 127 * 127;
 
-    /// Takes the entries of 1016h of a node as they are at this moment.
+    /// Takes over the current entries of a node's 1016h.
     fn configure(&mut self, node: NodeId, scene: &Scene<'_>) {
         self.known[node] = true;
         if self.count > 0 {
@@ -90,8 +90,8 @@ impl ConsumerTime {
             }
         }
         let Some(known) = scene.bus.node(node) else { return };
-        // A description says only what the default is; nobody delivers a device with a consumer switched on, unless
-        // it is a device configuration file.
+        // A description gives only the default, and no device is delivered with a consumer switched on; a device
+        // configuration file gives the real value.
         let entries = |sub: u8| known.parameter(node, Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub));
         let most = entries(0).map_or(127, |count| count.min(127) as u8);
         for value in (1..=most).filter_map(entries) {
@@ -105,13 +105,13 @@ impl ConsumerTime {
         }
     }
 
-    /// Reports the consumers that have waited for too long.
+    /// Reports the consumers whose time is over.
     fn check(&mut self, producer: NodeId, next: Option<&Context<'_>>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let Some(last) = &self.last[producer] else { return };
         let silence = scene.now.since(last.time());
         let consumers = &mut self.consumers[producer];
         let due = consumers.patience.is_some_and(|patience| silence > patience);
-        // With the heartbeat that ends a silence, the words of what was reported are amended.
+        // The heartbeat that ends a silence completes the text of the report.
         let amends = next.is_some() && consumers.list.iter().any(|consumer| consumer.told);
         if !due && !amends {
             return;
@@ -120,7 +120,7 @@ impl ConsumerTime {
             if silence <= consumer.time + scene.slack() || consumer.told && next.is_none() {
                 continue;
             }
-            // It happens when the consumer has waited for long enough, not when it began to.
+            // The event happens when the consumer time is over, not when it begins.
             let report = Report::at(last.time() + consumer.time)
                 .node(consumer.node)
                 .origin(producer)

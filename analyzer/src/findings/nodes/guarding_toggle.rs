@@ -24,7 +24,7 @@ struct GuardingToggle {
 impl Rule for GuardingToggle {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if context.decoded.service == Service::Nmt {
-            // A reset sets the bit back; which commands do, devices disagree about.
+            // The effect of a reset on the toggle bit differs between devices.
             if context.begins_anew() {
                 self.nodes.reset();
             }
@@ -41,7 +41,7 @@ impl Rule for GuardingToggle {
                     let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
                     sink.report(report, || format!("toggle bit {} twice in a row", u8::from(message.toggle)));
                 }
-                // An answer that nobody was seen to ask for may be a heartbeat.
+                // An answer without a visible request may be a heartbeat.
                 self.nodes[node] = asked.then_some(message.toggle);
             }
             _ => {}

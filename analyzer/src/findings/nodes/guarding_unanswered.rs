@@ -19,11 +19,11 @@ use canvass_traces::Duration;
 /// Some CAN controllers answer remote frames by themselves, with an old state.
 #[rule(id = "nodes/guarding-unanswered", severity = Error, rank = State, services = [Guarding, BootUp, Heartbeat])]
 struct GuardingUnanswered {
-    /// time to answer
+    /// timeout for an answer
     #[threshold(ms = 100)]
     wait: Duration,
     nodes: PerNode<Option<Seen>>,
-    /// Some request may be waiting for its answer.
+    /// Whether any request is unanswered.
     waits: bool,
 }
 

@@ -6,7 +6,7 @@ use crate::findings::{Context, Scene, Seen};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// Who misses the heartbeat.
+/// Effects: consumers that miss the heartbeat.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// a node's heartbeat ends and does not come back
@@ -21,7 +21,7 @@ const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 /// Look at the last frames of the node, at error frames around that time, and at its supply.
 #[rule(id = "nodes/heartbeat-ended", severity = Error, rank = Loss, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatEnded {
-    /// so many must be missing at the end
+    /// least number of missing heartbeats at the end
     #[threshold(count = 3, min = 1)]
     periods: u64,
     latest: PerNode<Option<Seen>>,
@@ -41,7 +41,7 @@ impl Rule for HeartbeatEnded {
             let (last, silence) = (seen.time(), scene.now.since(seen.time()));
             let is_late = silence > period.times(self.periods) + scene.slack() + Duration::from_millis(10);
             let facts = scene.facts.node(node);
-            // A device without boot-up message is not silent after a reset.
+            // A device without boot-up message need not send after a reset.
             let is_lost = scene.facts.outage(node, scene.now).is_some();
             if !is_late || is_lost || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
                 continue;

@@ -19,13 +19,13 @@ use canvass_traces::Duration;
 /// firmware is.
 #[rule(id = "nodes/heartbeat-jitter", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatJitter {
-    /// of the period that an interval may be off
+    /// deviation from the period, in percent, that counts
     #[threshold(percent = 20)]
     percent: Percent,
-    /// of the intervals may be off
+    /// share of deviating intervals that is reported
     #[threshold(percent = 10)]
     share: Percent,
-    /// being off by less is never counted
+    /// a smaller deviation is never counted
     #[threshold(ms = 10)]
     least: Duration,
     nodes: PerNode<Jitter>,

@@ -18,12 +18,12 @@ use canvass_traces::Duration;
 /// Look at the bus load at that time, and at what the node was doing. If a heartbeat time is below 20 ms, lengthen it.
 #[rule(id = "nodes/heartbeat-late", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatLate {
-    /// of the period; later is late
+    /// an interval beyond this share of the period is late
     #[threshold(percent = 150)]
     percent: Percent,
     #[from(super::heartbeat_missing::percent)]
     missing: Percent,
-    /// being late by less is not reported
+    /// a smaller delay is not reported
     #[threshold(ms = 10)]
     least: Duration,
 }
@@ -38,6 +38,6 @@ impl Rule for HeartbeatLate {
         }
         let report = Report::at(context.now()).node(context.node()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
-        sink.report(report, || format!("a heartbeat after {}, its period is {period}", interval.length));
+        sink.report(report, || format!("a heartbeat after {}, but its period is {period}", interval.length));
     }
 }

@@ -4,7 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Seen, Thresholds};
 use canvass_macros::rule;
 
-/// Who misses the heartbeat.
+/// Effects: consumers that miss the heartbeat.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
     Effect::on(&["nodes/consumer-time"]).of_origin().spanning(SOON),
@@ -24,12 +24,12 @@ const EFFECTS: &[Effect] = &[
 /// heartbeat task is starved. Look for a boot-up shortly after.
 #[rule(id = "nodes/heartbeat-missing", severity = Error, rank = State, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatMissing {
-    /// of the period; later is missing
+    /// beyond this share of the period a heartbeat counts as missing
     #[threshold(percent = 180)]
     percent: Percent,
 }
 
-/// How late a heartbeat must be to count as missing.
+/// The share of the period beyond which a heartbeat counts as missing.
 pub fn percent(thresholds: &Thresholds) -> Percent {
     HeartbeatMissing::new(thresholds).percent
 }
@@ -43,7 +43,7 @@ impl Rule for HeartbeatMissing {
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {
             let missed = (interval.length.nanos() + period.nanos() / 2) / period.nanos().max(1) - 1;
-            format!("no heartbeat for {}, its period is {period}: {missed} missing", interval.length)
+            format!("no heartbeat for {}, but its period is {period}: {missed} missing", interval.length)
         });
     }
 }

@@ -8,7 +8,7 @@ use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// What the node does about it.
+/// Effects: reactions of the node.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["emcy/raised"]).of_same_node().with_codes(MONITORING).during(SOON, SETTLE),
     Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
@@ -34,25 +34,25 @@ const EFFECTS: &[Effect] = &[
     leads_to = EFFECTS
 )]
 struct LifeGuarding {
-    /// of the life time; later is lost
+    /// an interval beyond this share of the life time is reported
     #[threshold(percent = 110, min = 1)]
     percent: Percent,
     nodes: PerNode<Option<Guarded>>,
-    /// Some node may be guarded.
+    /// Whether any node may be guarded.
     guards: bool,
 }
 
-/// A node that is being guarded.
+/// The state of a guarded node.
 struct Guarded {
     request: Seen,
     told: bool,
 }
 
-/// The guard time, and by what it is multiplied.
+/// The guard time, and its factor.
 const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
 const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
-/// The life time of a node; `None` where it is not known, or the node does not watch its master.
+/// The life time of a node; `None` if it is unknown, or the node does not monitor its master.
 fn life_time(node: NodeId, scene: &Scene<'_>) -> Option<Duration> {
     let known = scene.bus.node(node)?;
     let (guard, factor) = (known.certain(node, GUARD_TIME)?, known.certain(node, LIFE_TIME_FACTOR)?);
@@ -61,11 +61,11 @@ fn life_time(node: NodeId, scene: &Scene<'_>) -> Option<Duration> {
 }
 
 impl LifeGuarding {
-    /// Reports the node once if it waits for too long.
+    /// Reports the node once if its life time is over.
     fn check(&mut self, node: NodeId, next: Option<&Seen>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let Some(guarded) = &mut self.nodes[node] else { return };
         let silence = scene.now.since(guarded.request.time());
-        // Most nodes were asked a moment ago: only then is it worth looking for the life time.
+        // Most nodes were asked a moment ago; only long silences are worth computing the life time.
         if guarded.told && next.is_none() || silence < Duration::from_millis(20) {
             return;
         }
@@ -74,12 +74,12 @@ impl LifeGuarding {
             return;
         }
         let report = Report::at(guarded.request.time() + life).until(scene.now).node(node).measure(silence.nanos());
-        // When the next request comes, it is known how long it took.
+        // The next request shows the length of the silence.
         let report = if std::mem::replace(&mut guarded.told, true) { report.amend() } else { report };
         let report = report.evidence(guarded.request.evidence()).evidence(next.map(Seen::evidence));
         sink.report(report, || match next {
             Some(_) => format!("not asked for its state for {silence}; its life time is {life}"),
-            None => format!("not asked for its state any more, for more than its life time of {life}"),
+            None => format!("no longer asked for its state, for more than its life time of {life}"),
         });
     }
 

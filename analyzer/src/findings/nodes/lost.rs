@@ -9,13 +9,13 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What misses a node that is lost, and what the node itself shows before and after.
+/// Effects: nodes that miss the lost node, and its own messages before and after.
 const EFFECTS: &[Effect] = &[
     Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id"]),
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
     Effect::on(&["pdo/sync-missing"]).during(SOON, Duration::ZERO),
     Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE),
-    // What the node said just before may tell why.
+    // The node's last messages may tell the reason.
     Effect::on(&["emcy/raised"]).of_same_node().during(SETTLE, SETTLE),
     Effect::on(&["emcy/raised"]).of_others().with_codes(MONITORING).during(Duration::ZERO, SOON),
     Effect::on(&["nodes/state-lost"]).of_same_node().during(SOON, SETTLE),
@@ -44,32 +44,32 @@ struct Lost {
     nodes: PerNode<Losses>,
 }
 
-/// How often a node has dropped out.
+/// Number of outages of a node.
 #[derive(Default)]
 struct Losses {
     times: u64,
     total: Duration,
     longest: Duration,
-    /// Times in which the master has reset it.
+    /// Number of outages in which the master reset it.
     reset: u64,
     first: String,
 }
 
-/// How a silence has ended.
+/// The end of an outage.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
-    /// With a boot-up, so long after a reset that it belongs to that.
+    /// A boot-up, this long after a reset and so caused by it.
     Reset(Duration),
-    /// With a boot-up.
+    /// A boot-up without a reset.
     BootUp,
-    /// With anything else.
+    /// Any other frame.
     Frame,
-    /// Not, until the capture ends.
+    /// The outage lasts until the capture ends.
     Open,
 }
 
 impl Losses {
-    /// One more, in words: what there is to say of all.
+    /// Adds an outage; returns the text about all of them.
     fn add(&mut self, outage: &Outage, length: Duration, end: End, last: Option<&Seen>) -> String {
         let words = words(outage, length, end, last);
         self.times += 1;
@@ -91,7 +91,7 @@ impl Losses {
     }
 }
 
-/// What has happened, once.
+/// The text of one outage.
 fn words(outage: &Outage, length: Duration, end: End, last: Option<&Seen>) -> String {
     let (sign, period) = match outage.sign {
         Sign::Heartbeat(period) => ("its heartbeat period is", period),
@@ -109,7 +109,7 @@ fn words(outage: &Outage, length: Duration, end: End, last: Option<&Seen>) -> St
     format!("silent for {length} ({sign} {period}: {missing} missing){last}{orders}{end}")
 }
 
-/// What the master did about it.
+/// The text of the master's reaction.
 fn orders(outage: &Outage, helped: bool) -> String {
     let Orders { resets, first_reset, last, .. } = outage.orders;
     let after = |then: Timestamp| then.since(outage.since);
@@ -155,7 +155,7 @@ impl Lost {
         sink: &mut Sink<'_>,
     ) {
         let length = scene.now.since(outage.since);
-        // Two steps of a coarse clock may be longer than all periods.
+        // With a coarse clock, two steps may be longer than all periods.
         let (Sign::Heartbeat(period) | Sign::Guarding(period)) = outage.sign;
         if length <= period.times(3) + scene.slack() && scene.slack() > Duration::ZERO {
             return;

@@ -11,7 +11,7 @@ use canvass_traces::Duration;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// Who misses the node.
+/// Effects: nodes that miss the lost node.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// a node does not come back after a reset
@@ -29,12 +29,12 @@ const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 /// Look for a new node-ID on the bus. If there is none, look at the device itself.
 #[rule(id = "nodes/no-boot-up", severity = Error, rank = Loss, services = [Nmt], leads_to = EFFECTS)]
 struct NoBootUp {
-    /// so long a reset may take
+    /// timeout for the boot-up after a reset
     #[threshold(ms = 5000)]
     wait: Duration,
-    /// The last reset command to each node alone.
+    /// The last reset command to each single node.
     resets: PerNode<Option<Box<Seen>>>,
-    /// The last one to all nodes.
+    /// The last reset command to all nodes.
     reset_of_all: Option<Seen>,
 }
 
@@ -64,25 +64,25 @@ impl Rule for NoBootUp {
             let (Some(reset), Some(seen), false) = (facts.pending_reset, facts.last_seen, facts.has_moved) else {
                 continue;
             };
-            // Linear devices of some manufacturers come up silently: nothing to wait for.
+            // Linear devices of some manufacturers send no boot-up, so none is expected.
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
             let period = scene.facts.heartbeats.of(node).period();
-            // That it goes on as if nothing had happened is reported as a command that it does not obey.
+            // A node that continues without a pause is reported as disobeying the command.
             let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
             let waited = scene.now.since(reset) > self.wait;
-            // What had dropped out before is reported as that.
+            // An outage that began before the reset has a finding of its own.
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }
             if !is_linear && waited && facts.is_silent_since_reset() {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
-                    format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
+                    format!("nothing more was received in the {} after its reset", scene.now.since(reset))
                 });
             } else if waited && paused && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
                 let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
                 sink.report(report, || {
-                    "it sends again after its reset, but not its boot-up message, as it did before".to_owned()
+                    "it sends again after its reset, but no boot-up message, unlike before".to_owned()
                 });
             }
         }

@@ -28,7 +28,7 @@ use canvass_traces::{Duration, Timestamp};
     services = [Pdo, Nmt, Heartbeat, Guarding, BootUp]
 )]
 struct PdoOutsideOperational {
-    /// what may still be queued
+    /// grace time for PDOs that were still queued
     #[threshold(ms = 100)]
     grace: Duration,
     nodes: PerNode<Watched>,
@@ -36,11 +36,11 @@ struct PdoOutsideOperational {
 
 #[derive(Default)]
 struct Watched {
-    /// Since when the node should not be operational, by a command.
+    /// Time of the command by which the node should have left operational.
     commanded: Option<Timestamp>,
-    /// A PDO after a heartbeat that showed another state: proven by the next one.
+    /// A PDO after a heartbeat with another state; the next heartbeat proves it.
     suspect: Option<Seen>,
-    /// How many PDOs came in spite of the command.
+    /// Number of PDOs after the command.
     despite: u8,
 }
 
@@ -73,7 +73,7 @@ impl PdoOutsideOperational {
         }
     }
 
-    /// Error control after a PDO that seemed to come from a node that is not operational.
+    /// Handles error control after a PDO of a node that seemed not to be operational.
     #[cold]
     fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
         let suspect = self.nodes[node].suspect.take();
@@ -82,7 +82,7 @@ impl PdoOutsideOperational {
             let before = context.previous.map(Seen::evidence);
             let report = Report::at(pdo.time()).node(node).evidence(before);
             let report = report.evidence(pdo.evidence()).evidence(context.evidence());
-            sink.report(report, || format!("a PDO between two heartbeats that say {state}"));
+            sink.report(report, || format!("a PDO between two heartbeats with the state {state}"));
         }
     }
 }

@@ -13,7 +13,7 @@ struct Restarts {
     count: u64,
 }
 
-/// What a node causes that restarts again and again: each restart without a command, and what follows from one.
+/// Effects of a node that restarts again and again: each restart without a command, and its effects.
 const EFFECTS: &[Effect] = &super::restart::effects(Effect::on(&["nodes/boot-up-without-command"]).of_same_node());
 
 /// a node restarts again and again
@@ -29,10 +29,10 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::on(&["nodes/boot-up-
 /// second device with the same node-ID.
 #[rule(id = "nodes/repeated-resets", severity = Error, rank = Restart, services = [BootUp], leads_to = EFFECTS)]
 struct RepeatedResets {
-    /// so many boot-ups
+    /// least number of boot-ups
     #[threshold(count = 3, min = 1)]
     times: u64,
-    /// within this time
+    /// time within which they come
     #[threshold(ms = 60_000)]
     within: Duration,
     nodes: PerNode<Restarts>,

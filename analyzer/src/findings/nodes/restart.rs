@@ -1,8 +1,8 @@
-//! What follows from restarts of a node.
+//! Effects of a node's restarts.
 
 use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 
-/// What follows; `on_restarts` says whether single restarts do.
+/// The effects; `on_restarts` tells whether single restarts are among them.
 pub const fn effects(on_restarts: Effect) -> [Effect; 7] {
     [
         on_restarts,

@@ -19,7 +19,7 @@ use canvass_traces::Duration;
 /// See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.
 #[rule(id = "nodes/sdo-in-stopped", severity = Warning, rank = Detail, services = [Sdo])]
 struct SdoInStopped {
-    /// what may still be under way
+    /// grace time for transfers under way
     #[threshold(ms = 50)]
     grace: Duration,
 }

@@ -7,7 +7,7 @@ use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use canvass_macros::rule;
 
-/// What shows the state that the node has entered.
+/// Effects: messages that show the entered state.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/pdo-outside-operational", "pdo/sync-pdo-missing"]).of_same_node()];
 
 /// a node leaves operational by itself

@@ -19,10 +19,10 @@ use canvass_traces::{Duration, Timestamp};
 /// was, it is a fault of the device's firmware.
 #[rule(id = "pdo/inhibit-time", severity = Error, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct InhibitTime {
-    /// of the inhibit time; sooner is too soon
+    /// an interval below this share of the inhibit time is reported
     #[threshold(percent = 90, max = 100)]
     percent: Percent,
-    /// for waiting for the bus and the recorder
+    /// tolerance for waiting on the bus and in the recorder
     #[threshold(us = 1000)]
     tolerance: Duration,
     last: PerNode<[Option<Timestamp>; TPDOS]>,
@@ -34,7 +34,7 @@ impl Rule for InhibitTime {
             return self.interrupted();
         }
         let Some((node, number, parameters)) = context.tpdo() else { return };
-        // It holds for PDOs that are sent on events: not for synchronous ones and those that were asked for.
+        // The inhibit time concerns event-driven PDOs, not synchronous or requested ones.
         if !matches!(parameters.transmission_type, None | Some(254 | 255)) {
             return;
         }
@@ -43,7 +43,7 @@ impl Rule for InhibitTime {
         let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
         let Some(last) = last else { return };
         let interval = context.now().since(last);
-        // The first of two PDOs may have waited for the bus, so that they end up closer on it.
+        // The first of two PDOs may have waited for the bus, which shortens the interval.
         let waiting = self.tolerance.max(context.scene.longest_frame().times(2));
         let tolerated = interval + waiting + context.scene.slack();
         if tolerated.nanos() >= self.percent.of(inhibit).nanos() {
@@ -52,7 +52,7 @@ impl Rule for InhibitTime {
         let worse = inhibit.nanos().saturating_sub(interval.nanos());
         let report = Report::at(context.now()).node(node).detail(u64::from(number)).measure(worse);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
-        sink.report(report, || format!("TPDO {number} after {interval}, its inhibit time is {inhibit}"));
+        sink.report(report, || format!("TPDO {number} after {interval}, but its inhibit time is {inhibit}"));
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {

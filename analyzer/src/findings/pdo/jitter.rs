@@ -23,13 +23,13 @@ use canvass_traces::{Duration, Timestamp};
 /// are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.
 #[rule(id = "pdo/jitter", severity = Warning, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct Jitter {
-    /// of the event timer that an interval may be longer
+    /// excess over the event timer, in percent, that counts
     #[threshold(percent = 20)]
     percent: Percent,
-    /// being late by less is never counted
+    /// a smaller delay is never counted
     #[threshold(us = 2000)]
     least: Duration,
-    /// of the intervals may be too long
+    /// share of late intervals that is reported
     #[threshold(percent = 10)]
     share: Percent,
     rows: PerNode<[Cycle; TPDOS]>,
@@ -46,7 +46,7 @@ struct Cycle {
 }
 
 impl Cycle {
-    /// So many intervals are needed to say something.
+    /// Least number of intervals for a judgement.
     const ENOUGH: u64 = 20;
 
     fn beat(&mut self, context: &Context<'_>, timer: Duration, limit: Duration) {
@@ -55,7 +55,7 @@ impl Cycle {
         }
         let Some(last) = self.last.replace(context.now()) else { return };
         let interval = context.now().since(last);
-        // One and a half periods are not jitter any more, but a PDO that is missing.
+        // Beyond one and a half periods a PDO is missing, not jittering.
         if interval > Duration(timer.nanos() * 3 / 2) + limit {
             return;
         }

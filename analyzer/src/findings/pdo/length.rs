@@ -7,10 +7,10 @@ use crate::network::Node;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 
-/// The codes of EMCY about a PDO or SYNC with the wrong length.
+/// EMCY codes about a PDO or SYNC of wrong length.
 const OF_LENGTH: &[u64] = &[0x8210, 0x8220, 0x8240, 0x8250];
 
-/// What the receiver says about it.
+/// Effects: error messages of the receiver.
 const EFFECTS: &[Effect] = &[Effect::on(&["emcy/raised"]).with_codes(OF_LENGTH).spanning(SOON)];
 
 /// a PDO is not as long as its mapping says
@@ -29,11 +29,11 @@ const EFFECTS: &[Effect] = &[Effect::on(&["emcy/raised"]).with_codes(OF_LENGTH).
 /// the capture began, the description's default is not in force.
 #[rule(id = "pdo/length", severity = Error, rank = DeviceError, services = [Pdo], leads_to = EFFECTS)]
 struct Length {
-    /// By node, a bit for each PDO that has once been as long as its mapping.
+    /// By node, a bit for each PDO that once had the length of its mapping.
     fitted: PerNode<u64>,
 }
 
-/// The bit of a PDO; TPDOs and RPDOs beyond the 32nd have none.
+/// The bit of a PDO; PDOs beyond the 32nd have none.
 const fn bit(number: PdoNumber) -> u64 {
     match number {
         PdoNumber::Transmit(number @ 1..=32) => 1 << (number - 1),
@@ -43,7 +43,7 @@ const fn bit(number: PdoNumber) -> u64 {
 }
 
 impl Length {
-    /// Whether a TPDO of 8 bytes has nothing but zeros after its mapping, and was never as long as that.
+    /// Whether a TPDO of 8 bytes has only zeros after its mapping, and never had the length of the mapping.
     fn fills_up(&self, node: NodeId, number: PdoNumber, mapped: usize, context: &Context<'_>) -> bool {
         let fitted = self.fitted[node] & bit(number) != 0;
         !fitted && context.record.frame.bytes().iter().skip(mapped).all(|&byte| byte == 0)
@@ -80,7 +80,7 @@ impl Length {
         context: &Context<'_>,
         sink: &mut Sink<'_>,
     ) {
-        // Which mapping is in force is certain only where the capture shows it.
+        // The mapping in force is certain only if the capture shows it.
         let certain = |known: &Node| known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
         let shown = context.scene.bus.node(node).is_some_and(certain);
         let default = !shown && self.fitted[node] & bit(number) == 0;

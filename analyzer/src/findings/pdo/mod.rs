@@ -15,8 +15,8 @@ use super::Context;
 use crate::network::sdo::{Direction, Outcome};
 use crate::object;
 
-/// Whether an SDO client has written COB-ID SYNC (1005h) or the communication cycle period (1006h): SYNC comes at another
-/// period from now on, or begins or ends.
+/// Whether an SDO client has written COB-ID SYNC (1005h) or the communication cycle period (1006h), so that SYNC
+/// changes its period, begins or ends.
 fn changes_sync(context: &Context<'_>) -> bool {
     let ended = context.decoded.ends_transfer();
     let transfer = context.decoded.channel.filter(|_| ended).and_then(|channel| context.scene.bus.transfer(channel));

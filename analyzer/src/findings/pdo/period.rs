@@ -28,10 +28,10 @@ use canvass_traces::{Duration, Timestamp};
     also = [KnownTpdos, EndedTransfers]
 )]
 struct Period {
-    /// of the event timer; later is late
+    /// an interval beyond this share of the event timer is late
     #[threshold(percent = 150)]
     percent: Percent,
-    /// being late by less is not reported
+    /// a smaller delay is not reported
     #[threshold(ms = 5)]
     least: Duration,
     last: PerNode<[Option<Timestamp>; TPDOS]>,
@@ -67,7 +67,7 @@ impl Rule for Period {
         }
         let report = Report::at(last).node(node).detail(u64::from(number)).measure(interval.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
-        sink.report(report, || format!("TPDO {number} after {interval}, its event timer is {timer}"));
+        sink.report(report, || format!("TPDO {number} after {interval}, but its event timer is {timer}"));
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {

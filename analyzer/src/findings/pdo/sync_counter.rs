@@ -20,7 +20,7 @@ use canvass_traces::{Duration, Timestamp};
 #[rule(id = "pdo/sync-counter", severity = Error, rank = Detail, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,
-    /// The value after which 1 has followed.
+    /// The largest value, after which 1 followed.
     overflow: Option<u8>,
 }
 
@@ -40,10 +40,10 @@ impl Rule for SyncCounter {
         };
         let before = self.last.replace((counter, context.now()));
         if !(1..=240).contains(&counter) {
-            return self.tell(2, context, sink, || format!("counter {counter}, 1 to 240 are legal"));
+            return self.tell(2, context, sink, || format!("counter {counter}, but 1 to 240 are allowed"));
         }
         let Some((last, at)) = before else { return };
-        // A producer that was stopped begins with 1 again; a pause this long is no cycle.
+        // A restarted producer begins with 1 again; a pause this long is no cycle.
         if counter == 1 && context.now().since(at) > Duration::from_secs(1) {
             return;
         }

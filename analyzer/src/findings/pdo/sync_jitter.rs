@@ -17,13 +17,13 @@ use canvass_traces::Duration;
 /// Let the SYNC producer send from a timer of its controller, and not from a task of an operating system.
 #[rule(id = "pdo/sync-jitter", severity = Warning, rank = Detail, services = [Sync, Nmt], also = EndedTransfers)]
 struct SyncJitter {
-    /// of the period that an interval may be off
+    /// deviation from the period, in percent, that counts
     #[threshold(percent = 20)]
     percent: Percent,
-    /// being off by less is never counted
+    /// a smaller deviation is never counted
     #[threshold(us = 1000)]
     least: Duration,
-    /// of the intervals may be off
+    /// share of deviating intervals that is reported
     #[threshold(percent = 10)]
     share: Percent,
     rhythm: Rhythm,

@@ -7,7 +7,7 @@ use crate::message::Message;
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// What depends on SYNC.
+/// Effects: messages that depend on SYNC.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/sync-counter", "pdo/sync-jitter"])
         .during(SOON, SETTLE),
@@ -34,11 +34,11 @@ const EFFECTS: &[Effect] = &[
     leads_to = EFFECTS
 )]
 struct SyncMissing {
-    /// of the period; later is missing
+    /// beyond this share of the period a SYNC counts as missing
     #[threshold(percent = 180)]
     percent: Percent,
     rhythm: Rhythm,
-    /// The last SYNC, by its CAN-ID, if nothing says that there are to be no more.
+    /// Time and CAN-ID of the last SYNC, as long as more are expected.
     last: Option<(Timestamp, u16)>,
 }
 
@@ -60,7 +60,7 @@ impl Rule for SyncMissing {
         let begin = context.previous.map_or(context.now(), Seen::time);
         let report = Report::at(begin).until(context.now()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
-        sink.report(report, || format!("no SYNC for {}, its period is {period}", interval.length));
+        sink.report(report, || format!("no SYNC for {}, but its period is {period}", interval.length));
     }
 
     fn interrupted(&mut self) {
@@ -77,7 +77,7 @@ impl Rule for SyncMissing {
         }
         let report = Report::at(last).until(scene.now).measure(silence.nanos());
         sink.report(report.evidence(scene.latest.get(id).map(Seen::evidence)), || {
-            format!("no SYNC for the last {silence} of the capture, its period is {period}")
+            format!("no SYNC for the last {silence} of the capture, but its period is {period}")
         });
     }
 }

@@ -9,9 +9,9 @@ use canvass_macros::rule;
 
 /// a synchronous PDO does not come with its SYNC
 ///
-/// The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its node is
-/// operational, it has come before, and now so many SYNC messages have passed without it; or it comes sooner than at
-/// every n-th SYNC, again and again.
+/// The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its
+/// node is operational, it has come before, and now more SYNC messages have passed without it than its transmission
+/// type allows; or it comes sooner than at every n-th SYNC, again and again.
 ///
 /// # Why
 /// The consumer works with the value of an earlier cycle, often without noticing.
@@ -21,25 +21,25 @@ use canvass_macros::rule;
 /// not come at all, look at the node's state.
 #[rule(id = "pdo/sync-pdo-missing", severity = Error, rank = ProcessData, services = [Sync, Nmt], also = KnownTpdos)]
 struct SyncPdoMissing {
-    /// By node and number from 0.
+    /// The TPDOs of each node, by their number from 0.
     pdos: PerNode<[Pdo; TPDOS]>,
-    /// Those that are synchronous and cyclic: node, number from 1.
+    /// The synchronous cyclic TPDOs: node, number from 1.
     synchronous: Vec<(NodeId, u16)>,
 }
 
-/// A TPDO.
+/// The state of a TPDO.
 #[derive(Clone, Copy, Default)]
 struct Pdo {
-    /// The SYNC messages since it last came; `None` before it came at all.
+    /// Number of SYNC messages since it last came; `None` before it came at all.
     since: Option<u32>,
-    /// With every n-th SYNC it is due; 0 if it is not synchronous and cyclic.
+    /// The TPDO is due with every n-th SYNC; 0 if it is not synchronous and cyclic.
     cycle: u8,
-    /// How often in a row it came too soon.
+    /// Number of times in a row that it came too soon.
     early: u8,
 }
 
 impl SyncPdoMissing {
-    /// So many in a row that come too soon are no accident.
+    /// Number of times in a row from which coming too soon is no accident.
     const EARLY: u8 = 3;
 
     fn refresh(&mut self, node: NodeId, scene: &Scene<'_>) {
@@ -53,7 +53,7 @@ impl SyncPdoMissing {
         }
     }
 
-    /// A PDO after some SYNC messages: that of every n-th SYNC must not come at others.
+    /// Handles a PDO after some SYNC messages: a PDO of every n-th SYNC must not come with others.
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { return };
         let passed = pdo.since.replace(0);
@@ -63,7 +63,9 @@ impl SyncPdoMissing {
             let report = Report::at(context.now()).node(node).detail(1 << 16 | u64::from(number));
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             let cycle = pdo.cycle;
-            sink.report(report, || format!("TPDO {number} comes at every {passed}. SYNC, it is due at every {cycle}."));
+            sink.report(report, || {
+                format!("TPDO {number} comes at every {passed}. SYNC, but it is due at every {cycle}.")
+            });
         }
     }
 
@@ -78,19 +80,19 @@ impl SyncPdoMissing {
                 continue;
             }
             *passed += 1;
-            // The PDO of this SYNC is still to come.
+            // The PDO of this SYNC may still come.
             if *passed == u32::from(pdo.cycle) + 1 {
                 let cycle = pdo.cycle;
                 let report = Report::at(context.now()).node(node).detail(u64::from(number));
                 sink.report(report.evidence(context.evidence()), || {
-                    format!("TPDO {number} did not come with the SYNC before this one, it is due at every {cycle}.")
+                    format!("TPDO {number} did not come with the SYNC before this one, but it is due at every {cycle}.")
                 });
             }
         }
     }
 }
 
-/// That TPDO, unless it is beyond those that are judged.
+/// The state of a TPDO; `None` for TPDOs that are not judged.
 fn pdo_mut(pdos: &mut PerNode<[Pdo; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Pdo> {
     pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }

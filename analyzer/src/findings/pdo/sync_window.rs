@@ -20,7 +20,7 @@ use canvass_traces::Duration;
 /// the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.
 #[rule(id = "pdo/sync-window", severity = Error, rank = Detail, services = [Sync], also = KnownTpdos)]
 struct SyncWindow {
-    /// for the recorder's clock
+    /// tolerance for the recorder's clock
     #[threshold(us = 200)]
     tolerance: Duration,
     sync: Option<Seen>,
@@ -42,7 +42,10 @@ impl Rule for SyncWindow {
         if after > allowed {
             let report = Report::at(context.now()).node(node).detail(u64::from(number)).measure(after.nanos());
             sink.report(report.evidence(sync.evidence()).evidence(context.evidence()), || {
-                format!("TPDO {number} came {after} after SYNC; the synchronous window of the node (1007h) is {window}")
+                format!(
+                    "TPDO {number} came {after} after SYNC, but the synchronous window of the node (1007h) is \
+                 {window}"
+                )
             });
         }
     }

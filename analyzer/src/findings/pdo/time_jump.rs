@@ -17,7 +17,7 @@ use canvass_traces::{Duration, Timestamp};
 /// The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local time.
 #[rule(id = "pdo/time-jump", severity = Warning, rank = Detail, services = [Time])]
 struct TimeJump {
-    /// a smaller difference is drift
+    /// a smaller difference counts as drift
     #[threshold(ms = 1000)]
     most: Duration,
     last: Option<(u64, Timestamp)>,
@@ -36,7 +36,7 @@ impl Rule for TimeJump {
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || {
                 let way = if off > 0 { "ahead" } else { "back" };
-                // A millisecond counter of 32 bits.
+                // The overflow of a counter of milliseconds with 32 bits.
                 const WRAPPED: u64 = (1 << 32) * 1_000_000;
                 let wrapped = jump.nanos().abs_diff(WRAPPED) <= self.most.nanos();
                 let why = if wrapped { ": 2^32 ms, the producer's counter of milliseconds has wrapped" } else { "" };

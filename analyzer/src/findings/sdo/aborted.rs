@@ -33,7 +33,7 @@ impl Rule for Aborted {
         let transfer = transfer.filter(|transfer| transfer.multiplexer == multiplexer);
         let direction = transfer.map(|transfer| transfer.direction);
         let absent = matches!(code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX);
-        // An error history without errors refuses to be read.
+        // Reading an empty error history is refused.
         let empty = multiplexer.index.0 == object::PREDEFINED_ERROR_FIELD && code == AbortCode::NO_DATA;
         let looks = direction == Some(Direction::Upload) && side == Side::Server && (absent || empty);
         let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);

@@ -9,7 +9,7 @@ use crate::wire::sdo::Request;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// What the client and the server make of it.
+/// Effects: reactions of client and server.
 const EFFECTS: &[Effect] =
     &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE)];
 
@@ -26,14 +26,14 @@ const EFFECTS: &[Effect] =
 /// Lengthen the time-out of the client: 500 ms are usual, several seconds for stores.
 #[rule(id = "sdo/impatient-client", severity = Warning, rank = ProcessData, also = UnusualRequests, leads_to = EFFECTS)]
 struct ImpatientClient {
-    /// who aborts sooner is impatient, whether an answer comes or not
+    /// giving up sooner than this is impatient
     #[threshold(ms = 20)]
     patience: Duration,
     #[from(late::limits)]
     limits: Limits,
 }
 
-/// How soon giving up is impatient, whether an answer comes or not.
+/// The time before which giving up counts as impatient.
 pub fn patience(thresholds: &crate::findings::Thresholds) -> Duration {
     ImpatientClient::new(thresholds).patience
 }

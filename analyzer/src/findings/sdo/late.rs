@@ -6,7 +6,7 @@ use crate::findings::{Context, Thresholds};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// What the client makes of it.
+/// Effects: reactions of the client.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE),
     Effect::on(&["sdo/aborted"]).of_same_node().spanning(SOON),
@@ -25,15 +25,15 @@ const EFFECTS: &[Effect] = &[
 /// memory: lengthen the client's time-out for them.
 #[rule(id = "sdo/late", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct Late {
-    /// later is late
+    /// an answer after this time is late
     #[threshold(ms = 500)]
     answer: Duration,
-    /// later is late for 1010h, 1011h, 1F50h, 1F51h
+    /// an answer for 1010h, 1011h, 1F50h or 1F51h after this time is late
     #[threshold(ms = 5000)]
     store: Duration,
 }
 
-/// How long answers may take.
+/// Time limits for answers.
 #[derive(Clone, Copy)]
 pub struct Limits {
     answer: Duration,
@@ -41,13 +41,13 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// How long the answer to a request may take.
+    /// Time limit for the answer to a request.
     pub fn of(self, pending: &Pending) -> Duration {
         if pending.is_store() { self.store } else { self.answer }
     }
 }
 
-/// How long answers may take.
+/// Time limits for answers.
 pub fn limits(thresholds: &Thresholds) -> Limits {
     let Late { answer, store } = Late::new(thresholds);
     Limits { answer, store }
@@ -61,7 +61,7 @@ impl Rule for Late {
             _ => return,
         };
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);
-        // However often it was repeated.
+        // The time counts from the first of repeated requests.
         let asked = pending.request.time();
         let took = context.now().since(asked);
         if took <= limit + context.scene.slack() {
@@ -73,7 +73,7 @@ impl Rule for Late {
             .object(pending.object)
             .measure(took.nanos());
         sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
-            let gave_up = gave_up.map(|at| format!("; nobody waited for it any more after {}", at.since(asked)));
+            let gave_up = gave_up.map(|at| format!("; the client had given up after {}", at.since(asked)));
             format!("the answer{} took {took}{}", pending.about(), gave_up.unwrap_or_default())
         });
     }

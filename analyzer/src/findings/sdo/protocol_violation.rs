@@ -21,7 +21,7 @@ use canvass_macros::rule;
 /// for come from a second device with the same node-ID, or from a client that gave up too early.
 #[rule(id = "sdo/protocol-violation", severity = Error, rank = Detail, services = [Sdo])]
 struct ProtocolViolation {
-    /// The channels on which the begin of a transfer was seen.
+    /// The channels on which the beginning of a transfer was seen.
     begun: Vec<bool>,
 }
 
@@ -34,14 +34,14 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
-        // Late, which is reported as that.
+        // A late answer has a finding of its own.
         if violation == Violation::Unexpected && matches!(context.news().request, RequestEvent::AnsweredLate { .. }) {
             return;
         }
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
             return;
         }
-        // The kind, and who did it: the direction tells that of the frame.
+        // The kind of violation with the side that commits it: the direction of the frame tells.
         let client = matches!(context.message(), Message::SdoRequest(_) | Message::SdoBlockDownload(_));
         let detail = kind(violation) << 1 | u64::from(client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);
@@ -102,8 +102,8 @@ const fn begins(message: &Message) -> bool {
     )
 }
 
-/// Whether it is the answer to a begin that was never seen, long after the capture began, although it holds the
-/// requests of clients too.
+/// Whether the message answers a request that was never seen, long after the capture began, although the capture
+/// contains clients' requests.
 fn is_unsolicited(context: &Context<'_>) -> bool {
     let begins = matches!(
         context.message(),

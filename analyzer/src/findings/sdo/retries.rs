@@ -17,7 +17,7 @@ use canvass_macros::rule;
 /// Lengthen the time-out of the client, and see how long the server takes for other objects.
 #[rule(id = "sdo/retries", severity = Warning, rank = Detail, also = UnusualRequests)]
 struct Retries {
-    /// The first repeated request to each node, and how many there were.
+    /// The first repeated request to each node, and the number of repetitions.
     first: PerNode<Option<Box<(Seen, u64)>>>,
 }
 

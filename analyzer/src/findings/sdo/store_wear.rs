@@ -22,13 +22,13 @@ use canvass_macros::rule;
 /// Store once, at commissioning. Configure the rest at every start without storing.
 #[rule(id = "sdo/store-wear", severity = Warning, rank = Detail, also = EndedTransfers)]
 struct StoreWear {
-    /// fewer stores in a capture are not judged
+    /// a lower number of stores is not judged
     #[threshold(count = 10, min = 1)]
     times: u64,
-    /// how many writes the memory bears
+    /// number of writes that the memory bears
     #[threshold(count = 100_000, min = 1)]
     cycles: u64,
-    /// the service life
+    /// service life of the device
     #[threshold(count = 10, unit = "years", min = 1)]
     years: u64,
     nodes: PerNode<Wear>,

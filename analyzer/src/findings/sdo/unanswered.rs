@@ -12,10 +12,10 @@ use crate::wire::sdo::Request;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// No client gives up so soon.
+/// No client gives up faster than this, so a faster next request comes from a second client.
 const TWO_CLIENTS: Duration = Duration::from_millis(5);
 
-/// What the client makes of it.
+/// Effects: reactions of the client.
 const EFFECTS: &[Effect] =
     &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/protocol-violation"]).of_same_node().spanning(SETTLE)];
 
@@ -34,26 +34,26 @@ const EFFECTS: &[Effect] =
 /// second one a channel of its own (1201h).
 #[rule(id = "sdo/unanswered", severity = Error, rank = ProcessData, services = [Sdo], leads_to = EFFECTS)]
 struct Unanswered {
-    /// time to answer
+    /// timeout for an answer
     #[threshold(ms = 2000)]
     wait: Duration,
-    /// time to answer 1010h, 1011h, 1F50h, 1F51h
+    /// timeout for an answer for 1010h, 1011h, 1F50h or 1F51h
     #[threshold(ms = 10_000)]
     store: Duration,
-    /// so many silent nodes make it a scan
+    /// number of silent nodes from which requests count as a scan
     #[threshold(count = 4)]
     scan: u64,
     #[from(super::impatient_client::patience)]
     patience: Duration,
-    /// The channels whose waiting request was reported.
+    /// The channels whose unanswered request was reported.
     told: Vec<ChannelIndex>,
-    /// The requests that were given up, with why: an answer may still come.
+    /// The abandoned requests with the reason: an answer may still come.
     given_up: Vec<(ChannelIndex, Pending, String)>,
-    /// The first request to each node that has not sent anything so far.
+    /// The first request to each node that has not sent any message yet.
     absent: PerNode<Option<Box<(Seen, String)>>>,
 }
 
-/// Reports a request, or keeps it where the node may not exist at all.
+/// Reports a request, or keeps it if the node may not exist at all.
 fn tell(
     absent: &mut PerNode<Option<Box<(Seen, String)>>>,
     pending: &Pending,
@@ -62,7 +62,7 @@ fn tell(
     sink: &mut Sink<'_>,
 ) {
     let Some(node) = pending.request.decoded.node else { return };
-    // Stopped by command or shown to be stopped: then it must not answer.
+    // A node that is stopped, by command or by its own heartbeat, must not answer.
     let state = scene.bus.node(node).and_then(|node| node.state);
     if matches!(state, Some((State::STOPPED, Cause::Command | Cause::ErrorControl))) {
         return;
@@ -81,10 +81,10 @@ fn tell(
 }
 
 impl Unanswered {
-    /// So many requests that were given up are waited for.
+    /// Maximum number of abandoned requests whose answers are awaited.
     const MOST: usize = 64;
 
-    /// The client does not wait any more; one that gives up at once is reported by another rule.
+    /// Handles an abandoned request; another rule reports clients that give up at once.
     fn give_up(&mut self, pending: &Pending, context: &Context<'_>, sink: &mut Sink<'_>) {
         let waited = context.now().since(pending.request.time());
         let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
@@ -103,7 +103,7 @@ impl Unanswered {
         self.given_up.push((channel, pending.clone(), why));
     }
 
-    /// Tells the requests that were given up and have had that time for their answer, or all.
+    /// Reports abandoned requests after this time, or all.
     fn tell_given_up(&mut self, wait: Option<Duration>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let due = |pending: &Pending| wait.is_none_or(|wait| scene.now.since(pending.request.time()) > wait);
         for (_, pending, why) in self.given_up.extract_if(.., |row| due(&row.1)) {
@@ -139,7 +139,7 @@ impl Rule for Unanswered {
         }
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
-            // Since the first time, however often it was repeated.
+            // The time counts from the first of repeated requests.
             let late = scene.now.since(pending.request.time()) > limit + scene.slack();
             if late && !self.told.contains(&channel) {
                 self.told.push(channel);
@@ -155,7 +155,7 @@ impl Rule for Unanswered {
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         self.tell_given_up(None, scene, sink);
-        // Cut off by the end of the capture: then half of the time must do.
+        // At the end of the capture half of the timeout suffices for a report.
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
             let waited = scene.now.since(pending.request.time());

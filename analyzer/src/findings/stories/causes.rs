@@ -1,9 +1,9 @@
-//! What follows from what.
+//! Cause and effect between groups of findings.
 
 use super::groups::Group;
 use crate::findings::effect::{Effect, Kinds, Nodes, Time};
 
-/// For each group the one from which it follows.
+/// For each group its cause, if it has one.
 pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
     let mut causes: Vec<Option<usize>> = vec![None; groups.len()];
     for (at, effect) in groups.iter().enumerate() {
@@ -11,7 +11,8 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
             .iter()
             .enumerate()
             .filter(|(other, cause)| *other != at && cause.channel == effect.channel && follows(effect, cause));
-        // The worst of several; of these the one that began last before it.
+        // Of several possible causes the one with the highest rank; among equals the one that began last before the
+        // effect.
         let best = possible.min_by_key(|(_, cause)| (cause.rule.rank, effect.first().since(cause.first())));
         causes[at] = best.map(|(cause, _)| cause);
     }
@@ -24,8 +25,8 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
     causes
 }
 
-/// Between a cause and what follows from it there may be something that follows from the one and brings about the other:
-/// a node is lost, its consumer notices, sends an EMCY, and leaves operational. All of it stays in the same story.
+/// Links causes and effects through a third group: a node is lost, its consumer notices, sends an EMCY, and leaves
+/// operational. All of it stays in one story.
 fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
     let orders: Vec<_> = groups.iter().map(|group| (group.first(), group.rule.rank)).collect();
     for (at, effect) in groups.iter().enumerate() {
@@ -46,7 +47,7 @@ fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
     }
 }
 
-/// Whether what is at the one place is among the causes of what is at the other.
+/// Whether the group `cause` is among the direct or indirect causes of the group `effect`.
 fn leads_to(causes: &[Option<usize>], effect: usize, cause: usize) -> bool {
     let chain = std::iter::successors(Some(effect), |at| causes[*at]);
     chain.take(causes.len()).any(|at| at == cause)
@@ -68,7 +69,7 @@ fn is_circle(causes: &[Option<usize>], at: usize) -> bool {
     causes[root(causes, at)].is_some()
 }
 
-/// Whether what the one group says follows from what the other says.
+/// Whether one group is an effect of another.
 fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
     let effects = cause.rule.leads_to;
     let named = effects.iter().any(|stated| stated.names(effect.rule.id));

@@ -9,39 +9,39 @@ use canvass_traces::{ChannelId, Duration, Timestamp};
 pub struct Group<'a> {
     /// The rule.
     pub rule: &'static Metadata,
-    /// What tells kinds of the same rule apart, such as an abort code.
+    /// The number that distinguishes kinds of findings of one rule, such as an abort code.
     pub kind: u64,
     pub channel: Option<ChannelId>,
     pub severity: Severity,
     /// The nodes, each once.
     pub nodes: Vec<NodeId>,
     pub findings: Vec<&'a Finding>,
-    /// Their places among all.
+    /// The indexes of its findings.
     pub places: Vec<usize>,
 }
 
-/// What happens to several nodes within this time is one event.
+/// Events of several nodes within this time are one event.
 const TOGETHER: Duration = Duration::from_secs(2);
 
 impl Group<'_> {
-    /// When the first of them was first seen.
+    /// The earliest first occurrence.
     pub fn first(&self) -> Timestamp {
         self.findings.iter().map(|finding| finding.first).min().unwrap_or_default()
     }
 
-    /// Whether it was under way at a time, or up to `settle` before it.
+    /// Whether an occurrence covers this time, or ended up to `settle` before it, or begins up to `early` after it.
     pub fn covers(&self, time: Timestamp, early: Duration, settle: Duration) -> bool {
         let mut windows = self.findings.iter().flat_map(|finding| &finding.windows);
         windows.any(|(begin, end)| time + early >= *begin && time <= *end + settle)
     }
 
-    /// Whether it was under way at any time between the first and the last time that it was seen.
+    /// Whether the time is between the first and the last occurrence, or up to `settle` outside.
     pub fn spans(&self, time: Timestamp, settle: Duration) -> bool {
         let last = self.findings.iter().map(|finding| finding.last).max().unwrap_or_default();
         time + settle >= self.first() && time <= last + settle
     }
 
-    /// Whether one of them is about that node.
+    /// Whether one of the findings concerns that node.
     pub fn has(&self, node: Option<NodeId>) -> bool {
         node.is_some_and(|node| self.nodes.contains(&node))
     }
@@ -56,7 +56,7 @@ impl Group<'_> {
         same && own && finding.source == self.findings.first().and_then(|first| first.source)
     }
 
-    /// Whether what befell another node is the same event; where times tell nothing, the same fault.
+    /// Whether a finding of another node is the same event; if times tell nothing, the same fault.
     fn is_together(&self, finding: &Finding) -> bool {
         let apart = self.first().since(finding.first).max(finding.first.since(self.first()));
         match self.rule.id.split('/').next() {

@@ -1,47 +1,47 @@
-//! What happened, told once each: findings of one kind together, and what follows from something below it.
+//! Stories: findings of one kind together, with the findings that follow from them.
 //!
-//! A rule says what it sees, whatever else is wrong. Most of what is found when something breaks follows from it: others
-//! miss the node, requests to it are not answered, it restarts. A story has the finding from which the others follow as
-//! its head, and the others in the order of time.
+//! Each rule reports what it sees, independently of the others. Most findings after a breakdown follow from one of
+//! them: other nodes miss the lost one, requests to it are not answered, it restarts. The head of a story is the
+//! finding from which the others follow; the others come in the order of time.
 
 mod causes;
 mod groups;
 
 use super::finding::{Finding, Severity};
 
-/// What happened, once.
+/// One event with its consequences.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Story {
-    /// The findings of one kind that are its head, by their places: those of one node, or of several at the same time.
+    /// The findings at its head, by their indexes: findings of one kind, of one node or of several at the same time.
     pub head: Vec<usize>,
-    /// What follows from it: findings of one kind each, in the order of time.
+    /// The consequences, each of one kind, in the order of time.
     pub consequences: Vec<Consequence>,
 }
 
 /// Findings of one kind that follow from others.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Consequence {
-    /// Their places.
+    /// Their indexes.
     pub findings: Vec<usize>,
-    /// The place of the finding from which they follow.
+    /// The index of the finding from which they follow.
     pub of: usize,
 }
 
 impl Story {
-    /// The places of all findings in it.
+    /// The indexes of all findings in it.
     pub fn all(&self) -> impl Iterator<Item = usize> {
         let consequences = self.consequences.iter().flat_map(|consequence| &consequence.findings);
         self.head.iter().chain(consequences).copied()
     }
 
-    /// How bad it is: as bad as the worst finding in its head.
+    /// Its severity: that of the worst finding in its head.
     pub fn severity(&self, findings: &[Finding]) -> Severity {
         let severities = self.head.iter().filter_map(|at| Some(findings.get(*at)?.severity));
         severities.max().unwrap_or(Severity::Info)
     }
 }
 
-/// The stories that findings tell: what has the worst consequences first. Each finding is in one of them.
+/// Groups findings into stories; the story with the worst consequences first. Each finding is in one story.
 pub(super) fn tell(findings: &[Finding]) -> Vec<Story> {
     let groups = groups::of(findings);
     let causes = causes::of(&groups);

@@ -1,7 +1,7 @@
 //! Block transfers on a channel.
 //!
-//! A sub-block's segments are held back until it is confirmed: only those that the receiver confirms count, the
-//! others are sent again.
+//! The segments of a sub-block are held back until it is confirmed: only confirmed segments count, the others are
+//! sent again.
 
 use super::channel::{Channel, Step};
 use super::transfer::{Direction, Violation};
@@ -9,18 +9,18 @@ use crate::wire::Wire;
 use crate::wire::sdo::{BlockSegment, Request, Response};
 use canvass_traces::{Duration, Timestamp};
 
-/// A sub-block in which nothing came for this long is over: no SDO timeout in use comes near it.
+/// A sub-block without frames for this long is over: all SDO timeouts in use are shorter.
 const SILENCE: Duration = Duration(10_000_000_000);
 
 /// The state of a block transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Block {
-    /// The client wants to write; the server's answer is due.
+    /// The client has requested a download; the server's answer is due.
     DownloadInitiated {
         /// The client can send a CRC.
         crc: bool,
     },
-    /// The client wants to read; the server's answer is due.
+    /// The client has requested an upload; the server's answer is due.
     UploadInitiated {
         /// The client can check a CRC.
         crc: bool,
@@ -34,18 +34,18 @@ pub enum Block {
         /// The size of the first sub-block.
         block_size: u8,
     },
-    /// Both sides have agreed.
+    /// Both sides have agreed, and data is being transferred.
     Data {
-        /// Who sends.
+        /// The direction of the data.
         direction: Direction,
         /// Both sides use a CRC.
         crc: bool,
-        /// What comes next.
+        /// The next expected message.
         due: Due,
     },
 }
 
-/// What is due once the data are under way.
+/// The next expected message during the data phase.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Due {
     /// The sender's segments.
@@ -68,16 +68,16 @@ impl Block {
     }
 }
 
-/// How far a sub-block has come.
+/// The progress of a sub-block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Run {
-    /// Segments in it.
+    /// Number of its segments.
     block_size: u8,
     /// The sequence number of the last segment that came in order.
     in_order: u8,
-    /// The segment with that number is the last of the transfer.
+    /// Whether that segment is the last of the transfer.
     last: bool,
-    /// The segment that came last, in order or not.
+    /// The latest segment, in order or not.
     latest: Option<BlockSegment>,
 }
 
@@ -88,8 +88,8 @@ impl Run {
 
     /// Whether the transfer's last segment is among those up to that number.
     ///
-    /// A receiver that confirms more than came, and less than the whole sub-block, has the last segment, though the
-    /// capture has not.
+    /// If a receiver confirms more segments than the capture shows, and less than the whole sub-block, it has
+    /// received the last one, which the capture lacks.
     fn ends_with(self, sequence: u8) -> bool {
         let latest = self.latest.map_or(0, |segment| segment.sequence);
         match self.latest {
@@ -99,18 +99,18 @@ impl Run {
     }
 }
 
-/// Bytes that may still be sent again, or of which it is not said how many count.
+/// Bytes that may be sent again, or whose final number is still unknown.
 #[derive(Clone, Default)]
 pub struct HeldBack(Vec<u8>);
 
 impl HeldBack {
-    /// What it takes in memory.
+    /// The memory it occupies.
     pub(super) const fn capacity(&self) -> usize {
         self.0.capacity()
     }
 
-    /// Takes the bytes of the first `segments` segments that count; `keep_last` holds the last one of them back,
-    /// because only the end message says how many of its bytes count.
+    /// Releases the bytes of the first `segments` segments, which count; `keep_last` holds back the last one, because
+    /// only the end message tells how many of its bytes count.
     fn release(&mut self, segments: u8, keep_last: bool, mut take: impl FnMut(&[u8])) {
         let confirmed = (usize::from(segments) * 7).min(self.0.len());
         let kept = if keep_last { 7.min(confirmed) } else { 0 };
@@ -121,10 +121,10 @@ impl HeldBack {
 }
 
 impl Channel {
-    /// The frame as a segment, where the state of the transfer makes it one.
+    /// The frame as a segment, if the state of the transfer makes it one.
     ///
-    /// Behind the end of a sub-block only the repetition of its last segment is one: a CAN controller repeats a frame
-    /// of which the last bit was disturbed, although others have taken it.
+    /// After the end of a sub-block only a repetition of its last segment is one: a CAN controller repeats a frame
+    /// whose last bit was disturbed, although other nodes have received it.
     pub(super) fn as_block_segment(
         &self,
         now: Timestamp,
@@ -145,7 +145,7 @@ impl Channel {
         belongs.then_some(segment)
     }
 
-    /// A segment, from the client of a download or the server of an upload.
+    /// Handles a segment, from the client of a download or the server of an upload.
     pub(super) fn block_segment(&mut self, now: Timestamp, direction: Direction, segment: BlockSegment) -> Step {
         let step = Step::segment(direction, segment);
         let Some(Block::Data { crc, due: Due::Segments(run) | Due::Confirmation(run), .. }) = self.block() else {
@@ -157,7 +157,7 @@ impl Channel {
         step
     }
 
-    /// Takes a segment if it is the next in order; returns the state of its sub-block and whether that is over.
+    /// Handles a segment in its sub-block; returns the progress and whether the sub-block is over.
     fn in_sub_block(&mut self, now: Timestamp, mut run: Run, segment: BlockSegment, step: Step) -> (Run, bool, Step) {
         self.seen(now);
         run.latest = Some(segment);
@@ -165,7 +165,8 @@ impl Channel {
         let expected = run.in_order.saturating_add(1);
         if segment.sequence != expected || run.last {
             let violation = Violation::Sequence { expected, found: segment.sequence };
-            // The receiver asks for it again: the transfer as a whole may yet go well, so only the frame is blamed.
+            // The receiver will request it again and the transfer may still succeed, so only the frame gets the
+            // violation.
             return (run, over, Step { violation: Some(violation), ..step });
         }
         run.in_order = expected;
@@ -174,14 +175,15 @@ impl Channel {
         (run, over, step)
     }
 
-    /// The receiver's confirmation of a sub-block: what it confirms counts, the rest comes again. What is due then.
+    /// Handles the receiver's confirmation of a sub-block: confirmed bytes count, the rest is sent again. Returns the
+    /// next expected message.
     fn confirm(&mut self, run: Run, sequence: u8, next_size: u8) -> Due {
         let done = run.ends_with(sequence);
         let held_back = &mut self.held_back;
         if let Some(transfer) = &mut self.transfer {
             transfer.segments += u32::from(sequence.min(run.in_order));
             if sequence > run.in_order {
-                // The receiver has segments that the capture has not.
+                // The receiver has segments that the capture lacks.
                 transfer.blame(Violation::Sequence { expected: run.in_order.saturating_add(1), found: sequence });
             }
             held_back.release(sequence, done, |bytes| transfer.extend(bytes));
@@ -193,7 +195,7 @@ impl Channel {
         Due::Segments(Run::new(next_size))
     }
 
-    /// The sender's end message: says how many bytes of the last segment don't count, and the CRC.
+    /// Handles the sender's end message: the number of unused bytes in the last segment, and the CRC.
     fn end_data(&mut self, now: Timestamp, unused: u8, sent: u16, step: Step) -> Step {
         let Some(Block::Data { direction, crc, due: Due::End }) = self.block() else { return step.out_of_place() };
         self.seen(now);
@@ -213,7 +215,7 @@ impl Channel {
         Step { violation, ..step }
     }
 
-    /// The client's messages of a block upload after the initiate request.
+    /// Handles the client's messages of a block upload after the initiate request.
     pub(super) fn block_upload_request(&mut self, now: Timestamp, request: Request, step: Step) -> Step {
         let block = self.block().filter(|block| block.direction() == Direction::Upload);
         let Some(block) = block else { return step.out_of_place() };
@@ -223,7 +225,7 @@ impl Channel {
                 self.held_back.0.clear();
                 (crc, Due::Segments(Run::new(block_size)))
             }
-            // A receiver that misses the end of a sub-block confirms what it has.
+            // A receiver that misses the end of a sub-block confirms the segments received.
             (
                 Block::Data { crc, due: Due::Confirmation(run) | Due::Segments(run), .. },
                 Request::ConfirmBlockUpload { sequence, block_size },
@@ -236,13 +238,13 @@ impl Channel {
         step
     }
 
-    /// The client's end of a block download.
+    /// Handles the client's end of a block download.
     pub(super) fn end_block_download(&mut self, now: Timestamp, unused: u8, sent: u16, step: Step) -> Step {
         let is_download = self.block().is_some_and(|block| block.direction() == Direction::Download);
         if is_download { self.end_data(now, unused, sent, step) } else { step.out_of_place() }
     }
 
-    /// The server's messages of block transfers.
+    /// Handles the server's messages of block transfers.
     pub(super) fn block_response(&mut self, now: Timestamp, response: Response, step: Step) -> Step {
         match (self.block(), response) {
             (Some(block), _) if block.direction() == Direction::Download => {
@@ -261,7 +263,7 @@ impl Channel {
         }
     }
 
-    /// The end was confirmed while more was due: the capture has not all frames.
+    /// The end was confirmed while more was due: the capture lacks frames.
     fn complete_early(&mut self, step: Step) -> Step {
         self.with(|transfer| transfer.blame(Violation::Unexpected));
         self.complete(step.out_of_place())

@@ -10,7 +10,7 @@ use crate::wire::{Malformed, Wire};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
-/// A channel of a bus, by its place in the bus's list: the 127 predefined ones first.
+/// A channel of a bus, by its index: the 127 predefined ones first.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct ChannelIndex(pub u16);
 
@@ -26,32 +26,32 @@ impl ChannelIndex {
     }
 }
 
-/// A channel and the transfer that is under way on it, or was the last.
+/// A channel, and its open or last transfer.
 #[derive(Clone)]
 pub struct Channel {
     /// The node that serves.
     pub server: NodeId,
     pub(super) transfer: Option<Transfer>,
-    /// The last one that was left before its end.
+    /// The last transfer that did not reach its end.
     left: Option<Transfer>,
     pub(super) held_back: HeldBack,
     phase: Phase,
     under_way: UnderWay,
-    /// The bytes of long values that it has taken from a room.
+    /// Number of bytes of long values, taken from a room.
     taken: usize,
 }
 
-/// What is due next on a channel.
+/// The next expected message on a channel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
     Idle,
     /// The server's answer to an initiate request.
     Initiated,
-    /// The client's next segment or segment request; its toggle bit.
+    /// The client's next segment or segment request, with its toggle bit.
     Client {
         toggle: bool,
     },
-    /// The server's segment or confirmation; its toggle bit, and whether it ends the transfer.
+    /// The server's segment or confirmation, with its toggle bit and whether it ends the transfer.
     Server {
         toggle: bool,
         last: bool,
@@ -60,16 +60,16 @@ enum Phase {
     Block(Block),
 }
 
-/// What a frame did on its channel.
+/// The effect of a frame on its channel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Step {
     /// The frame's message.
     pub message: Message,
     /// Whether it ended the transfer.
     pub ended: bool,
-    /// Whether a transfer that was open ended as [`Outcome::Superseded`]: the channel's left transfer.
+    /// Whether it ended an open transfer as superseded; the channel keeps it as the left transfer.
     pub superseded: bool,
-    /// The rule that this frame broke.
+    /// The rule that the frame breaks.
     pub violation: Option<Violation>,
 }
 
@@ -85,23 +85,23 @@ impl Step {
 }
 
 impl Channel {
-    /// What a channel takes in memory, with what rules keep of it: a request and its place.
+    /// Memory of a channel, including the request that rules keep of it.
     pub(in crate::network) const MEMORY: usize = 2 * size_of::<Self>() + 512;
 
-    /// A channel on which nothing was seen yet.
+    /// A channel without traffic so far.
     pub fn new(server: NodeId) -> Self {
         let (held_back, under_way) = (HeldBack::default(), UnderWay::default());
         Self { server, transfer: None, left: None, held_back, phase: Phase::Idle, under_way, taken: 0 }
     }
 
-    /// What values take in memory beside short ones.
+    /// Memory of values beyond short ones.
     #[inline]
     fn held(&self) -> usize {
         let values = self.transfer.iter().chain(&self.left).map(Transfer::capacity).sum::<usize>();
         (values + self.held_back.capacity()).saturating_sub(2 * Transfer::SHORT)
     }
 
-    /// Takes the memory of long values from `room`; where there is none, no more than a short one is kept of them.
+    /// Takes the memory of long values from `room`; if it is full, only the beginning of the value is kept.
     #[inline]
     pub fn settle(&mut self, room: &Room) {
         if self.held() != self.taken {
@@ -114,23 +114,23 @@ impl Channel {
         room.give(std::mem::take(&mut self.taken));
         if !room.take(self.held()) {
             self.transfer.iter_mut().chain(&mut self.left).for_each(Transfer::shorten);
-            // What a block holds back until its end is needed, and short enough.
+            // The bytes that a block holds back are needed until its end, and they are few.
             return;
         }
         self.taken = self.held();
     }
 
-    /// The transfer under way, or the last one.
+    /// The open or last transfer.
     pub fn transfer(&self) -> Option<&Transfer> {
         self.transfer.as_ref()
     }
 
-    /// The last transfer that was left before its end.
+    /// The last transfer that did not reach its end.
     pub fn left_transfer(&self) -> Option<&Transfer> {
         self.left.as_ref()
     }
 
-    /// Forgets the transfer under way: its node was reset. Returns whether there was one.
+    /// Drops the open transfer, as its node was reset; returns whether there was one.
     pub fn reset(&mut self) -> bool {
         let open = self.phase != Phase::Idle;
         self.phase = Phase::Idle;
@@ -140,12 +140,12 @@ impl Channel {
         open
     }
 
-    /// Whether a transfer is under way.
+    /// Whether a transfer is open.
     pub fn is_busy(&self) -> bool {
         self.phase != Phase::Idle
     }
 
-    /// A frame from the client.
+    /// Handles a frame from the client.
     pub fn request(&mut self, now: Timestamp, payload: &[u8]) -> Step {
         if let Some(step) = self.any_block_segment(now, Direction::Download, payload) {
             return step;
@@ -159,7 +159,7 @@ impl Channel {
         }
     }
 
-    /// A frame from the server.
+    /// Handles a frame from the server.
     pub fn response(&mut self, now: Timestamp, payload: &[u8]) -> Step {
         if let Some(step) = self.any_block_segment(now, Direction::Upload, payload) {
             return step;
@@ -173,7 +173,7 @@ impl Channel {
         }
     }
 
-    /// The frame as a segment of a block transfer, be it one that was under way when the capture began.
+    /// The frame as a segment of a block transfer, also of one that began before the capture.
     #[inline]
     fn any_block_segment(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<Step> {
         if let Some(segment) = self.as_block_segment(now, direction, payload) {
@@ -183,7 +183,7 @@ impl Channel {
         Some(Step::segment(direction, segment))
     }
 
-    /// What belongs to a block transfer that was under way when the capture began breaks no rule.
+    /// A message of a block transfer that began before the capture breaks no rule.
     fn excused(&self, step: Step) -> Step {
         let block = matches!(
             step.message,
@@ -197,13 +197,13 @@ impl Channel {
         if is_excused { Step { violation: None, ..step } } else { step }
     }
 
-    /// The frame as a segment of a block transfer that was under way when the capture began.
+    /// The frame as a segment of a block transfer that began before the capture.
     fn segment_under_way(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<BlockSegment> {
         if !self.under_way.is_possible() || matches!(self.phase, Phase::Block(_)) {
             return None;
         }
         let segment = self.under_way.segment(now, direction, payload)?;
-        // The one before it was taken for something else.
+        // The segment before was taken for another message.
         (self.phase, self.transfer) = (Phase::Idle, None);
         Some(segment)
     }
@@ -264,7 +264,7 @@ impl Channel {
         let superseded = self.phase != Phase::Idle;
         if superseded {
             self.with(|transfer| transfer.end(Outcome::Superseded));
-            // The memory of the one before is used again.
+            // The memory of the previous transfer is reused.
             std::mem::swap(&mut self.transfer, &mut self.left);
         }
         match &mut self.transfer {
@@ -275,10 +275,10 @@ impl Channel {
         superseded
     }
 
-    /// The server answers another request in the middle of a block download: the client has given that up, and its
+    /// The server answers another request during a block download: the client has abandoned the download, and its
     /// request was taken for a segment.
     fn leave_block_download(&mut self, step: Step) -> Step {
-        // Before the first segment there is no request that was taken for one.
+        // Before the first segment no request can have been taken for one.
         let Phase::Block(Block::Data { direction: Direction::Download, .. }) = self.phase else { return step };
         self.phase = Phase::Idle;
         self.with(|transfer| transfer.end(Outcome::Superseded));
@@ -388,7 +388,7 @@ impl Channel {
 
     fn aborted(&mut self, now: Timestamp, side: Side, abort: Abort, step: Step) -> Step {
         if self.phase == Phase::Idle {
-            // Not of a transfer that was seen: the capture may have begun in its middle.
+            // The transfer is unknown: it may have begun before the capture.
             return step;
         }
         let step = match side {
@@ -474,7 +474,7 @@ fn malformed(error: Malformed) -> Step {
 }
 
 impl Step {
-    /// A step of a block segment.
+    /// The step of a block segment.
     pub(super) fn segment(direction: Direction, segment: BlockSegment) -> Self {
         Self::of(match direction {
             Direction::Download => Message::SdoBlockDownload(segment),
@@ -482,7 +482,7 @@ impl Step {
         })
     }
 
-    /// The same step, out of place.
+    /// Marks the step as unexpected.
     pub(super) fn out_of_place(self) -> Self {
         self.unexpected()
     }

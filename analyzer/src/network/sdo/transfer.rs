@@ -5,35 +5,35 @@ use crate::wire::sdo::{AbortCode, crc16};
 use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
-/// Reading or writing an object, as far as it has come.
+/// Reading or writing an object, as far as it has progressed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Transfer {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// Read or written.
+    /// Upload or download.
     pub direction: Direction,
-    /// In one message, in segments, or in blocks.
+    /// Expedited, segmented, or block.
     pub mode: Mode,
-    /// When its first frame was seen.
+    /// Time of its first frame.
     pub started: Timestamp,
-    /// When its last frame was seen.
+    /// Time of its latest frame.
     pub latest: Timestamp,
-    /// The number of bytes that was announced, if any.
+    /// The announced number of bytes, if there is one.
     pub announced: Option<u32>,
-    /// The number of segments that carried data; repeated ones count once.
+    /// The number of segments with data; repeated ones count once.
     pub segments: u32,
-    /// How it ended, or that it has not.
+    /// Its end, or that it is open.
     pub outcome: Outcome,
-    /// The first rule that was broken in it.
+    /// The first rule broken in it.
     pub violation: Option<Violation>,
     data: Vec<u8>,
-    /// How many bytes of it are kept at most.
+    /// Maximum number of its bytes that are kept.
     most: usize,
     length: u64,
     crc: u16,
 }
 
-/// Read or written, seen from the client.
+/// The direction, seen from the client.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Direction {
     /// The client reads.
@@ -53,25 +53,25 @@ pub enum Mode {
     Block,
 }
 
-/// Client or server.
+/// A side of a transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Side {
-    /// The one that asks.
+    /// The client, which requests.
     Client,
-    /// The one that owns the objects.
+    /// The server, which owns the objects.
     Server,
 }
 
-/// How a transfer ended.
+/// The outcome of a transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Outcome {
-    /// It has not ended yet.
+    /// The transfer has not ended yet.
     Open,
-    /// Done.
+    /// The transfer was completed.
     Complete,
-    /// Aborted.
+    /// One side aborted it.
     Aborted(Side, AbortCode),
-    /// The client began another one before it ended.
+    /// The client began another transfer before its end.
     Superseded,
 }
 
@@ -82,38 +82,39 @@ pub enum Violation {
     Toggle,
     /// The answer names another object than the request.
     Multiplexer(Multiplexer),
-    /// More or fewer bytes came than were announced.
+    /// The number of bytes differs from the announced one.
     Size {
-        /// As announced.
+        /// The announced number.
         announced: u32,
-        /// As counted.
+        /// The counted number.
         received: u64,
     },
-    /// The checksum over the data differs from the one that was sent.
+    /// The checksum of the data differs from the transmitted one.
     Crc {
-        /// As sent.
+        /// The transmitted checksum.
         sent: u16,
-        /// As calculated.
+        /// The calculated checksum.
         calculated: u16,
     },
     /// A segment of a block is missing or repeated.
     Sequence {
-        /// The number that should have come.
+        /// The expected number.
         expected: u8,
-        /// The number that came.
+        /// The number found.
         found: u8,
     },
-    /// A message that does not belong into this state.
+    /// A message that is not allowed in this state.
     Unexpected,
 }
 
 impl Transfer {
-    /// How many bytes of a value are kept; longer ones are counted and their CRC is calculated all the same.
+    /// Maximum number of bytes of a value that are kept; of longer ones the bytes are counted and the CRC is
+    /// calculated.
     pub const KEPT: usize = 64 * 1024;
-    /// So many are kept even where there is no room for more.
+    /// Number of bytes that are kept even without room for more.
     pub const SHORT: usize = 256;
 
-    /// A transfer whose first frame was just seen.
+    /// A transfer at its first frame.
     pub fn new(multiplexer: Multiplexer, direction: Direction, mode: Mode, now: Timestamp) -> Self {
         Self {
             multiplexer,
@@ -132,24 +133,24 @@ impl Transfer {
         }
     }
 
-    /// Begins anew with the memory of an earlier transfer.
+    /// Begins a transfer in the memory of an earlier one.
     pub fn restart(&mut self, multiplexer: Multiplexer, direction: Direction, mode: Mode, now: Timestamp) {
         let mut data = std::mem::take(&mut self.data);
         data.clear();
         *self = Self { data, ..Self::new(multiplexer, direction, mode, now) };
     }
 
-    /// The value as far as it came and is kept.
+    /// The kept bytes of the value.
     pub fn data(&self) -> &[u8] {
         &self.data
     }
 
-    /// The number of bytes that came.
+    /// The number of bytes received.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// The CRC over the bytes that came.
+    /// The CRC of the bytes received.
     pub fn crc(&self) -> u16 {
         self.crc
     }
@@ -159,7 +160,7 @@ impl Transfer {
         self.latest - self.started
     }
 
-    /// Whether it is under way.
+    /// Whether it is open.
     pub fn is_open(&self) -> bool {
         self.outcome == Outcome::Open
     }
@@ -172,12 +173,12 @@ impl Transfer {
         self.data.extend_from_slice(&bytes[..room]);
     }
 
-    /// What the value takes in memory.
+    /// The memory of the value.
     pub(super) fn capacity(&self) -> usize {
         self.data.capacity()
     }
 
-    /// Keeps no more of the value than a short one has.
+    /// Reduces the value to the length of a short one.
     pub(super) fn shorten(&mut self) {
         self.most = Self::SHORT;
         self.data.truncate(Self::SHORT);
@@ -189,7 +190,7 @@ impl Transfer {
         self.violation.get_or_insert(violation);
     }
 
-    /// Ends the transfer; a complete one must have as many bytes as announced.
+    /// Ends the transfer; a complete one must have the announced number of bytes.
     pub fn end(&mut self, outcome: Outcome) {
         self.outcome = outcome;
         if outcome == Outcome::Complete
@@ -269,9 +270,11 @@ impl fmt::Display for Violation {
         match self {
             Self::Toggle => f.write_str("toggle bit not alternated"),
             Self::Multiplexer(multiplexer) => write!(f, "answer names {multiplexer}"),
-            Self::Size { announced, received } => write!(f, "{received} bytes came, {announced} were announced"),
-            Self::Crc { sent, calculated } => write!(f, "CRC {sent:04X}h does not fit, calculated {calculated:04X}h"),
-            Self::Sequence { expected, found } => write!(f, "segment {found} came, {expected} was due"),
+            Self::Size { announced, received } => write!(f, "{received} bytes transferred, but {announced} announced"),
+            Self::Crc { sent, calculated } => {
+                write!(f, "CRC {sent:04X}h does not match the data, expected {calculated:04X}h")
+            }
+            Self::Sequence { expected, found } => write!(f, "segment {found}, expected {expected}"),
             Self::Unexpected => f.write_str("unexpected in this state"),
         }
     }

@@ -1,46 +1,47 @@
-//! A block transfer that was under way when the capture began.
+//! Block transfers that began before the capture.
 //!
-//! Its segments look like any message: the first byte is their number. What tells is that they come one after another
-//! without anything from the other side, numbered from 1 after each confirmation.
+//! Their segments look like any message: the first byte is the sequence number. They are recognised by following each
+//! other without a frame from the other side, numbered from 1 after each confirmation.
 
 use super::transfer::Direction;
 use crate::wire::Wire;
 use crate::wire::sdo::BlockSegment;
 use canvass_traces::{Duration, Timestamp};
 
-/// What may be under way on a channel, until a proper exchange shows where it stands.
+/// The block transfers that may be open on a channel, until a request with its answer shows the channel's state.
 #[derive(Clone, Default)]
 pub struct UnderWay {
-    /// A request was answered: nothing of before the capture is left.
+    /// A request was answered: no earlier transfer is open.
     over: bool,
-    /// The number that the client's next segment would have, and when the one before came.
+    /// The sequence number of the client's next segment, and the time of the one before.
     download: Option<(u8, Timestamp)>,
-    /// The same of the server's.
+    /// The same for the server's segments.
     upload: Option<(u8, Timestamp)>,
 }
 
 impl UnderWay {
-    /// Segments of a block follow each other sooner.
+    /// Maximum time between two segments of a block.
     const SOON: Duration = Duration::from_millis(1_000);
 
-    /// A request and its answer belong together.
+    /// Handles a request with its answer, which ends all earlier transfers.
     pub const fn end(&mut self) {
         self.over = true;
     }
 
-    /// Whether something may still be under way.
+    /// Whether an earlier transfer may still be open.
     pub const fn is_possible(&self) -> bool {
         !self.over
     }
 
-    /// The frame as a segment, where those before make it one. `direction` is that in which data would go.
+    /// The frame as a segment, if the frames before make it one. `direction` is the direction of the data.
     pub fn segment(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<BlockSegment> {
         let (own, other) = match direction {
             Direction::Download => (&mut self.download, &mut self.upload),
             Direction::Upload => (&mut self.upload, &mut self.download),
         };
         let segment = BlockSegment::read(payload).ok()?;
-        // A confirmation (A2h) lets the other side begin with 1 again; anything else is not said amid its segments.
+        // After a confirmation (A2h) the other side begins with 1 again; any other message excludes that this side
+        // receives segments.
         *other = payload.starts_with(&[0xA2]).then_some((1, now));
         let expected = own.filter(|(_, before)| now.since(*before) <= Self::SOON);
         *own = (!segment.last).then(|| (segment.sequence.saturating_add(1), now));

@@ -1,4 +1,4 @@
-//! What LSS and LMT each make of layer setting.
+//! The differences between LSS and LMT.
 
 use super::ConfigureCommand;
 use crate::wire::Malformed;
@@ -6,7 +6,7 @@ use nom::IResult;
 use std::fmt::{Debug, Display};
 use std::hash::Hash;
 
-/// Which of the two protocols of 7E5h and 7E4h a message belongs to.
+/// The protocol of a message on 7E5h and 7E4h.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Protocol {
     /// Layer setting services, CiA 305.
@@ -16,7 +16,7 @@ pub enum Protocol {
 }
 
 impl Protocol {
-    /// The protocol that alone knows the command specifier of a payload; `None` where both know it or neither.
+    /// The protocol that alone has the command specifier of a payload; `None` if both or neither have it.
     pub fn of(payload: &[u8]) -> Option<Self> {
         match payload.first()? {
             0x01..=0x03 | 0x05..=0x09 | 0x24..=0x26 => Some(Self::Lmt),
@@ -26,18 +26,18 @@ impl Protocol {
     }
 }
 
-/// What differs between LSS and LMT.
+/// The differences between LSS and LMT.
 pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     /// The parts of an address.
     type Part: Numbered;
     /// The bounds of "identify remote slave".
     type Bound: Numbered;
-    /// What a part or a bound holds; numbers are in order.
+    /// The value of a part or a bound; numbers are ordered.
     type Value: Value;
 
-    /// Which of the two this is.
+    /// The protocol of this dialect.
     const PROTOCOL: Protocol;
-    /// What a parser expects in byte 0.
+    /// The parser's expected text for byte 0.
     const SPECIFIER: &'static str;
     /// The command specifier of the first part of "switch selective".
     const SWITCH_SELECTIVE: u8;
@@ -47,9 +47,9 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     const IDENTIFIED: u8;
     /// The command specifier that inquires the first part of an address.
     const INQUIRE: u8;
-    /// What the standard calls what a slave is in: a state, or a mode.
+    /// The standard's word for the state of a slave: state, or mode.
     const STATE: &'static str;
-    /// What it calls the one that is not configuration.
+    /// The standard's name of the state other than configuration.
     const WAITING: &'static str;
     /// The standard's name of command 11h.
     const CONFIGURE_NODE_ID: &'static str;
@@ -58,56 +58,56 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     fn limits(bound: Self::Bound) -> (Self::Part, Limit);
     /// The bit rate of a row of table 0, in bit/s; `None` for a row that has none.
     fn bit_rate(index: u8) -> Option<u32>;
-    /// What an error code means that does not mean the same in both dialects; `None` for a reserved one.
+    /// The meaning of an error code that differs between the dialects; `None` for a reserved one.
     fn error_name(command: ConfigureCommand, error: u8) -> Option<&'static str>;
-    /// The value of a part in words.
+    /// The value of a part as text.
     fn words(part: Self::Part, value: Self::Value) -> impl Display;
 
-    /// The row of table 0 that has a bit rate, in bit/s.
+    /// The row of table 0 with this bit rate, in bit/s.
     fn bit_rate_index(rate: u32) -> Option<u8> {
         (0..=u8::MAX).find(|&index| Self::bit_rate(index) == Some(rate))
     }
 }
 
-/// How a bound limits a part.
+/// The kind of a bound.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Limit {
-    /// The part is that value.
+    /// The part equals the value.
     Equal,
-    /// It is not less.
+    /// The part is at least the value.
     Lowest,
-    /// It is not more.
+    /// The part is at most the value.
     Highest,
 }
 
-/// Parts or bounds, which have to come in their order, each with the command specifier after that of the one before.
+/// Parts or bounds with a fixed order and consecutive command specifiers.
 pub trait Numbered: Copy + Eq + Hash + Debug + 'static {
-    /// All of them, in their order.
+    /// All of them, in order.
     const ALL: &'static [Self];
 
-    /// The position in their order.
+    /// The position in the order.
     fn position(self) -> usize;
     /// The standard's name.
     fn name(self) -> &'static str;
 
-    /// Whether it completes an address.
+    /// Whether it is the last of an address.
     fn is_last(self) -> bool {
         self.position() + 1 == Self::ALL.len()
     }
 }
 
-/// What a part of an address holds.
+/// The value of a part of an address.
 pub trait Value: Copy + Ord + Hash + Debug + 'static {
-    /// Reads it from the bytes after the command specifier.
+    /// Reads the value from the bytes after the command specifier.
     ///
     /// # Errors
-    /// [`Malformed`] if they are too few.
+    /// [`Malformed`] if there are too few bytes.
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed>;
-    /// Writes it to the bytes after the command specifier.
+    /// Writes the value to the bytes after the command specifier.
     fn emit(self, tail: &mut [u8]);
 }
 
-/// Declares parts or bounds by their names in the standard, in their order.
+/// Declares parts or bounds by their names in the standard, in order.
 macro_rules! numbered {
     ($(#[$docs:meta])* $name:ident { $($(#[$variant_docs:meta])* $variant:ident = $text:literal,)* }) => {
         $(#[$docs])*
@@ -117,7 +117,7 @@ macro_rules! numbered {
         }
 
         impl $name {
-            /// All of them, in their order.
+            /// All of them, in order.
             pub const ALL: [Self; [$($text),*].len()] = [$(Self::$variant),*];
 
             /// The standard's name.

@@ -1,6 +1,7 @@
 //! Layer setting: node-ID and bit rate over the bus, in two dialects on the same CAN-IDs.
 //!
-//! [`lss`](super::lss) is that of CiA 305, [`lmt`](super::lmt) its forerunner of CiA DS-205. What they share is here:
+//! [`lss`](super::lss) is the dialect of CiA 305, [`lmt`](super::lmt) its predecessor of CiA DS-205. This module
+//! has their common part:
 //!
 //! ```text
 //! byte 0: command specifier    bytes 1..7: by command; what is not used is reserved and 0
@@ -12,9 +13,10 @@
 //! 17h                          store            17h  error  specific     confirmed
 //! ```
 //!
-//! Both address one slave part by part, look for slaves bound by bound, and inquire the parts of an address; which parts
-//! and bounds there are, and with which command specifiers, is the [`Dialect`]'s matter. LSS alone has slaves without
-//! node-ID and Fastscan, inquires the node-ID, and answers who was addressed: messages that no parser of LMT returns.
+//! Both address one slave part by part, look for slaves bound by bound, and inquire the parts of an address; the
+//! [`Dialect`] defines the parts and bounds, and their command specifiers. Only LSS has slaves without node-ID,
+//! Fastscan, the inquiry of the node-ID, and the answer of the addressed slave; the parser of LMT never returns
+//! these messages.
 
 mod dialect;
 
@@ -40,14 +42,14 @@ pub enum Request<D: Dialect> {
         /// 0 waiting or operation, 1 configuration; others are reserved.
         mode: u8,
     },
-    /// 11h: sets the node-ID that will be used; LMT calls it the NMT address.
+    /// 11h: sets the future node-ID; LMT calls it the NMT address.
     ConfigureNodeId {
         /// 1 to 127; for LSS also 255, "not configured".
         node_id: u8,
     },
-    /// 13h: sets the bit rate that will be used.
+    /// 13h: sets the future bit rate.
     ConfigureBitTiming {
-        /// 0 is the table of the standard, 128 to 255 are the manufacturer's.
+        /// 0 is the table of the standard, 128 to 255 are manufacturer-specific.
         table: u8,
         /// The row of the table.
         index: u8,
@@ -57,47 +59,47 @@ pub enum Request<D: Dialect> {
         /// The silence before and after the change, in milliseconds.
         delay: u16,
     },
-    /// 17h: stores what was configured.
+    /// 17h: stores the configured values.
     StoreConfiguration,
     /// Addresses one slave by the parts of its address.
     SwitchSelective {
-        /// Which of them.
+        /// The part.
         part: D::Part,
         /// Its value.
         value: D::Value,
     },
-    /// Asks whether there is a slave within these bounds.
+    /// Identifies slaves within bounds, bound by bound.
     IdentifyRemote {
-        /// Which bound.
+        /// The bound.
         bound: D::Bound,
         /// Its value.
         value: D::Value,
     },
-    /// Asks for a part of the address.
+    /// Inquires a part of the address.
     Inquire {
-        /// Which of them.
+        /// The part.
         part: D::Part,
     },
-    /// 4Ch, LSS: asks whether there is a slave without node-ID.
+    /// 4Ch, LSS: identifies slaves without node-ID.
     IdentifyNonConfigured,
     /// 51h, LSS: finds a slave without node-ID by halving.
     Fastscan {
         /// The bits found so far.
         id: u32,
-        /// The lowest bit that is compared, 31 to 0; 128 begins anew.
+        /// The lowest compared bit, 31 to 0; 128 restarts the scan.
         bit_check: u8,
-        /// The part that is being compared, 0 to 3.
+        /// The compared part, 0 to 3.
         sub: u8,
-        /// The part that is compared next, 0 to 3.
+        /// The part of the next request, 0 to 3.
         next: u8,
     },
-    /// 5Eh, LSS: asks for the node-ID.
+    /// 5Eh, LSS: inquires the node-ID.
     InquireNodeId,
     /// Any other command specifier.
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, as far as they are there.
+        /// The bytes after it, filled up with zeros.
         tail: [u8; 7],
     },
 }
@@ -105,27 +107,27 @@ pub enum Request<D: Dialect> {
 /// A message from a slave.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Response<D: Dialect> {
-    /// 11h, 13h or 17h: how a configuration went.
+    /// 11h, 13h or 17h: the result of a configuration.
     Configured {
-        /// Which of the three.
+        /// The command.
         command: ConfigureCommand,
-        /// 0 success, 255 with a manufacturer-specific error; others by command.
+        /// 0 success, 255 manufacturer-specific error; other values depend on the command.
         error: u8,
-        /// The manufacturer's error where `error` is 255.
+        /// The manufacturer-specific error code, if `error` is 255.
         specific: u8,
     },
-    /// A slave is within the bounds, or fits the Fastscan.
+    /// A slave is within the bounds, or matches the Fastscan.
     Identified,
     /// A part of the address.
     Part {
-        /// Which of them.
+        /// The part.
         part: D::Part,
         /// Its value.
         value: D::Value,
     },
-    /// 44h, LSS: the slave that was addressed is in configuration state.
+    /// 44h, LSS: the addressed slave is in configuration state.
     Switched,
-    /// 50h, LSS: there is a slave without node-ID.
+    /// 50h, LSS: a slave without node-ID exists.
     NonConfigured,
     /// 5Eh, LSS: the node-ID, 255 if there is none.
     NodeId(u8),
@@ -133,12 +135,12 @@ pub enum Response<D: Dialect> {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, as far as they are there.
+        /// The bytes after it, filled up with zeros.
         tail: [u8; 7],
     },
 }
 
-/// The commands that a slave answers with an error code.
+/// The commands whose answer has an error code.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[repr(u8)]
 pub enum ConfigureCommand {
@@ -160,7 +162,7 @@ impl ConfigureCommand {
         }
     }
 
-    /// What the error code means; `None` for a reserved one.
+    /// The meaning of the error code; `None` for a reserved one.
     pub fn error_name<D: Dialect>(self, error: u8) -> Option<&'static str> {
         match (self, error) {
             (_, 0) => Some("successful"),
@@ -172,7 +174,7 @@ impl ConfigureCommand {
 }
 
 impl<D: Dialect> Request<D> {
-    /// Whether one slave, and only one, must answer.
+    /// Whether exactly one slave must answer.
     pub fn wants_answer(self) -> bool {
         match self {
             Self::ConfigureNodeId { .. } | Self::ConfigureBitTiming { .. } | Self::StoreConfiguration => true,
@@ -184,7 +186,7 @@ impl<D: Dialect> Request<D> {
 }
 
 impl<D: Dialect> Response<D> {
-    /// Whether a slave says this to that request, and not to another one.
+    /// Whether this message answers that request.
     pub fn answers(self, request: Request<D>) -> bool {
         match (self, request) {
             (Self::Configured { command, .. }, request) => match request {
@@ -203,13 +205,14 @@ impl<D: Dialect> Response<D> {
         }
     }
 
-    /// Whether a confirmation has a specific error code although its error code is not 255, which alone announces one.
+    /// Whether a confirmation has a specific error code although its error code is not 255, the only value that
+    /// announces one.
     pub const fn says_too_much(self) -> bool {
         matches!(self, Self::Configured { error: 0..=254, specific: 1.., .. })
     }
 }
 
-/// The part or bound with that command specifier, where the first one has `first`.
+/// The part or bound with that command specifier, if the first one has `first`.
 fn at<N: Numbered>(command: u8, first: u8) -> Option<N> {
     N::ALL.get(usize::from(command.checked_sub(first)?)).copied()
 }
@@ -327,7 +330,7 @@ fn emit_unknown(command: u8, tail: [u8; 7], buffer: &mut [u8; 8]) {
     buffer[1..].copy_from_slice(&tail);
 }
 
-/// The bit rate of a row of a table, in words.
+/// The bit rate of a row of a table, as text.
 fn bit_rate<D: Dialect>(table: u8, index: u8) -> String {
     match (table, D::bit_rate(index)) {
         (0, Some(rate)) => format!("{} kbit/s", rate / 1000),

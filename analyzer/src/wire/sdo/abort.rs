@@ -1,4 +1,4 @@
-//! SDO abort: either side ends a transfer, and says why.
+//! SDO abort: one side ends a transfer, with the reason.
 //!
 //! ```text
 //! byte 0: 100-----  80h    bytes 1..3: multiplexer    bytes 4..7: abort code, little-endian
@@ -62,7 +62,7 @@ pub const ABORT_CODES: &[(AbortCode, &str)] = &[
 ];
 
 /// The classes and codes of CAL (CiA DS-202), which DS-301 V3.0 still used, ascending: class, code, meaning. They are
-/// the upper two bytes of an abort code; most codes of CiA 301 come from them.
+/// the upper two bytes of an abort code; most codes of CiA 301 derive from them.
 pub const CAL_ERRORS: &[(u8, u8, &str)] = &[
     (5, 3, "service error, parameter inconsistent"),
     (5, 4, "service error, illegal parameter"),
@@ -129,31 +129,31 @@ impl AbortCode {
     pub const GENERAL: Self = Self(0x0800_0000);
     /// Data cannot be transferred or stored to the application.
     pub const NOT_TRANSFERRED: Self = Self(0x0800_0020);
-    /// ... because of local control.
+    /// Data cannot be transferred or stored to the application because of local control.
     pub const LOCAL_CONTROL: Self = Self(0x0800_0021);
-    /// ... because of the present device state.
+    /// Data cannot be transferred or stored to the application because of the present device state.
     pub const DEVICE_STATE: Self = Self(0x0800_0022);
     /// Object dictionary dynamic generation fails or no object dictionary is present.
     pub const NO_DICTIONARY: Self = Self(0x0800_0023);
     /// No data available.
     pub const NO_DATA: Self = Self(0x0800_0024);
 
-    /// The meaning that CiA 301 gives to the code, `None` for any other code.
+    /// The meaning of the code in CiA 301; `None` for any other code.
     pub fn name(self) -> Option<&'static str> {
         ABORT_CODES.binary_search_by_key(&self, |row| row.0).ok().map(|at| ABORT_CODES[at].1)
     }
 
-    /// The meaning of error class (bits 31..24) and error code (bits 23..16) in CAL, `None` where it has none.
+    /// The meaning of error class (bits 31..24) and error code (bits 23..16) in CAL; `None` if CAL has none.
     ///
-    /// TR-Electronic (manual 004, 8.14 and 12.2) has class 6, code 6 as 0600 0006h: the code stands in the lowest
-    /// byte where its own place is 0.
+    /// TR-Electronic (manual 004, 8.14 and 12.2) writes class 6, code 6 as 0600 0006h: the code is in the lowest
+    /// byte, and its own place is 0.
     pub fn cal_name(self) -> Option<&'static str> {
         let [class, code, _, lowest] = self.0.to_be_bytes();
         let find = |code| CAL_ERRORS.iter().find(|row| (row.0, row.1) == (class, code)).map(|row| row.2);
         find(code).or_else(|| find(lowest).filter(|_| self.0 & 0x00FF_FF00 == 0))
     }
 
-    /// What it says, by CiA 301 or CAL, or that it is none of theirs.
+    /// The meaning in CiA 301 or CAL, or that neither has one.
     pub fn text(self) -> &'static str {
         self.name().or_else(|| self.cal_name()).unwrap_or("unknown abort code")
     }

@@ -3,18 +3,18 @@
 use crate::wire::{Malformed, Wire, named};
 use nom::{IResult, Parser, bytes::complete::take, number::complete::u8};
 
-/// A segment of a block transfer. Only the state of the transfer tells it from a command.
+/// A segment of a block transfer. Only the state of the transfer distinguishes it from a command.
 ///
 /// ```text
 /// byte 0: csssssss    c no more segments, s sequence number 1..127    bytes 1..7: data
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct BlockSegment {
-    /// 1 to 127, counted anew in every sub-block; 0 is illegal.
+    /// The sequence number, 1 to 127, counted anew in every sub-block; 0 is illegal.
     pub sequence: u8,
-    /// No more segments follow after this one.
+    /// Whether it is the last segment of the transfer.
     pub last: bool,
-    /// Seven bytes; how many of the last segment's count is said at the end of the transfer.
+    /// Seven bytes; the end of the transfer tells how many of the last segment's bytes count.
     pub data: [u8; 7],
 }
 
@@ -41,7 +41,7 @@ impl Wire for BlockSegment {
 
 /// The CRC-16 of block transfers: polynomial 1021h, start value 0, no reflection (CiA 301).
 ///
-/// To go on where an earlier call ended, pass its result as `start`; else 0.
+/// To continue a calculation, pass the earlier result as `start`; otherwise 0.
 pub fn crc16(start: u16, data: &[u8]) -> u16 {
     data.iter().fold(start, |crc, &byte| crc << 8 ^ CRC_TABLE[usize::from((crc >> 8) as u8 ^ byte)])
 }

@@ -1,9 +1,9 @@
-//! SDO: reading and writing objects of another node (client to server 600h + node-ID, server to client
-//! 580h + node-ID, unless 1200h and the following say otherwise).
+//! SDO: reading and writing objects of another node (client to server 600h + node-ID, server to client 580h +
+//! node-ID, unless 1200h and the following say otherwise).
 //!
-//! Byte 0 holds the command specifier in its upper three bits; [`request`] and [`response`] draw each. Segments of
-//! a block transfer have no command specifier: only the state of the transfer tells them from commands, see
-//! [`block::BlockSegment`].
+//! Byte 0 has the command specifier in its upper three bits; [`request`] and [`response`] show the layout of each
+//! message. Segments of a block transfer have no command specifier: only the state of the transfer distinguishes them
+//! from commands, see [`block::BlockSegment`].
 
 pub mod abort;
 pub mod block;
@@ -24,16 +24,16 @@ pub const REQUEST_BASE: u16 = 0x600;
 /// The CAN-ID from server to client of node 0; the node-ID is added.
 pub const RESPONSE_BASE: u16 = 0x580;
 
-/// What an initiate message carries (`e` and `s` of its command byte).
+/// The content of an initiate message (`e` and `s` of its command byte).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Payload {
     /// e = 1, s = 1: the value itself, 1 to 4 bytes.
     Expedited(Expedited),
-    /// e = 1, s = 0: the value in four bytes of which it is not said how many count.
+    /// e = 1, s = 0: four bytes with the value, whose length is not given.
     ExpeditedUnsized([u8; 4]),
-    /// e = 0, s = 1: segments follow, with that many bytes in all.
+    /// e = 0, s = 1: segments follow, with this total number of bytes.
     Segmented(u32),
-    /// e = 0, s = 0: segments follow, it is not said how many. The four bytes are reserved.
+    /// e = 0, s = 0: segments follow, without a total number. The four bytes are reserved.
     SegmentedUnsized,
 }
 
@@ -62,7 +62,7 @@ impl Expedited {
 }
 
 impl Payload {
-    /// A value of 1 to 4 bytes in the message itself, or the announcement of more (or of none) in segments.
+    /// A value of 1 to 4 bytes in the message itself, or the announcement of segments for any other length.
     pub fn of(value: &[u8]) -> Self {
         match Expedited::new(value) {
             Some(expedited) => Self::Expedited(expedited),
@@ -70,7 +70,7 @@ impl Payload {
         }
     }
 
-    /// The value, if the message carries it; all four bytes where their number is not said.
+    /// The value, if the message carries it; all four bytes if their number is not given.
     pub fn value(&self) -> Option<&[u8]> {
         match self {
             Self::Expedited(expedited) => Some(expedited.data()),
@@ -98,7 +98,7 @@ impl Payload {
         }
     }
 
-    /// Reads the bytes after the multiplexer; of an expedited value only those that count must be there.
+    /// Reads the bytes after the multiplexer; of an expedited value only the used bytes are required.
     fn parse(command: u8, input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         match command & 0b11 {
             0b11 => {
@@ -123,7 +123,7 @@ impl Payload {
 pub struct Segment {
     /// The toggle bit.
     pub toggle: bool,
-    /// No more segments follow.
+    /// Whether it is the last segment.
     pub last: bool,
     data: [u8; 7],
     len: u8,
@@ -140,7 +140,7 @@ impl Segment {
         Some(segment)
     }
 
-    /// The bytes that count.
+    /// The used bytes.
     pub fn data(&self) -> &[u8] {
         &self.data[..usize::from(self.len)]
     }
@@ -149,7 +149,7 @@ impl Segment {
         (self.toggle as u8) << 4 | (7 - self.len) << 1 | self.last as u8
     }
 
-    /// Reads the bytes after the command byte; only those that count must be there.
+    /// Reads the bytes after the command byte; only the used bytes are required.
     fn parse(command: u8, input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         let len = 7 - usize::from(command >> 1 & 0b111);
         let (input, data) = named("the data that the command byte announces", take(len)).parse(input)?;
@@ -173,7 +173,7 @@ fn four(input: &[u8]) -> IResult<&[u8], [u8; 4], Malformed> {
     le_u32.map(u32::to_le_bytes).parse(input)
 }
 
-/// Drops the reserved bytes at the end of a message, as many of them as there are.
+/// Drops the reserved bytes at the end of a message, as far as they exist.
 fn skip_reserved(input: &[u8], n: usize) -> &[u8] {
     &input[input.len().min(n)..]
 }
@@ -185,7 +185,7 @@ fn emit_initiate(command: u8, multiplexer: Multiplexer, tail: [u8; 4], buffer: &
     buffer[4..].copy_from_slice(&tail);
 }
 
-/// Fills an eight-byte message whose first bytes are given and whose others are reserved.
+/// Fills an eight-byte message with the given bytes, then reserved bytes.
 fn emit_short(head: &[u8], buffer: &mut [u8; 8]) {
     *buffer = [0; 8];
     buffer[..head.len()].copy_from_slice(head);

@@ -1,4 +1,4 @@
-//! What an SDO client sends.
+//! Messages of an SDO client.
 
 use super::{Abort, Payload, Segment, emit_initiate, emit_short, multiplexer, skip_reserved};
 use crate::Multiplexer;
@@ -17,7 +17,7 @@ pub enum Request {
     InitiateDownload {
         /// The object.
         multiplexer: Multiplexer,
-        /// The value, or what is to follow.
+        /// The value, or the announcement of segments.
         payload: Payload,
     },
     /// `010-----`, multiplexer: reads an object.
@@ -25,7 +25,7 @@ pub enum Request {
         /// The object.
         multiplexer: Multiplexer,
     },
-    /// `011t----`: asks for the next segment of an upload.
+    /// `011t----`: requests the next segment of an upload.
     UploadSegment {
         /// The toggle bit.
         toggle: bool,
@@ -52,7 +52,7 @@ pub enum Request {
         /// Segments in the next block, 1 to 127.
         block_size: u8,
     },
-    /// `101---11`: asks for the first block.
+    /// `101---11`: requests the first block.
     StartBlockUpload,
     /// `110--cs0`, multiplexer, size: writes an object in blocks.
     InitiateBlockDownload {
@@ -60,21 +60,21 @@ pub enum Request {
         multiplexer: Multiplexer,
         /// The client can send a CRC.
         crc: bool,
-        /// The number of bytes to follow, where it is said.
+        /// The total number of bytes, if given.
         size: Option<u32>,
     },
     /// `110nnn-1`, CRC: ends a block download.
     EndBlockDownload {
-        /// How many bytes of the last segment don't count, 0 to 7.
+        /// Number of unused bytes in the last segment, 0 to 7.
         unused: u8,
         /// The CRC over all data; 0 without CRC.
         crc: u16,
     },
-    /// Command specifier 7, or none of the above.
+    /// Command specifier 7, or a byte of no other form.
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, as far as they are there.
+        /// The bytes after it, filled up with zeros.
         tail: [u8; 7],
     },
 }
@@ -167,7 +167,7 @@ fn block_upload(command: u8, rest: &[u8]) -> IResult<&[u8], Request, Malformed> 
         0 => {
             let (rest, multiplexer) = multiplexer(rest)?;
             let (rest, block_size) = named("a block size", u8).parse(rest)?;
-            // Old clients leave the threshold out.
+            // Old clients leave out the threshold.
             let (rest, threshold) = (rest.get(1..).unwrap_or(&[]), rest.first().copied().unwrap_or(0));
             let crc = command & 0b100 != 0;
             Ok((skip_reserved(rest, 2), Request::InitiateBlockUpload { multiplexer, crc, block_size, threshold }))

@@ -1,4 +1,4 @@
-//! What an SDO server sends.
+//! Messages of an SDO server.
 
 use super::{Abort, Payload, Segment, emit_initiate, emit_short, multiplexer, skip_reserved};
 use crate::Multiplexer;
@@ -22,7 +22,7 @@ pub enum Response {
     InitiateUpload {
         /// The object.
         multiplexer: Multiplexer,
-        /// The value, or what is to follow.
+        /// The value, or the announcement of segments.
         payload: Payload,
     },
     /// `011-----`, multiplexer: confirms the request to write.
@@ -56,27 +56,27 @@ pub enum Response {
         multiplexer: Multiplexer,
         /// The server can send a CRC.
         crc: bool,
-        /// The number of bytes to follow, where it is said.
+        /// The total number of bytes, if given.
         size: Option<u32>,
     },
     /// `110nnn-1`, CRC: ends a block upload.
     EndBlockUpload {
-        /// How many bytes of the last segment don't count, 0 to 7.
+        /// Number of unused bytes in the last segment, 0 to 7.
         unused: u8,
         /// The CRC over all data; 0 without CRC.
         crc: u16,
     },
-    /// Command specifier 7, or none of the above.
+    /// Command specifier 7, or a byte of no other form.
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, as far as they are there.
+        /// The bytes after it, filled up with zeros.
         tail: [u8; 7],
     },
 }
 
 impl Response {
-    /// The answer that carries a value of 1 to 4 bytes, or announces a longer one.
+    /// The answer with a value of 1 to 4 bytes, or the announcement of a longer one.
     pub fn upload(multiplexer: Multiplexer, value: &[u8]) -> Self {
         Self::InitiateUpload { multiplexer, payload: Payload::of(value) }
     }

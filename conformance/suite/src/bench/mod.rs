@@ -63,6 +63,7 @@ pub use restore::Rescue;
 pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};
 pub use watch::Boots;
+pub use zero_point::zero_point_of;
 
 use crate::verdict::{Breach, Check, Judged, Stop};
 use canvass_analyzer::{Multiplexer, NodeId};

@@ -1,8 +1,8 @@
 //! How promptly the device answers what costs it nothing: one that gets no processor is late as a whole, and its times say nothing
 //! of its clock.
 
-use super::Bench;
 use super::sdo::DEVICE_TYPE;
+use super::{Bench, HOST_LATE};
 use crate::verdict::Stop;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
@@ -10,6 +10,9 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Reads beside a case, at most.
 const READS: usize = 100;
+
+/// As many reads at least tell whether a device is late now and then, or answers now sooner and now later by its nature.
+const FEWEST_READS: u32 = 20;
 
 /// From one read to the next.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -21,12 +24,17 @@ pub(super) struct Promptness {
     usual: Option<Duration>,
     /// The longest in the case.
     longest: Duration,
+    /// The reads of the run, and how many of them took much longer than usual.
+    reads: u32,
+    late: u32,
 }
 
 impl Promptness {
     fn note(&mut self, took: Duration) {
         self.usual = Some(self.usual.map_or(took, |usual| usual.min(took)));
         self.longest = self.longest.max(took);
+        self.reads += 1;
+        self.late += u32::from(self.usual.is_some_and(|usual| took.0 >= usual.0 + HOST_LATE.0));
     }
 
     /// A case begins.
@@ -39,8 +47,23 @@ impl Promptness {
         self.usual.unwrap_or_default()
     }
 
+    /// Whether one answer in four comes late: the device answers so by its nature, and that says nothing of its timers. One that
+    /// gets too little processor now and then is prompt most of the time.
+    const fn varies(self) -> bool {
+        self.reads >= FEWEST_READS && self.late * 4 >= self.reads
+    }
+
+    /// By how much the device was later than usual in the case.
     fn lateness(self) -> Duration {
+        if self.varies() {
+            return Duration::ZERO;
+        }
         Duration(self.longest.0.saturating_sub(self.usual().0))
+    }
+
+    /// Whether nothing is to be learned by one more read.
+    fn is_known(self, enough: Duration) -> bool {
+        self.reads >= FEWEST_READS && (self.varies() || self.lateness() >= enough)
     }
 }
 
@@ -54,7 +77,7 @@ impl Bench<'_> {
 /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
 /// `enough`, or often enough. One that does not answer is not late.
 pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
-    if bench.knowledge.promptness.lateness() >= enough {
+    if bench.knowledge.promptness.is_known(enough) {
         return bench.knowledge.promptness.lateness();
     }
     let looked = bench.uncancelled(|bench| bench.unjudged(|bench| look_beside(bench, enough)));
@@ -69,7 +92,7 @@ fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {
         bench.prepare()?;
     }
     for _ in 0..READS {
-        if bench.knowledge.promptness.lateness() >= enough || !read_beside(bench)? {
+        if bench.knowledge.promptness.is_known(enough) || !read_beside(bench)? {
             break;
         }
         bench.wait_for(PAUSE, |_| None::<()>)?;

@@ -59,13 +59,14 @@ const PRODUCES: u32 = 1 << 30;
 /// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 
-/// Writes values back; returns those that the device does not have again.
+/// Writes values back, but no object that acts; returns those that the device does not have again.
 pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
-    let wrong: Vec<&Original> = originals.iter().filter(|original| !has_again(bench, original)).collect();
+    let settings: Vec<&Original> = originals.iter().filter(|original| !bench.acts(original.multiplexer)).collect();
+    let wrong: Vec<&Original> = settings.iter().copied().filter(|original| !has_again(bench, original)).collect();
     let companions = wrong.iter().flat_map(|original| companions(original.multiplexer));
     let needed: Vec<Multiplexer> =
         wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
-    let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
+    let rewritten = settings.iter().copied().filter(|original| needed.contains(&original.multiplexer));
     let held: Vec<(Multiplexer, u32)> = needed
         .iter()
         .filter(|at| is_cob_id(**at))
@@ -78,7 +79,8 @@ pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<O
         // What is refused shows when it is read back.
         let _ = bench.download_as(multiplexer, &value, Mode::Shortest);
     }
-    let again: Vec<&Original> = originals.iter().filter(|original| needed.contains(&original.multiplexer)).collect();
+    let again: Vec<&Original> =
+        settings.into_iter().filter(|original| needed.contains(&original.multiplexer)).collect();
     again.into_iter().filter(|original| !has_again(bench, original)).cloned().collect()
 }
 

@@ -1,11 +1,13 @@
 //! Where the zero point is, and how it is put back: at rest, to the step.
 
-use super::Bench;
 use super::profile;
+use super::{Bench, Options, Target};
 use crate::verdict::Stop;
 use crate::zero_point::{Moved, Objects, ZeroPoint, shorter_way};
 use canvass_analyzer::Multiplexer;
-use canvass_traces::Duration;
+use canvass_bus::Bus;
+use canvass_traces::{Duration, Record};
+use std::sync::atomic::AtomicBool;
 
 /// A position is at rest if it is the same in this many readings, this far apart.
 const READINGS: usize = 4;
@@ -16,6 +18,15 @@ fn shown(bench: &mut Bench<'_>, objects: &Objects) -> Result<i64, Stop> {
     let number = bench.read_number(objects.position)?;
     let is_negative = !objects.takes_position && u64::from(number) >= objects.range;
     Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
+}
+
+/// Where the zero point of a device is; `None`: nothing moves one, or the device does not answer.
+pub fn zero_point_of(bus: &mut dyn Bus, target: &Target) -> Option<ZeroPoint> {
+    /// Reading takes a moment; a device that sends without end is not waited for.
+    const LONGEST: Duration = Duration::from_secs(3);
+    let (options, cancel) = (Options { limit: Some(LONGEST), ..Options::default() }, AtomicBool::new(false));
+    let mut annotate = |_: &Record| String::new();
+    Bench::new(bus, target, &options, &mut annotate, &cancel).look_at_zero_point().ok()?
 }
 
 impl Bench<'_> {

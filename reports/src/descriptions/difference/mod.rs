@@ -1,10 +1,8 @@
 //! What differs between two device descriptions, in every form in which it is wanted.
 
 pub(super) mod json;
-mod markdown;
-mod text;
+mod report;
 
-use crate::escape::printable;
 use canvass_analyzer::dictionary::difference::{ChangeKind, Class, Difference, Fact};
 
 /// What differs between two files.
@@ -19,21 +17,6 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// For people.
-    pub fn text(&self, colors: bool) -> String {
-        text::render(self, colors)
-    }
-
-    /// One JSON object (`docs/json.md`).
-    pub fn json(&self) -> serde_json::Value {
-        json::document(self)
-    }
-
-    /// For tickets and wikis.
-    pub fn markdown(&self) -> String {
-        markdown::document(self)
-    }
-
     /// Whether there is a difference of that class, or of a graver one.
     pub fn has(&self, least: Class) -> bool {
         self.differences.iter().any(|difference| difference.kind.class >= least)
@@ -66,21 +49,20 @@ impl Compared {
     }
 }
 
-/// `6004h:00 Position value`, on one line and safe to show.
+/// `6004h:00 Position value`.
 fn subject(difference: &Difference) -> String {
-    let name = printable(&difference.name);
-    let space = if name.is_empty() { "" } else { " " };
-    format!("{}{space}{name}", difference.subject)
+    format!("{} {}", difference.subject, difference.name).trim_end().to_owned()
 }
 
-/// What a description says, on one line and safe to show.
+/// What a description says.
 fn fact(fact: Option<&Fact>) -> String {
-    fact.map_or_else(|| "nothing".to_owned(), |fact| printable(&fact.to_string()).into_owned())
+    fact.map_or_else(|| "nothing".to_owned(), ToString::to_string)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{Form, Report, Style};
     use canvass_analyzer::dictionary::DeviceDescription;
     use canvass_analyzer::dictionary::difference::compare;
 
@@ -94,44 +76,57 @@ mod tests {
         Compared { old: "old.eds".to_owned(), new: "new.eds".to_owned(), differences }
     }
 
+    const TEXT: Form = Form::Text(Style { color: false, width: None });
+    const PAINTED: Form = Form::Text(Style { color: true, width: None });
+
+    fn written(compared: &Compared, form: Form) -> String {
+        let mut out = Vec::new();
+        compared.write(form, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
     #[test]
     fn text_tells_each_kind_once() {
         let both =
             compared("DataType=5\nAccessType=rw\nDefaultValue=5\n", "DataType=6\nAccessType=ro\nDefaultValue=5\n");
-        let expected = "breaking[entry/data-type]: the data type has changed\n  \
+        let expected = "breaking  the data type has changed  [entry/data-type]\n  \
             2000h:00 Set: UNSIGNED8 -> UNSIGNED16\n  \
             = A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same \
             length, the same bytes now mean another value.\n\n\
-            breaking[entry/not-writable]: the entry can't be written any more\n  \
+            breaking  the entry can't be written any more  [entry/not-writable]\n  \
             2000h:00 Set: rw -> ro\n  \
             = A DCF that sets it can't be downloaded whole: the device answers with abort 0601 0002h.\n\n";
-        let text = both.text(false);
+        let text = written(&both, TEXT);
         assert!(text.starts_with(expected), "{text}");
         assert!(text.ends_with("old.eds -> new.eds: 2 breaking, 1 notable, no harmless\n"), "{text}");
-        assert!(both.text(true).starts_with("\x1b[31mbreaking\x1b[0m[entry/data-type]"));
+        assert!(
+            written(&both, PAINTED)
+                .starts_with("\x1b[31mbreaking\x1b[0m  the data type has changed  [entry/data-type]")
+        );
         assert!(both.has(Class::Breaking));
     }
 
     #[test]
     fn what_is_the_same_is_said_to_be() {
         let same = compared("5", "5");
-        assert_eq!(same.text(false), "old.eds -> new.eds: no difference\n");
-        assert!(same.markdown().contains("No difference."));
+        assert_eq!(written(&same, TEXT), "old.eds -> new.eds: no difference\n");
+        assert!(written(&same, Form::Markdown).contains(": no difference."));
         assert!(!same.has(Class::Harmless));
     }
 
     #[test]
     fn texts_of_files_do_not_act() {
         let hostile = compared("[2001]\nParameterName=a|b\x1b[31m", "[2001]\nParameterName=c|d\x1b]0;x\x07");
-        for text in [hostile.text(false), hostile.markdown(), hostile.json().to_string()] {
+        for text in [TEXT, Form::Markdown, Form::Json].map(|form| written(&hostile, form)) {
             assert!(!text.contains(['\x1b', '\x07']), "{text}");
         }
-        assert!(hostile.markdown().contains("c\\|d"), "{}", hostile.markdown());
+        assert!(written(&hostile, Form::Markdown).contains("c\\|d"), "{}", written(&hostile, Form::Markdown));
     }
 
     #[test]
     fn json_has_numbers_as_numbers() {
-        let json = compared("DefaultValue=0x12345678", "DefaultValue=$NODEID+1").json();
+        let json = written(&compared("DefaultValue=0x12345678", "DefaultValue=$NODEID+1"), Form::Json);
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let one = &json["differences"][0];
         assert_eq!((&one["kind"], &one["class"]), (&"default/changed".into(), &"notable".into()));
         assert_eq!((&one["index"], &one["sub"]), (&0x2001.into(), &0.into()));

@@ -58,7 +58,7 @@ fn head(shown: &Shown) -> Markup {
         p.outcome { (shown.objects().count()) " objects" }
         dl.facts {
             @for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
-                div { dt { (name) } dd { (printable(value)) } }
+                (page::fact(name, value))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! One JSON object (`docs/json.md`).
 
-use super::{Verification, side, subject};
+use super::{Verification, subject};
 use crate::descriptions::difference::json::content;
 use canvass_analyzer::dictionary::Setting;
 use canvass_analyzer::dictionary::difference::{Fact, Subject};
@@ -43,8 +43,8 @@ fn difference(verification: &Verification, mismatch: &Mismatch) -> Value {
         "{}: {}: {} described, {} found",
         subject(mismatch),
         mismatch.kind.id(),
-        side(&mismatch.described),
-        side(&mismatch.found)
+        mismatch.described,
+        mismatch.found
     );
     json!({
         "kind": mismatch.kind.id(),
@@ -74,6 +74,6 @@ fn value(shown: &Side) -> Value {
         Side::Length(bytes) => json!({ "bytes": bytes }),
         Side::Answer(Answer::Value(bytes)) => json!({ "data": hex::compact(bytes).to_string() }),
         Side::Answer(Answer::Aborted(code)) => json!({ "abort": code.0 }),
-        Side::Exists | Side::NotMappable | Side::Answer(_) => json!(side(shown)),
+        Side::Exists | Side::NotMappable | Side::Answer(_) => json!(shown.to_string()),
     }
 }

@@ -1,11 +1,10 @@
 //! In what a device differs from its description, in every form in which it is wanted.
 
 mod json;
-mod markdown;
-mod text;
+mod report;
 
-use crate::escape::printable;
-use canvass_analyzer::dictionary::survey::compare::{Mismatch, Side, Weight};
+use crate::page_text::none_or_counted;
+use canvass_analyzer::dictionary::survey::compare::{Mismatch, Weight};
 use canvass_analyzer::{Index, NodeId};
 
 /// A device that was compared with its description.
@@ -30,21 +29,6 @@ pub struct Verification {
 }
 
 impl Verification {
-    /// For people: a table, no wider than the terminal.
-    pub fn text(&self, style: Style) -> String {
-        text::render(self, style)
-    }
-
-    /// One JSON object (`docs/json.md`).
-    pub fn json(&self) -> serde_json::Value {
-        json::document(self)
-    }
-
-    /// For tickets and wikis.
-    pub fn markdown(&self) -> String {
-        markdown::document(self)
-    }
-
     /// What shows that description or device is wrong.
     pub fn differences(&self) -> impl Iterator<Item = &Mismatch> {
         self.mismatches.iter().filter(|mismatch| self.counts(mismatch))
@@ -65,14 +49,10 @@ impl Verification {
 
     /// `214 entries read, 2 differences, 1 value that may be configuration or state`.
     fn summary(&self) -> String {
-        let counted = |count: usize, one: &str, more: &str| match count {
-            0 => format!("no {more}"),
-            1 => format!("1 {one}"),
-            _ => format!("{count} {more}"),
-        };
-        let entries = counted(self.read, "entry", "entries");
-        let differences = counted(self.differences().count(), "difference", "differences");
-        let possible = match self.explicable().count() {
+        let (differences, possible) = (self.differences().count(), self.explicable().count());
+        let entries = if self.read == 1 { "1 entry".to_owned() } else { format!("{} entries", self.read) };
+        let differences = none_or_counted(differences, "difference");
+        let possible = match possible {
             0 => String::new(),
             1 => ", 1 value that may be configuration or state".to_owned(),
             count => format!(", {count} values that may be configuration or state"),
@@ -92,25 +72,9 @@ impl Verification {
     }
 }
 
-/// How the table is drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct Style {
-    /// With colours.
-    pub colors: bool,
-    /// The columns that there are.
-    pub width: u16,
-}
-
-/// `6004h:00 Position value`, on one line and safe to show.
+/// `6004h:00 Position value`.
 fn subject(mismatch: &Mismatch) -> String {
-    let name = printable(&mismatch.name);
-    let space = if name.is_empty() { "" } else { " " };
-    format!("{}{space}{name}", mismatch.subject)
-}
-
-/// What one of the two says, on one line and safe to show.
-fn side(side: &Side) -> String {
-    printable(&side.to_string()).into_owned()
+    format!("{} {}", mismatch.subject, mismatch.name).trim_end().to_owned()
 }
 
 /// What is added to a difference that may be none.

@@ -17,9 +17,9 @@ mod summary;
 pub use collector::Collector;
 
 use super::Diagnosed;
+use crate::document::{self, Depth};
 use crate::escape::printable;
 use crate::page::{self, Page};
-use crate::provenance;
 use excerpt::Shown;
 use maud::{Markup, html};
 use std::io::{self, Write};
@@ -36,7 +36,6 @@ const SCRIPTS: [&str; 8] = [
     include_str!("../../../assets/diagnosis/findings.js"),
     include_str!("../../../assets/diagnosis/linked.js"),
 ];
-const UPLOT_LICENSE: &str = include_str!("../../../assets/uplot/LICENSE");
 
 const SECTIONS: [(&str, &str); 9] = [
     ("summary", "Summary"),
@@ -69,13 +68,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn
         scripts: &SCRIPTS,
         header: summary::head(diagnosed, &name),
         sections: &SECTIONS,
-        footer: html! {
-            "Times count from the first frame. "
-            details {
-                summary { "Plots are drawn by µPlot, under this licence" }
-                pre { (UPLOT_LICENSE) }
-            }
-        },
+        footer: html! { "Times count from the first frame. " (page::plot_licence()) },
     };
     page::write(&page, out, |out| {
         page::put(out, summary::section(diagnosed))?;
@@ -86,7 +79,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn
         nodes::write(diagnosed, out)?;
         page::put(out, findings::section(diagnosed, &places))?;
         page::put(out, frame_list(&frames, seen))?;
-        page::put(out, provenance::html(diagnosed.provenance))?;
+        page::put(out, document::html::section(&diagnosed.provenance.section(Depth::Page, true)))?;
         page::put_data(out, "data", &data::Data::new(diagnosed, &collected, &frames, &places))
     })
 }

@@ -4,6 +4,8 @@ use super::{lane, text};
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::node_table::{rounded, rows as overview, who};
 use crate::page::put;
+use crate::page_text::capitalised;
+use crate::provenance::{identity_facts, identity_of};
 use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{ChannelId, Duration};
@@ -85,26 +87,13 @@ fn of_node(
 }
 
 fn identity(node: &NodeStatistics) -> Markup {
-    let identity = &node.identity;
-    let [vendor, product, revision, serial] =
-        identity.numbers.map(|number| number.map(|number| format!("{number:08X}h")));
-    let [name, hardware, software] = identity.names.each_ref().map(|name| name.as_deref().map(text));
-    let rows = [
-        ("Name", name),
-        ("Hardware", hardware),
-        ("Software", software),
-        ("Device type", identity.device_type.map(|number| format!("{number:08X}h"))),
-        ("Vendor-ID", vendor),
-        ("Product code", product),
-        ("Revision", revision),
-        ("Serial number", serial),
-    ];
+    let rows = identity_facts(&identity_of(&node.identity));
     html! {
         @if rows.iter().any(|row| row.1.is_some()) {
             table {
                 caption { "Identity, as read" }
                 @for (label, value) in rows.iter().filter_map(|(label, value)| Some((label, value.as_ref()?))) {
-                    tr { th scope="row" { (label) } td.text { (value) } }
+                    tr { th scope="row" { (capitalised(label)) } td.text { (text(value)) } }
                 }
             }
         }

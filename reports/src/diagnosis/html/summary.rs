@@ -3,6 +3,8 @@
 use super::{MOST_FINDINGS, findings, text};
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::node_table::rounded;
+use crate::page::fact;
+use crate::page_text::counted;
 use canvass_analyzer::findings::Severity;
 use canvass_analyzer::statistics::BusStatistics;
 use canvass_traces::TimeBase;
@@ -35,10 +37,6 @@ pub fn head(diagnosed: &Diagnosed<'_>, name: &str) -> Markup {
         h1 { (name) }
         p.outcome.(class) { (outcome) }
     }
-}
-
-fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// The figures of the buses, the findings by severity, and the foremost of them.
@@ -104,10 +102,6 @@ fn date(bus: &BusStatistics) -> String {
     // 64 bits of nanoseconds end in the year 2554: every time has a date.
     let second = jiff::Timestamp::from_second((bus.first.nanos() / 1_000_000_000).cast_signed());
     second.map_or_else(|_| String::new(), |time| time.strftime("%Y-%m-%d %H:%M:%S").to_string())
-}
-
-fn fact(name: &str, value: &str) -> Markup {
-    html! { div { dt { (name) } dd { (value) } } }
 }
 
 /// What there is to say of the captures beside their frames.

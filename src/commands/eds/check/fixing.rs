@@ -8,10 +8,10 @@ use canvass_analyzer::dictionary::check::{Finding, apply_fixes, check};
 use similar::TextDiff;
 use std::io::Write;
 
-/// Writes the fixed file, and says so. A file with nothing to fix is not touched.
+/// Writes the fixed file, and reports it. Files without fixes are not written.
 pub fn fix_file(description: &mut Description, wanted: impl Fn(&Finding) -> bool) -> Result<()> {
     if description.is_input() {
-        bail!("standard input can't be written: --diff shows what would change");
+        bail!("standard input can't be overwritten: use --diff to see the changes");
     }
     let name = description.path.display().to_string();
     let fixed = apply_fixes(&description.bytes, wanted).with_context(|| format!("can't check {name}"))?;
@@ -27,7 +27,7 @@ pub fn fix_file(description: &mut Description, wanted: impl Fn(&Finding) -> bool
     Ok(())
 }
 
-/// What would change, as a unified diff; empty if nothing would.
+/// The changes as a unified diff; empty if there are none.
 pub fn difference(description: &Description, text: &str, wanted: impl Fn(&Finding) -> bool) -> Result<String> {
     let failed = || format!("can't check {}", description.path.display());
     let fixed = apply_fixes(&description.bytes, wanted).with_context(failed)?;
@@ -36,7 +36,7 @@ pub fn difference(description: &Description, text: &str, wanted: impl Fn(&Findin
     }
     let new = check(&fixed.bytes, None).with_context(failed)?;
     let (before, after) = (format!("a/{}", description.name), format!("b/{}", description.name));
-    // Line ends and tabulators would be shown as what they are.
+    // Differences in line ends would make every line of the diff differ; they are reported separately.
     let plain = |text: &str| text.replace("\r\n", "\n").replace('\r', "\n");
     let (old, new) = (plain(text), plain(&new.source.text));
     let diff = TextDiff::from_lines(old.as_str(), new.as_str());

@@ -10,34 +10,34 @@ use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
 use canvass_reports::descriptions::text::{self, Style};
-use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
+use canvass_reports::descriptions::{CheckedFile, CheckedFiles, Counts, github, sarif};
+use canvass_reports::document::{Form, Report as _};
 use canvass_reports::escape::Printable;
 use selection::Selection;
-use serde_json::json;
 use std::io::Write;
 use std::path::PathBuf;
 
 /// Check device descriptions against CiA 306 and the standards, and fix what can be fixed
 ///
-/// An error makes a configuration tool or the device fail; a warning contradicts the text of a standard, though the
-/// meaning is clear; a hint is advice. `canvass list eds-rules` lists the rules, `canvass explain RULE` explains one. A
-/// comment `; canvass: allow RULE reason` in a file waives a rule: before the first section for the whole file, in a
-/// section for that section.
+/// An error makes a configuration tool or the device fail. A warning contradicts the text of a standard, though the
+/// meaning is clear. A hint is advice. `canvass list eds-rules` lists the rules, `canvass explain RULE` explains one.
+/// A comment `; canvass: allow RULE reason` in a file waives a rule: before the first section for the whole file, in
+/// a section for that section.
 #[derive(clap::Args)]
 pub struct Args {
     /// EDS, DCF, XDD and XDC files, and folders of them; - is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// How to print what is found
+    /// How to print the findings
     #[arg(long, value_enum, default_value_t)]
     format: CheckFormat,
     /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
-    /// Write files with everything fixed that can be fixed without guessing
+    /// Apply every fix that needs no guessing, and write the files
     #[arg(long, conflicts_with = "diff")]
     fix: bool,
-    /// Print what --fix would change; the exit status is 1 if there is anything
+    /// Print the changes that --fix would make; the exit status is 1 if there are any
     #[arg(long, conflicts_with = "format")]
     diff: bool,
     #[command(flatten)]
@@ -63,14 +63,14 @@ enum CheckFormat {
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
-    /// Errors
+    /// Exit status 1 with errors
     #[default]
     Error,
-    /// Warnings and errors
+    /// Exit status 1 with warnings and errors
     Warning,
-    /// Everything
+    /// Exit status 1 with any finding
     Hint,
-    /// Nothing: the status tells only whether the files could be read
+    /// Never exit status 1 for findings; the status tells only whether the files could be read
     Never,
 }
 
@@ -99,7 +99,7 @@ impl Args {
                 Err(error) if self.files.len() == 1 && !self.files.iter().any(|path| path.is_dir()) => {
                     return Err(error.into());
                 }
-                // The others are worth checking all the same.
+                // An unreadable file must not keep the others from being checked.
                 Err(error) => {
                     diagnostic(&format!("canvass: {error:#}"));
                     status = Status::Usage;
@@ -117,8 +117,8 @@ impl Args {
         Ok(if status == Status::Good && fails { Status::Findings } else { status })
     }
 
-    /// Checks one file, and fixes it if that is wanted. Text is printed at once; a file without findings is kept for the
-    /// count, of a difference only one that changes.
+    /// Checks one file, and fixes it with `--fix`. Findings are printed at once as text; other formats get them at
+    /// the end.
     fn one(&self, path: &std::path::Path, style: Style, output: &Output) -> anyhow::Result<Option<CheckedFile>> {
         let mut description = Description::read(path)?;
         let wanted = |finding: &_| self.selection.wants(finding);
@@ -149,23 +149,25 @@ impl Args {
     fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
         let text = match self.format {
             CheckFormat::Text => summary(files),
-            CheckFormat::Json => Printable::pretty_json(&json!(json::document(files))).into_string(),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
-            CheckFormat::Markdown => markdown::document(files),
             CheckFormat::Github => files.iter().map(github::render).collect(),
-            CheckFormat::Junit => {
-                let mut bytes = Vec::new();
-                junit::render(files, self.fail_on.least(), &mut bytes)?;
-                String::from_utf8_lossy(&bytes).into_owned()
-            }
+            CheckFormat::Json => self.report(files, Form::Json)?,
+            CheckFormat::Markdown => self.report(files, Form::Markdown)?,
+            CheckFormat::Junit => self.report(files, Form::Junit)?,
         };
         let mut output = output.clone();
         unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
         Ok(())
     }
+
+    fn report(&self, files: &[CheckedFile], form: Form) -> std::io::Result<String> {
+        let mut bytes = Vec::new();
+        CheckedFiles { files, fail_on: self.fail_on.least() }.write(form, &mut bytes)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
 }
 
-/// How many findings there are, and what to do next.
+/// The number of findings, and a hint at `--fix`.
 fn summary(files: &[CheckedFile]) -> String {
     let counts = Counts::of(files);
     let text = text::summary(files.len(), &counts);

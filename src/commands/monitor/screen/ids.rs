@@ -1,4 +1,4 @@
-//! One row for each CAN-ID: how often, in which cycle, with which data, and what that means.
+//! The table of CAN-IDs: rate, cycle, data and meaning of the last frame of each.
 
 use canvass_reports::escape::Printable;
 use canvass_traces::{CanId, ChannelId, Duration, Record, Timestamp};
@@ -8,18 +8,18 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Row, Table};
 use std::collections::BTreeMap;
 
-/// So many are distinguished: a device that sends with every identifier there is takes no more memory.
+/// Maximum number of rows: a device that uses every identifier must not exhaust the memory.
 const MOST: usize = 4_096;
-/// So long a byte that has changed is marked.
+/// How long a changed byte stays marked.
 const MARKED: Duration = Duration::from_secs(1);
 
-/// What was seen of each.
+/// The rows, by CAN-ID.
 #[derive(Default)]
 pub struct Ids {
     rows: BTreeMap<(ChannelId, CanId), Seen>,
-    /// Frames of identifiers beyond [`MOST`].
+    /// Number of frames with identifiers that got no row.
     omitted: u64,
-    /// The first row that is shown.
+    /// Index of the first row on the screen.
     top: usize,
 }
 
@@ -27,9 +27,9 @@ pub struct Ids {
 struct Seen {
     count: u64,
     last: Timestamp,
-    /// Between the last two frames.
+    /// Time between the last two frames.
     cycle: Option<Duration>,
-    /// Each byte, and when it changed.
+    /// Each data byte, with the time of its last change.
     data: Vec<(u8, Option<Timestamp>)>,
     meaning: String,
 }
@@ -63,7 +63,7 @@ impl Seen {
 }
 
 impl Ids {
-    /// Takes in a frame.
+    /// Adds a frame.
     pub fn record(&mut self, record: &Record, meaning: &str) {
         let key = (record.channel, record.frame.id());
         if self.rows.len() < MOST || self.rows.contains_key(&key) {
@@ -73,12 +73,12 @@ impl Ids {
         }
     }
 
-    /// Moves the rows that are shown.
+    /// Scrolls the rows.
     pub fn scroll(&mut self, by: isize) {
         self.top = self.top.saturating_add_signed(by).min(self.rows.len().saturating_sub(1));
     }
 
-    /// The table.
+    /// The table, for drawing.
     pub fn table(&self, now: Timestamp) -> Table<'static> {
         let widths = [
             Constraint::Length(8),

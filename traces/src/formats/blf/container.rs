@@ -14,7 +14,7 @@ use nom::{IResult, Parser};
 use std::io::{self, Read};
 
 pub(crate) const HEADER: usize = 16;
-/// The largest uncompressed size that is held; Vector's tools write 128 KiB, some loggers some MiB.
+/// Limit of the uncompressed size in memory; Vector's tools write 128 KiB, some loggers some MiB.
 const LARGEST: u32 = 32 * 1024 * 1024;
 
 /// Compression and uncompressed size.
@@ -22,15 +22,15 @@ fn header(i: &[u8]) -> IResult<&[u8], (u16, u32)> {
     (le_u16, take(6usize), le_u32, le_u32).map(|(compression, _, size, _)| (compression, size)).parse(i)
 }
 
-/// Appends a container's content to `objects`, and takes its `length` bytes, header included, from the source; but no more
-/// than it needs where it says more than it has, or is damaged.
+/// Appends a container's content to `objects`, and consumes its `length` bytes, header included. If the container is
+/// damaged or states too many bytes, only the bytes that it really has are consumed.
 pub(crate) fn unpack(source: &mut Source, length: u64, objects: &mut Vec<u8>) -> Unpacked {
     let start = objects.len();
     let mut limited = Limited::new(source, length);
     let mut head = [0; HEADER];
     let read = limited.read_exact(&mut head).and_then(|()| {
         let (compression, size) = header(&head).map_or((u16::MAX, 0), |(_, header)| header);
-        // One byte more than there should be shows that there are more.
+        // Reading one byte more than stated reveals additional bytes.
         let most = u64::from(size.min(LARGEST)) + 1;
         match compression {
             _ if size > LARGEST => Err(io::Error::other(format!("{size} bytes, uncompressed"))),

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub(crate) const SIGNATURE: &[u8] = b"LOBJ";
 /// The part of the header that all versions have.
 pub(crate) const BASE_HEADER: usize = 16;
-/// The largest object that is looked into; a CAN object has less than a tenth of it.
+/// Limit of the size of a parsed object; a CAN object has less than a tenth of it.
 pub(crate) const LARGEST: usize = 64 * 1024;
 
 const CAN_MESSAGE: u32 = 1;
@@ -26,24 +26,24 @@ const CAN_FD_ERROR_64: u32 = 104;
 const DATA_LOST_END: u32 = 126;
 
 const EXTENDED: u32 = 0x8000_0000;
-/// In the flags of CAN and CAN FD messages.
+/// Flag of CAN and CAN FD messages: the frame was sent.
 const TX: u8 = 0x01;
 const REMOTE: u8 = 0x80;
-/// In the CAN FD flags of a CAN FD message.
+/// CAN FD flag of a CAN FD message: the frame has the CAN FD format.
 const EDL: u8 = 0x01;
 const BRS: u8 = 0x02;
 const ESI: u8 = 0x04;
-/// In the flags of a CAN FD message 64.
+/// Flag of a CAN FD message 64: the frame is remote.
 const REMOTE_64: u32 = 0x0010;
 const EDL_64: u32 = 0x1000;
 const BRS_64: u32 = 0x2000;
 const ESI_64: u32 = 0x4000;
-/// The class of an error frame of which no more is known: `CAN_ERR_BUSERROR`.
+/// The class of an error frame without details: `CAN_ERR_BUSERROR`.
 const BUS_ERROR: ErrorClass = ErrorClass(0x80);
-/// The fixed part of a CAN FD message 64.
+/// Length of the fixed part of a CAN FD message 64.
 const FD_64_FIXED: usize = 40;
 
-/// The header's part that all versions have.
+/// The part of an object's header that all versions have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BaseHeader {
     pub(crate) header_size: u16,
@@ -58,17 +58,17 @@ pub(crate) fn base_header(i: &[u8]) -> IResult<&[u8], BaseHeader> {
         .parse(i)
 }
 
-/// An index of the objects, which the file header does not count as one.
+/// An index of the objects; the count in the file header does not include it.
 pub(crate) const RESTORE_POINTS: u32 = 115;
-/// The last type that Vector has given.
+/// The last type that Vector has assigned.
 const LAST_KNOWN: u32 = 137;
 
-/// Whether that type is one of Vector's: what is of none may be a frame whose type is damaged.
+/// Whether Vector has assigned this type. An unassigned type may be that of a frame, damaged.
 pub(crate) const fn is_known(kind: u32) -> bool {
     matches!(kind, 1..=LAST_KNOWN) && !matches!(kind, 26..=28 | 52 | 53 | 108 | 116 | 117 | 135)
 }
 
-/// The size of the largest objects of that type that tools write, with their header.
+/// Size of the largest objects of this type that tools write, with their header.
 const fn usual_size(kind: u32) -> usize {
     match kind {
         CAN_MESSAGE => 48,
@@ -77,7 +77,7 @@ const fn usual_size(kind: u32) -> usize {
     }
 }
 
-/// Where in a larger object than usual another one begins: then its size is damaged.
+/// The offset of another object inside an unusually large one, whose size is then damaged.
 pub(crate) fn hidden_object(header: BaseHeader, object: &[u8]) -> Option<usize> {
     if object.len() <= usual_size(header.kind) {
         return None;
@@ -89,7 +89,7 @@ pub(crate) fn hidden_object(header: BaseHeader, object: &[u8]) -> Option<usize> 
 }
 
 impl BaseHeader {
-    /// Whether the sizes are such as an object has. All but containers have a time stamp in their header.
+    /// Whether the sizes are plausible. All objects but containers have a time stamp in their header.
     pub(crate) fn fits(self) -> bool {
         let least = if self.kind == LOG_CONTAINER { BASE_HEADER } else { 2 * BASE_HEADER };
         let small = !is_read(self.kind) || self.size as usize <= LARGEST;
@@ -97,7 +97,7 @@ impl BaseHeader {
     }
 }
 
-/// Whether objects of that type are read.
+/// Whether canvass reads objects of this type.
 pub(crate) const fn is_read(kind: u32) -> bool {
     matches!(
         kind,
@@ -112,12 +112,12 @@ pub(crate) const fn is_read(kind: u32) -> bool {
     )
 }
 
-/// What an object holds.
+/// The content of an object.
 #[derive(Debug)]
 pub(crate) enum Content {
     /// A frame on a channel, numbered from 1; its time is relative to the start of the measurement.
     Frame { record: Record, channel: u16 },
-    /// The recorder lost that many events.
+    /// The recorder reports that it lost this many events.
     Lost(u64),
 }
 

@@ -17,7 +17,7 @@ const FILE_SIGNATURE: &[u8] = b"LOGG";
 const FILE_HEADER: usize = 56;
 /// The largest file header; Vector's has 144 bytes.
 const LARGEST_FILE_HEADER: u32 = 64 * 1024;
-/// The filling between two objects is shorter than this.
+/// The gap between two objects is shorter than this.
 pub(crate) const FILLING: usize = 8;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
@@ -45,31 +45,31 @@ struct BlfReader {
     source: Source,
     /// `None` until the file header was read.
     file: Option<File>,
-    /// The stream of objects out of the containers, as far as it is at hand, and how far it is read.
+    /// The unpacked part of the containers' stream, and the offset of the next object in it.
     objects: Vec<u8>,
     at: usize,
-    /// How many bytes of that stream, not at hand yet, belong to an object that is passed over.
+    /// Number of bytes of that stream, not unpacked yet, that belong to a skipped object.
     skip: u64,
     container_offset: u64,
     channels: Channels,
-    /// The number of the last frame's channel, and what it is here.
+    /// The number of the last frame's channel in the file, and its id here.
     latest_channel: Option<(u16, ChannelId)>,
     number: u64,
-    /// The objects that the file header counts too.
+    /// Number of objects read that the file header also counts.
     counted: u64,
-    /// The last damage, after the end of the file.
+    /// The last damage, which is reported after the end of the file.
     last: Option<Damage>,
     done: bool,
 }
 
-/// What the file header says.
+/// The content of the file header.
 #[derive(Clone, Copy)]
 struct File {
     size: u64,
     header: u32,
-    /// How many objects there are; 0 in a file that was not finished.
+    /// Number of objects; 0 if the file was not finished.
     objects: u32,
-    /// Start of the measurement in nanoseconds since 1970, local time; `None` if it does not say.
+    /// Start of the measurement in nanoseconds since 1970, local time; `None` if the header has none.
     start: Option<u64>,
 }
 
@@ -90,13 +90,13 @@ fn start(date: &[u16]) -> Option<u64> {
     local_time::nanos(date).filter(|&nanos| nanos > 0)
 }
 
-/// Where the next object begins.
+/// The place of the next object.
 enum Next {
-    /// Behind so many bytes of filling.
+    /// After this many bytes of filling.
     At(usize),
-    /// Too few bytes to tell.
+    /// Unknown yet: too few bytes are unpacked.
     More,
-    /// Not here: what stands here is no object.
+    /// The bytes here are no object.
     Lost,
 }
 
@@ -139,7 +139,7 @@ impl BlfReader {
         Ok(())
     }
 
-    /// The next object of the containers' stream, as far as it is at hand: `None` where more is needed.
+    /// The next object of the containers' stream; `None` if more of it must be unpacked.
     fn stream_object(&mut self) -> Option<Result<Option<Record>, Damage>> {
         let skipped = usize::try_from(self.skip).unwrap_or(usize::MAX).min(self.objects.len() - self.at);
         self.at += skipped;
@@ -151,7 +151,7 @@ impl BlfReader {
             Next::More => return None,
             Next::Lost => {
                 let damage = no_object(place, rest);
-                // The signature may begin at the very end.
+                // The signature may begin in the last bytes.
                 let to = memmem::find(rest, SIGNATURE).unwrap_or(rest.len() - SIGNATURE.len() + 1);
                 self.at += to.max(1);
                 return Some(Err(damage));
@@ -181,7 +181,7 @@ impl BlfReader {
         Some(content.and_then(|content| self.take(content, place)))
     }
 
-    /// An object that has no frame, if that is known of its type.
+    /// Skips an object without frame, if its type is known to have none.
     fn pass_over(&mut self, header: BaseHeader, place: Place) -> Result<Option<Record>, Damage> {
         self.number += 1;
         self.counted += u64::from(header.kind != object::RESTORE_POINTS);
@@ -192,7 +192,7 @@ impl BlfReader {
         Err(Damage::new(DamageKind::Unsupported, place, "an object of a known type", found.as_bytes()))
     }
 
-    /// A frame with its time and channel, or the damage that an object stands for.
+    /// The record of a frame with its time and channel, or the damage that an object reports.
     fn take(&mut self, content: Content, place: Place) -> Result<Option<Record>, Damage> {
         match content {
             Content::Lost(0) => Ok(None),
@@ -261,7 +261,7 @@ impl BlfReader {
         content.and_then(|content| self.take(content, place))
     }
 
-    /// Unpacks a container after what is left of the one before.
+    /// Unpacks a container behind the rest of the one before.
     fn container(&mut self, header: BaseHeader) -> Result<Option<Record>, Damage> {
         let place = self.place();
         if header.size < (BASE_HEADER + container::HEADER) as u32 {
@@ -287,7 +287,7 @@ impl BlfReader {
                 Ok(None)
             }
             Unpacked::Damaged { expected, found } => {
-                // What began in the container before would be continued by bytes that are not its own.
+                // The object that began in the container before would continue with bytes of another object.
                 self.objects.clear();
                 self.skip = 0;
                 self.resynchronise();
@@ -296,7 +296,7 @@ impl BlfReader {
         }
     }
 
-    /// Passes over bytes that are no object, up to the next signature.
+    /// Skips bytes that are no object, up to the next signature.
     fn resynchronise(&mut self) {
         loop {
             let window = self.source.window();
@@ -304,7 +304,7 @@ impl BlfReader {
                 self.source.consume(at);
                 return;
             }
-            // The signature may begin at the very end.
+            // The signature may begin in the last bytes.
             self.source.consume(window.len().saturating_sub(SIGNATURE.len() - 1));
             if !matches!(self.source.fill(), Ok(true)) {
                 return;
@@ -317,7 +317,7 @@ impl BlfReader {
         Damage::new(DamageKind::Truncated, place, "a whole object", b"the end of the file")
     }
 
-    /// The file ends: whether it is all there.
+    /// Checks at the end of the file whether it is complete.
     fn end(&mut self) -> Result<Option<Record>, Damage> {
         let place = self.place();
         let rest = self.objects.get(self.at..).unwrap_or_default();
@@ -343,7 +343,7 @@ impl BlfReader {
         }
     }
 
-    /// The file has fewer bytes than its header says, or the header was never finished.
+    /// The damage if the file has fewer bytes than its header states, or its header was never finished.
     fn unfinished(&self, place: Place) -> Option<Damage> {
         let offset = self.source.offset() + self.source.window().len() as u64;
         let file = self.file.filter(|file| file.size > offset || file.size <= file.header.into() && self.number > 0)?;
@@ -351,7 +351,7 @@ impl BlfReader {
         Some(Damage::new(DamageKind::Unfinished, place, expected, offset.to_string().as_bytes()))
     }
 
-    /// Fewer objects were found than the header says. More than that are no loss.
+    /// The damage if there are fewer objects than the header states. More objects are no loss.
     fn missing(&self, place: Place) -> Option<Damage> {
         let objects = self.file?.objects;
         (u64::from(objects) > self.counted).then(|| {
@@ -370,7 +370,7 @@ fn no_object(place: Place, found: &[u8]) -> Damage {
     Damage::new(DamageKind::Malformed, place, "an object with the signature LOBJ", &found[..found.len().min(16)])
 }
 
-/// A header that no object has: after its signature the next one is looked for.
+/// The damage for an impossible header; the next object is then searched after its signature.
 fn unlikely(header: BaseHeader, place: Place) -> Option<Damage> {
     if header.fits() {
         return None;

@@ -13,7 +13,7 @@ pub(crate) struct Cdr<'a> {
     bytes: &'a [u8],
     at: usize,
     little: bool,
-    /// Nothing is aligned to more bytes.
+    /// Maximum alignment.
     widest: usize,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Cdr<'a> {
 
     #[inline]
     fn align(&mut self, size: usize) {
-        // Sizes are powers of two.
+        // Sizes are powers of two, so this is a mask.
         let below = size.min(self.widest) - 1;
         self.at = (self.at + below) & !below;
     }

@@ -13,7 +13,8 @@ use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
 use std::io::{self, Read};
 
-/// The largest uncompressed size that is held; recorders write 1 to 8 MiB. A decompressor may hold as much again.
+/// Limit of the uncompressed size in memory; recorders write 1 to 8 MiB. A decompressor may need the same amount
+/// again.
 pub(crate) const LARGEST: u64 = 32 * 1024 * 1024;
 /// The longest header, with the name of the compression.
 pub(crate) const HEADER: usize = 40 + LONGEST_NAME;
@@ -54,13 +55,13 @@ pub(crate) fn header(i: &[u8]) -> IResult<&[u8], Header> {
     Ok((i, Header { uncompressed, crc, compression, compressed, length: whole - i.len() }))
 }
 
-/// Unpacks a chunk's records from the source into `records`, and takes all of the chunk's bytes, of which there
-/// are `left`, from the source. Of a chunk that is cut the checksum is not looked at.
+/// Unpacks a chunk's records from the source into `records`, and consumes all `left` bytes of the chunk. The checksum
+/// of a cut chunk is not checked.
 pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &mut Vec<u8>) -> Unpacked {
     records.clear();
     let mut limited = Limited::new(source, header.compressed.min(left));
     let outer = left.saturating_sub(limited.left());
-    // One byte more than there should be shows that there are more.
+    // Reading one byte more than stated reveals additional bytes.
     let most = header.uncompressed.saturating_add(1);
     let read = match &header.compression {
         Compression::None => (&mut limited).take(most).read_to_end(records),

@@ -4,11 +4,11 @@ use crate::damage::Flaw;
 use crate::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp};
 use std::borrow::Cow;
 
-/// What a field of a message means.
+/// The meaning of a message's field.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     Id,
-    /// A data length code, or, as most messages mean by it, a length.
+    /// A data length code or, in most messages, a length in bytes.
     Dlc,
     Length,
     Data,
@@ -23,7 +23,7 @@ pub(crate) enum Role {
 }
 
 impl Role {
-    /// By a field's name, in any case and with or without underscores.
+    /// The role by the field's name, in any case and with or without underscores.
     pub(crate) fn by_name(name: &str) -> Option<Self> {
         let name: String = name.chars().filter(|&c| c != '_').map(|c| c.to_ascii_lowercase()).collect();
         Some(match name.as_str() {
@@ -57,20 +57,20 @@ impl Role {
     }
 }
 
-/// What a schema says about its frames beside the fields' places.
+/// The frame format that a schema implies, besides the positions of the fields.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
-    /// The message is named after CAN FD.
+    /// Whether the message's name says CAN FD.
     pub(crate) named_fd: bool,
-    /// How many bytes the data field can hold, where that is bounded.
+    /// Maximum number of bytes in the data field, if it is bounded.
     pub(crate) capacity: Option<usize>,
-    /// There is a field for the length.
+    /// Whether there is a field for the length.
     pub(crate) has_length: bool,
 }
 
 impl Shape {
-    /// Whether fields for an identifier and data make a CAN frame: with a length beside them, by their size, or by
-    /// the message's name.
+    /// Whether fields for an identifier and data make a CAN frame: if there is a length field, by the size of the
+    /// data, or by the message's name.
     pub(crate) fn is_can(&self, name: &str) -> bool {
         self.has_length || matches!(self.capacity, Some(8 | 64)) || name.to_ascii_lowercase().contains("can")
     }
@@ -102,7 +102,7 @@ const REMOTE: u64 = 0x4000_0000;
 const ERROR: u64 = 0x2000_0000;
 
 impl Values<'_> {
-    /// Sets the value of a number, truth values being 0 or not.
+    /// Sets the value of a number; for a truth value, 0 or another number.
     #[inline]
     pub(crate) fn set(&mut self, role: Role, value: i64) {
         match role {
@@ -121,7 +121,7 @@ impl Values<'_> {
         }
     }
 
-    /// The message's own time stamp, where it is set and makes sense.
+    /// The message's own time stamp, if it is set and plausible.
     fn stamp(&self) -> Option<Timestamp> {
         let seconds = u64::try_from(self.seconds).ok()?;
         let nanoseconds = u64::try_from(self.nanoseconds).ok().filter(|&n| n < 1_000_000_000)?;
@@ -129,7 +129,7 @@ impl Values<'_> {
         (stamp > 0).then_some(Timestamp(stamp))
     }
 
-    /// The frame; `logged` is its time unless it has its own.
+    /// The frame; its time is the message's own, else `logged`.
     #[inline]
     pub(crate) fn record(&self, shape: &Shape, logged: Timestamp) -> Result<Record, Flaw> {
         let timestamp = self.stamp().unwrap_or(logged);
@@ -170,7 +170,7 @@ impl Values<'_> {
         }
     }
 
-    /// What stands beyond the length is left over from earlier frames.
+    /// Bytes beyond the length are remains of earlier frames.
     fn payload(&self, length: usize) -> Result<&[u8], Flaw> {
         self.data
             .get(..length)
@@ -185,7 +185,7 @@ impl Values<'_> {
             .ok_or_else(|| Flaw::malformed("a length that CAN FD has", length.to_string()))
     }
 
-    /// A field `dlc` above 8 may be a code or a length: what fits the data decides, else the field's name.
+    /// A field `dlc` above 8 may be a code or a length: the size of the data decides, else the field's name.
     fn fd_length(&self) -> Result<usize, Flaw> {
         let stated = self.stated_length();
         if stated > 64 {

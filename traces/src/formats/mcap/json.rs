@@ -11,9 +11,9 @@ use std::borrow::Cow;
 #[derive(Clone, Debug)]
 pub(crate) struct JsonPlan {
     shape: Shape,
-    /// The schema says that texts hold base64.
+    /// Whether the schema marks texts as base64.
     base64: bool,
-    /// There is no schema: each message shows by itself whether it is a CAN frame.
+    /// Whether there is no schema, so that each message must be examined by itself.
     schemaless: bool,
 }
 
@@ -37,12 +37,12 @@ impl JsonPlan {
         &self.shape
     }
 
-    /// Whether the schema says that the messages are CAN frames.
+    /// Whether the schema proves that the messages are CAN frames.
     pub(crate) fn is_certain(&self) -> bool {
         !self.schemaless
     }
 
-    /// The values of a message; `None` if it is none with a CAN frame, which is no damage without a schema.
+    /// The values of a message; `None` if it holds no CAN frame, which is damage only with a schema.
     pub(crate) fn read(&self, message: &[u8]) -> Result<Option<Values<'static>>, Flaw> {
         let parsed: Value =
             serde_json::from_slice(message).map_err(|error| Flaw::malformed("JSON", error.to_string()))?;
@@ -81,7 +81,7 @@ impl JsonPlan {
                 let (hex, base64) = (hex(text), STANDARD.decode(text.trim()).ok());
                 let fits =
                     |bytes: &Option<Vec<u8>>| bytes.as_ref().is_some_and(|bytes| Some(bytes.len() as u64) == length);
-                // Digits only may be either: the length decides.
+                // A text of digits may be either; then the length decides.
                 if self.base64 || fits(&base64) && !fits(&hex) { base64 } else { hex.or(base64) }
             }
             Value::Null => Some(Vec::new()),
@@ -92,7 +92,7 @@ impl JsonPlan {
 
 type Object = Map<String, Value>;
 
-/// The object with a frame's fields: this one or one that it holds; `inner` gives what a value holds.
+/// The object with a frame's fields: this object or one inside it; `inner` returns the object in a value.
 fn frame<'a>(object: &'a Object, inner: &dyn Fn(&'a Value) -> Option<&'a Object>) -> Option<&'a Object> {
     let is_frame = |object: &Object| property(object, Role::Id).is_some() && property(object, Role::Data).is_some();
     if is_frame(object) {

@@ -1,16 +1,16 @@
-//! Whether the lengths in a record fit into it.
+//! Checks that the lengths inside a record fit into it.
 //!
-//! The crate's parser believes the length of a text and takes memory for it before it reads: a schema whose name is said
-//! to have 4 GiB ends the program (mcap 0.26, `McapString`). So the lengths are looked at first. They also tell records
-//! without messages from messages whose code is damaged.
+//! The crate's parser trusts the length of a text and allocates memory for it before it reads: a schema whose name
+//! claims 4 GiB would end the program (mcap 0.26, `McapString`). So the lengths are checked first. The check also
+//! tells records without messages from messages with a damaged code.
 
-/// A text after its length; what follows it.
+/// Skips a text after its length; returns the rest.
 fn text(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
 }
 
-/// Names and values after the length of all of them; what follows them.
+/// Skips names and values after their total length; returns the rest.
 fn map(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     let (mut pairs, rest) = rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)?;
@@ -37,7 +37,7 @@ pub(crate) fn metadata_fits(record: &[u8]) -> bool {
     text(record).and_then(map).is_some_and(<[u8]>::is_empty)
 }
 
-/// Two times, name, kind, data with its length, checksum. Of a long record only the head is given.
+/// Two times, name, kind, data with its length, checksum. `head` is only the beginning of a long record.
 pub(crate) fn attachment_fits(head: &[u8], length: u64) -> bool {
     let data = || {
         let rest = text(text(head.get(16..)?)?)?;

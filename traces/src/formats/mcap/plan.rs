@@ -1,6 +1,6 @@
-//! How to read the messages of a ROS schema: the steps through the bytes, with the role of each value.
+//! Plans for the messages of a ROS schema: the steps through the bytes, with the role of each value.
 //!
-//! Both encodings, CDR and ROS 1, walk the same plan; they differ in how they lay out numbers and texts.
+//! The encodings CDR and ROS 1 use the same plan; they differ in the layout of numbers and texts.
 
 use super::fields::{Role, Shape, Values};
 use super::ros_definition::{Count, Definitions, Field, FieldKind, Message};
@@ -9,24 +9,24 @@ use crate::damage::Flaw;
 use crate::{Record, Timestamp};
 use std::borrow::Cow;
 
-/// Messages nest no deeper than this.
+/// Maximum depth of nested messages.
 const DEEPEST: usize = 16;
-/// A plan has no more steps than this: a hostile schema may square them with each level.
+/// Maximum number of steps of a plan: a hostile schema may square the number with each level.
 const MOST_STEPS: usize = 10_000;
 
-/// How an encoding lays out values. Every method fails by `None` where the bytes end.
+/// The layout of values in an encoding. Every method returns `None` at the end of the bytes.
 pub(crate) trait Layout<'a> {
     /// A number of 1, 2, 4 or 8 bytes.
     fn number(&mut self, size: usize) -> Option<u64>;
-    /// Passes over that many numbers.
+    /// Skips this many numbers.
     fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()>;
-    /// Passes over a text.
+    /// Skips a text.
     fn skip_text(&mut self, wide: bool) -> Option<()>;
-    /// That many bytes.
+    /// Returns this many bytes.
     fn bytes(&mut self, count: usize) -> Option<&'a [u8]>;
-    /// The bytes of a run of numbers and where each of them stands in it.
+    /// The bytes of a run of numbers, and the position of each number in it.
     fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)>;
-    /// The number of that size that the bytes begin with.
+    /// The number of this size at the beginning of the bytes.
     fn placed(&self, bytes: &[u8], size: usize) -> Option<u64>;
 }
 
@@ -38,7 +38,7 @@ pub(crate) enum McapStep {
         signed: bool,
         role: Option<Role>,
     },
-    /// Several numbers, read at once.
+    /// Several numbers that are read together.
     Run(Run),
     Text {
         wide: bool,
@@ -56,10 +56,10 @@ pub(crate) enum McapStep {
     },
 }
 
-/// The way through the messages of a schema.
+/// The steps through the messages of a schema.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    /// Up to the last value that has a role.
+    /// The steps up to the last value with a role.
     steps: Vec<McapStep>,
     shape: Shape,
 }
@@ -77,7 +77,7 @@ impl Plan {
         Some(Self { steps, shape: shape(messages.get(target)?)? })
     }
 
-    /// The frame of a message; `logged` is its time unless it has its own.
+    /// The frame of a message; its time is the message's own, else `logged`.
     #[inline]
     pub(crate) fn record<'a>(&self, layout: &mut impl Layout<'a>, logged: Timestamp) -> Result<Record, Flaw> {
         let mut values = Values::default();
@@ -88,7 +88,7 @@ impl Plan {
     }
 }
 
-/// The message that has a frame's fields: the first one or, where that has not, one that it holds.
+/// The message with a frame's fields: the first one or, if it has none, one inside it.
 fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> {
     let message = messages.get(place)?;
     if std::mem::replace(seen.get_mut(place)?, true) {
@@ -103,7 +103,7 @@ fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> 
     })
 }
 
-/// The shape of a message with a frame's fields; `None` for others.
+/// The frame format of a message with a frame's fields; `None` for others.
 fn shape(message: &Message) -> Option<Shape> {
     let roles: Vec<_> = message.fields.iter().filter_map(|field| Some((role(field)?, field))).collect();
     let of = |wanted| roles.iter().find(|(role, _)| *role == wanted).map(|(_, field)| field);
@@ -118,7 +118,7 @@ fn shape(message: &Message) -> Option<Shape> {
     shape.is_can(&message.name).then_some(shape)
 }
 
-/// A field's role, where its type fits.
+/// The role of a field whose type fits.
 fn role(field: &Field) -> Option<Role> {
     let role = Role::by_name(&field.name)?;
     let fits = match (role, field.kind, field.count) {
@@ -135,13 +135,14 @@ struct Compiler<'a> {
     /// The message with the frame's fields; its first occurrence counts.
     target: usize,
     found: bool,
-    /// Whether a time stamp was found.
+    /// Whether a time stamp has been found.
     timed: bool,
     steps_left: usize,
 }
 
 impl Compiler<'_> {
-    /// The steps through a message; `None` if it is too large. `on_path`: whether it, or what holds it, may be the target.
+    /// The steps through a message; `None` if it is too large. `on_path`: whether this message or an enclosing one
+    /// may be the target.
     fn message(&mut self, place: usize, depth: usize, on_path: bool) -> Option<Vec<McapStep>> {
         if depth > DEEPEST {
             return None;
@@ -233,7 +234,7 @@ impl McapStep {
             }
             Self::Repeat { count, body } => {
                 let count = counted(layout, *count)?;
-                // Each turn takes at least a byte, so the bytes' end bounds a hostile count.
+                // Each turn takes at least one byte, so the end of the bytes limits a hostile count.
                 for _ in 0..if body.is_empty() { 0 } else { count } {
                     body.iter().try_for_each(|step| step.read(layout, values))?;
                 }

@@ -8,9 +8,9 @@ use crate::damage::Flaw;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// Messages nest no deeper than this.
+/// Maximum depth of nested messages.
 const DEEPEST: usize = 8;
-/// No more fields of a schema are looked at.
+/// Maximum number of fields read from a schema.
 const MOST_FIELDS: usize = 10_000;
 
 /// A field's value as on the wire.
@@ -50,7 +50,7 @@ fn field(bytes: &[u8]) -> Option<(u64, Wire<'_>, &[u8])> {
     Some((key >> 3, value, rest))
 }
 
-/// Hands each field to `each`; `None` where the bytes make no sense.
+/// Passes each field to `each`; `None` if the bytes are malformed.
 fn for_each_field<'a>(mut bytes: &'a [u8], mut each: impl FnMut(u64, Wire<'a>) -> Option<()>) -> Option<()> {
     while !bytes.is_empty() {
         let (number, value, rest) = field(bytes)?;
@@ -66,9 +66,9 @@ struct Field<'a> {
     name: &'a str,
     number: u64,
     repeated: bool,
-    /// `FieldDescriptorProto.Type`.
+    /// The type, as in `FieldDescriptorProto.Type`.
     kind: u64,
-    /// Of a message field: its type's full name, without the leading dot.
+    /// The full name of a message field's type, without the leading dot.
     type_name: &'a str,
 }
 
@@ -143,16 +143,16 @@ fn describe(descriptor: &[u8]) -> Option<Field<'_>> {
     Some(field)
 }
 
-/// What to do with a field of a message, by its number.
+/// The use of a message's field, by its number.
 #[derive(Clone, Debug)]
 enum Use {
     Value(Role),
-    /// Data as repeated numbers, each by itself or packed.
+    /// Data as repeated numbers, single or packed.
     Numbers,
     Message(Plan),
 }
 
-/// The fields that matter.
+/// The fields that are read.
 type Plan = Vec<(u64, Use)>;
 
 /// How to read the messages of a protobuf channel.
@@ -204,7 +204,7 @@ fn shape(name: &str, fields: &[Field<'_>]) -> Option<Shape> {
     (has(Role::Id) && has(Role::Data) && shape.is_can(name)).then_some(shape)
 }
 
-/// The message with a frame's fields: the named one or one that it holds directly.
+/// The message with a frame's fields: the named one, or one directly inside it.
 fn find(messages: &Messages<'_>, name: &str) -> Option<(String, Shape)> {
     let fields = messages.get(name)?;
     if let Some(shape) = shape(name, fields) {
@@ -220,14 +220,14 @@ struct Compiler<'a> {
     messages: &'a Messages<'a>,
     /// The message with the frame's fields.
     target: &'a str,
-    /// Whether a time stamp was found.
+    /// Whether a time stamp has been found.
     timed: bool,
-    /// A hostile schema may multiply its fields with each level.
+    /// Number of fields still allowed: a hostile schema may multiply its fields with each level.
     fields_left: usize,
 }
 
 impl Compiler<'_> {
-    /// The plan for a message: values in the target, time stamps anywhere on the way, two levels deep.
+    /// The plan for a message: values in the target, time stamps at any place up to two levels deep.
     fn message(&mut self, name: &str, depth: usize) -> Option<Plan> {
         let messages = self.messages;
         let mut plan = Vec::new();

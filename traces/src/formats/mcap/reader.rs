@@ -12,13 +12,13 @@ use nom::number::complete::{le_u16, le_u32, le_u64, u8};
 use nom::{IResult, Parser};
 use std::collections::VecDeque;
 
-/// Operation code and length in front of each record.
+/// Length of the operation code and length before each record.
 const RECORD_HEADER: usize = 9;
-/// Channel, sequence number, log time, publish time in front of a message.
+/// Length of channel, sequence number, log time and publish time before a message.
 const MESSAGE_HEADER: usize = 22;
 /// Length of the footer.
 const FOOTER: u64 = 20;
-/// The longest record that is looked into, chunks apart. Longer ones are passed over: none of them is a CAN frame.
+/// Maximum length of a parsed record other than a chunk. Longer records are skipped: no CAN frame is that long.
 const LONGEST: u64 = 512 * 1024;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
@@ -48,28 +48,29 @@ enum McapState {
     Magic,
     Records,
     Chunk,
-    /// The last damages are given out.
+    /// The end is reached; the last damages are being reported.
     Ended,
 }
 
 struct McapReader {
     source: Source,
     topics: Topics,
-    /// The uncompressed records of the current chunk, and how far they are read.
+    /// The uncompressed records of the current chunk, and the offset of the next one.
     chunk: Vec<u8>,
     chunk_at: usize,
     /// The chunk's offset in the source.
     chunk_place: u64,
-    /// The source ended in the chunk.
+    /// Whether the source ended inside the chunk.
     chunk_cut: bool,
     messages: u64,
-    /// What the file tells about itself: how many messages there are.
+    /// The file's own statistics: its number of messages.
     statistics: Option<Box<records::Statistics>>,
-    /// The code of the record before, and whether the summary has begun: some records have their place.
+    /// The code of the record before, and whether the summary has begun: some records are allowed only at certain
+    /// places.
     previous: Option<u8>,
     summary: bool,
     pending: VecDeque<Damage>,
-    /// Of the next frame.
+    /// The comment for the next frame.
     comment: Option<String>,
     state: McapState,
 }
@@ -118,7 +119,7 @@ impl McapReader {
         match code {
             op::CHUNK => return self.open_chunk(length),
             op::FOOTER if length == FOOTER => return self.footer(),
-            // What a recorder had reserved, and not written.
+            // Zeros: space that a recorder reserved and did not write.
             0 => return self.unfinished(Some("a record of MCAP".to_owned())),
             op::MESSAGE | op::SCHEMA | op::CHANNEL if length <= LONGEST => {}
             _ => return self.aside(code, length, previous),
@@ -135,8 +136,8 @@ impl McapReader {
         result
     }
 
-    /// Passes over a record that is none of ours, if it stands where such a record may, with such content: else it may be
-    /// a message whose code is damaged.
+    /// Skips a record without frames, if such a record with such content is allowed here. Otherwise it may be a
+    /// message with a damaged code.
     fn aside(&mut self, code: u8, length: u64, previous: Option<u8>) -> Result<Option<Record>, Damage> {
         let place = self.place();
         let head = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();
@@ -163,7 +164,7 @@ impl McapReader {
                 fits
             }
             op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX | op::SUMMARY_OFFSET => self.summary,
-            // Too long to be looked into.
+            // The record is too long to be parsed.
             op::MESSAGE | op::SCHEMA | op::CHANNEL => true,
             _ => false,
         };
@@ -176,7 +177,7 @@ impl McapReader {
         Err(Damage::new(DamageKind::Unsupported, place, "a record of MCAP in its place", found.as_bytes()))
     }
 
-    /// Passes over a record that is none of ours, or too long to be.
+    /// Skips a record without frames, or a too long one.
     fn pass_over(&mut self, code: u8, length: u64) -> Result<(), Damage> {
         let place = self.place();
         self.source.consume(RECORD_HEADER);
@@ -195,7 +196,7 @@ impl McapReader {
         Ok(())
     }
 
-    /// The source ends without a footer, perhaps in a record.
+    /// Reports a source that ends without a footer, perhaps inside a record.
     fn unfinished(&mut self, cut_record: Option<String>) -> Result<Option<Record>, Damage> {
         self.state = McapState::Ended;
         let place = self.place();
@@ -206,7 +207,7 @@ impl McapReader {
         Err(Damage::new(DamageKind::Truncated, place, expected, b"the end of the file"))
     }
 
-    /// The regular end.
+    /// Reads the regular end of the file.
     fn footer(&mut self) -> Result<Option<Record>, Damage> {
         let magic = mcap::MAGIC.len();
         let end = RECORD_HEADER + FOOTER as usize;
@@ -226,7 +227,7 @@ impl McapReader {
         Ok(None)
     }
 
-    /// Less came than the file says that it has.
+    /// The damage if there are fewer messages than the file's statistics state.
     fn missing_messages(&self, place: Place) -> Option<Damage> {
         let damage = |kind, expected, found: String| Damage::new(kind, place, expected, found.as_bytes());
         if !self.summary {
@@ -245,7 +246,7 @@ impl McapReader {
         })
     }
 
-    /// A file without any CAN channel, or without the topics that the user wants, is reported.
+    /// Reports a file without CAN channels, or without the topics that the user asked for.
     fn nothing_found(&mut self, place: Place) {
         let topics = &self.topics;
         let seen = || format!("topics {}", topics.seen.join(", "));
@@ -334,7 +335,7 @@ impl McapReader {
     }
 }
 
-/// The comment that metadata whose lengths fit hold for the next message.
+/// The comment for the next message, from metadata whose lengths fit.
 fn comment(bytes: &[u8]) -> Option<String> {
     match mcap::parse_record(op::METADATA, bytes).ok()? {
         records::Record::Metadata(mut read) if read.name == COMMENT => read.metadata.remove(COMMENT),
@@ -342,7 +343,7 @@ fn comment(bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// A schema, channel or message, wherever it stands.
+/// Handles a schema, channel or message, inside or outside a chunk.
 #[inline]
 fn inner_record(topics: &mut Topics, code: u8, bytes: &[u8], place: Place) -> Result<Option<Record>, Damage> {
     match code {
@@ -377,7 +378,7 @@ fn message(topics: &mut Topics, bytes: &[u8], place: Place) -> Result<Option<Rec
         }
     };
     decoder.messages += 1;
-    // In a chunk too: what its encoding makes of a message may take many times its length.
+    // The limit holds inside a chunk too: decoding a message may take many times its length.
     if data.len() as u64 > LONGEST {
         let flaw = Flaw::malformed(format!("a message of at most {LONGEST} bytes"), data.len().to_string());
         return Err(flaw.damage(place));

@@ -3,7 +3,7 @@
 use super::plan::Layout;
 use super::run::{Extent, Run};
 
-/// What is left of a message.
+/// The rest of a message.
 pub(crate) struct Ros1<'a>(pub(crate) &'a [u8]);
 
 impl<'a> Layout<'a> for Ros1<'a> {

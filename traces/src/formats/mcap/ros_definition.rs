@@ -10,26 +10,26 @@
 
 use std::collections::HashMap;
 
-/// A field's type without its count.
+/// The type of a field, without its count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum FieldKind {
-    /// A number of that many bytes, or a truth value.
+    /// A number of this many bytes, or a truth value.
     Number {
         size: usize,
         signed: bool,
     },
     Text,
     WideText,
-    /// Another message, by its place in [`Definitions`].
+    /// Another message, by its index in [`Definitions`].
     Message(usize),
 }
 
-/// How many of its type a field holds.
+/// The number of values in a field.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Count {
     One,
     Array(usize),
-    /// A sequence, with its bound.
+    /// A sequence, with its limit.
     Sequence(Option<usize>),
 }
 
@@ -43,12 +43,12 @@ pub(crate) struct Field {
 /// One message type.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Message {
-    /// As `std_msgs/Header`, without `msg/`.
+    /// The name in the form `std_msgs/Header`, without `msg/`.
     pub(crate) name: String,
     pub(crate) fields: Vec<Field>,
 }
 
-/// A message type, the first one, and those it uses.
+/// Message types: the first one, and the types that it uses.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Definitions(pub(crate) Vec<Message>);
 
@@ -62,14 +62,14 @@ const WELL_KNOWN: &[(&str, &str)] = &[
 const TIME: &[(&str, &str)] = &[("time", "uint32 sec\nuint32 nsec"), ("duration", "int32 sec\nint32 nsec")];
 const SEPARATOR: &str = "================";
 
-/// A definition's lines, split but not resolved.
+/// The lines of a definition, split; types are not resolved yet.
 struct Unresolved<'a> {
     name: String,
     /// Type with count, and name.
     fields: Vec<(&'a str, &'a str)>,
 }
 
-/// Parses a schema's text; `name` is that of the first message, such as `can_msgs/msg/Frame`.
+/// Parses a schema's text; `name` is the name of the first message, such as `can_msgs/msg/Frame`.
 ///
 /// # Errors
 /// The line or type that can't be understood.
@@ -99,7 +99,7 @@ pub(crate) fn parse(name: &str, text: &str) -> Result<Definitions, String> {
     resolve(&parts)
 }
 
-/// `pkg/msg/Type` is `pkg/Type`.
+/// The short name: `pkg/msg/Type` becomes `pkg/Type`.
 fn plain_name(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
 }
@@ -146,7 +146,7 @@ fn counted(text: &str) -> Result<(&str, Count), String> {
 
 fn kind_of(text: &str, user: &str, places: &HashMap<&str, usize>) -> Result<FieldKind, String> {
     let number = |size, signed| Ok(FieldKind::Number { size, signed });
-    // `string<=10` is a bounded string: the same on the wire.
+    // A bounded string `string<=10` is encoded as a string.
     match text.split("<=").next().unwrap_or(text) {
         "bool" | "byte" | "char" | "uint8" => return number(1, false),
         "int8" => return number(1, true),

@@ -1,4 +1,5 @@
-//! Runs of numbers in a message: where each stands is known beforehand, so that a run costs one look at the bytes' end.
+//! Runs of numbers in a message: the position of each number is known beforehand, so one check of the length serves
+//! the whole run.
 
 use super::fields::{Role, Values};
 use super::plan::{Layout, McapStep, sign_extended};
@@ -9,27 +10,27 @@ use std::ops::Range;
 /// Numbers and arrays of fixed size, one behind the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
-    /// How many bytes its first number is aligned to. None of the others asks for more, so the distances between
-    /// them don't depend on where the run begins.
+    /// Alignment of the first number. The others need no larger alignment, so their distances don't depend on where
+    /// the run begins.
     pub(crate) align: usize,
-    /// In CDR up to version 2, which align numbers of up to four bytes in the same way.
+    /// The positions in CDR up to version 2, which align numbers of up to four bytes alike.
     pub(crate) aligned: Extent,
-    /// In ROS 1.
+    /// The positions in ROS 1.
     pub(crate) packed: Extent,
 }
 
 /// A run in one of the encodings.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Extent {
-    /// In bytes.
+    /// Length in bytes.
     pub(crate) len: usize,
-    /// Those numbers that have a role.
+    /// The numbers with a role.
     values: Vec<Placed>,
-    /// Where the frame's data stands.
+    /// The position of the frame's data.
     data: Option<Range<usize>>,
 }
 
-/// A number with a role in its place in a run.
+/// A number with a role, and its position in the run.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: usize,
@@ -38,7 +39,7 @@ struct Placed {
     signed: bool,
 }
 
-/// What a step of a run takes.
+/// The part of a run that a step takes.
 struct Part {
     size: usize,
     count: usize,
@@ -46,7 +47,7 @@ struct Part {
     role: Option<Role>,
 }
 
-/// The longest number in a run: those of eight bytes are aligned differently by the versions of CDR.
+/// The longest number in a run: the versions of CDR align numbers of eight bytes differently.
 const WIDEST: usize = 4;
 /// The longest array in a run.
 const LONGEST: usize = 64;
@@ -64,7 +65,7 @@ impl Part {
     }
 }
 
-/// The same steps with runs instead of the numbers.
+/// Joins adjacent steps with numbers into runs.
 pub(crate) fn joined(steps: Vec<McapStep>) -> Vec<McapStep> {
     let mut joined = Vec::with_capacity(steps.len());
     for step in steps {

@@ -1,6 +1,6 @@
-//! Topics and the channels that they stand for: the topic is all that tells the bus.
+//! Topics and their channels: only the topic tells the bus.
 
-/// What follows the channel's name in the topic of its CAN FD frames.
+/// The suffix of the topic of a channel's CAN FD frames.
 const FD: &str = "/fd";
 
 /// The channel of a topic: `/can0` and `/can0/fd` are `can0`.

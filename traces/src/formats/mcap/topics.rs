@@ -1,4 +1,4 @@
-//! The schemas and channels of a file, and how the messages of each channel are read.
+//! The schemas and channels of a file, and the decoder of each channel.
 
 use super::cdr::Cdr;
 use super::fields::Shape;
@@ -12,24 +12,24 @@ use crate::{ChannelId, Channels, Record, Timestamp};
 use mcap::records::{self, op};
 use std::collections::HashMap;
 
-/// How many bytes of schemas are held.
+/// Maximum number of bytes of schemas in memory.
 const MOST_SCHEMA_BYTES: usize = 16 * 1024 * 1024;
-/// How many bytes of schemas are looked into: the channels of a file may all have the same large one.
+/// Maximum number of bytes of schemas parsed: all channels of a file may refer to the same large schema.
 const MOST_PARSED_BYTES: usize = 4 * MOST_SCHEMA_BYTES;
-/// How many bytes of schemas are kept as plans of how to read a channel's frames. A CAN frame's has less than 4 KiB.
+/// Maximum number of bytes of schemas with a plan. The schema of a CAN frame has less than 4 KiB.
 const MOST_PLANNED_BYTES: usize = MOST_SCHEMA_BYTES / 4;
 
-/// What is known of the file's schemas and topics.
+/// The schemas and topics of a file.
 #[derive(Default)]
 pub(crate) struct Topics {
-    /// By the user; empty for all.
+    /// The topics that the user asked for; empty for all.
     pub(crate) wanted: Vec<String>,
     schemas: HashMap<u16, records::SchemaHeader>,
     texts: HashMap<u16, Vec<u8>>,
     schema_bytes: usize,
     parsed_bytes: usize,
     planned_bytes: usize,
-    /// By the file's channel number.
+    /// The state of each channel, by its number in the file.
     pub(crate) slots: Vec<Slot>,
     /// All topics of the file, for the message that none of them has CAN frames.
     pub(crate) seen: Vec<String>,
@@ -37,26 +37,26 @@ pub(crate) struct Topics {
     pub(crate) channels: Channels,
 }
 
-/// What is known of a channel.
+/// The state of a channel.
 #[derive(Default)]
 pub(crate) enum Slot {
     #[default]
     Undeclared,
     /// Its messages are no CAN frames, or not wanted.
     Other,
-    /// Its messages would be CAN frames, but how they are written is damaged or not known.
+    /// Its messages would be CAN frames, but their encoding or schema is damaged or unknown.
     Unreadable,
     Can(Box<Decoder>),
 }
 
-/// How to read a channel's messages.
+/// Decodes the messages of a channel.
 pub(crate) struct Decoder {
     encoding: Encoding,
     pub(crate) channel: ChannelId,
-    /// The file's number of the channel, and how many messages it had.
+    /// The number of the channel in the file, and its number of messages.
     number: u16,
     pub(crate) messages: u64,
-    /// How many of them had a frame, and how many had none, as they may without a schema.
+    /// Number of messages with a frame and without; messages without schema may have none.
     pub(crate) frames: u64,
     pub(crate) frameless: u64,
 }
@@ -69,7 +69,7 @@ enum Encoding {
 }
 
 impl Decoder {
-    /// The frame of a message; `None` if it is none with a frame.
+    /// The frame of a message; `None` if it holds no frame.
     #[inline]
     pub(crate) fn record(&self, message: &[u8], logged: Timestamp) -> Result<Option<Record>, Flaw> {
         let record = match &self.encoding {
@@ -85,11 +85,11 @@ impl Decoder {
     }
 }
 
-/// The longest list of topics in a message to the user.
+/// Maximum number of topics in a message to the user.
 const MOST_SEEN: usize = 20;
 
 impl Topics {
-    /// Nothing known yet; `wanted` are the topics that the user names, none for all.
+    /// Begins without schemas; `wanted` are the topics that the user asked for, empty for all.
     pub(crate) fn new(wanted: Vec<String>) -> Self {
         Self { wanted, ..Self::default() }
     }
@@ -112,7 +112,7 @@ impl Topics {
         Ok(())
     }
 
-    /// Finds out how a channel's messages are read.
+    /// Chooses the decoder of a channel.
     pub(crate) fn channel(&mut self, record: &[u8]) -> Result<(), Flaw> {
         let parsed = lengths::channel_fits(record).then(|| mcap::parse_record(op::CHANNEL, record));
         let Some(Ok(records::Record::Channel(channel))) = parsed else {
@@ -162,7 +162,7 @@ impl Topics {
             let expected = format!("channels of CAN frames with at most {MOST_PLANNED_BYTES} bytes of schemas");
             return Err(Flaw::unsupported(expected, ""));
         }
-        // Without a schema only the messages show whether they are CAN frames.
+        // Without a schema only the messages can show whether they are CAN frames.
         self.found |= !matches!(&encoding, Encoding::Json(plan) if !plan.is_certain());
         let name = self.channels.intern(topic::channel(&channel.topic));
         let decoder = Decoder { encoding, channel: name, number: channel.id, messages: 0, frames: 0, frameless: 0 };
@@ -172,8 +172,8 @@ impl Topics {
         Ok(())
     }
 
-    /// A CAN channel that had fewer messages than the file's statistics tell: its name, how many they tell, and how many
-    /// there were.
+    /// A CAN channel with fewer messages than the file's statistics state: its name, the stated number and the actual
+    /// one.
     pub(crate) fn missing(&self, statistics: &records::Statistics) -> Option<(&str, u64, u64)> {
         self.slots.iter().find_map(|slot| {
             let Slot::Can(decoder) = slot else { return None };
@@ -182,7 +182,7 @@ impl Topics {
         })
     }
 
-    /// The CAN channels of which only some messages had a frame, with the number of the others.
+    /// The CAN channels in which some messages had no frame, with the number of these messages.
     pub(crate) fn frameless(&self) -> impl Iterator<Item = (&str, u64)> {
         self.slots.iter().filter_map(|slot| match slot {
             Slot::Can(decoder) if decoder.frames > 0 && decoder.frameless > 0 => {
@@ -196,7 +196,7 @@ impl Topics {
         self.schemas.get(&channel.schema_id).map_or_else(|| "no schema".to_owned(), |schema| schema.name.clone())
     }
 
-    /// How the channel's messages are read; `None` if they are no CAN frames.
+    /// The encoding of the channel's messages; `None` if they are no CAN frames.
     fn encoding(&self, channel: &records::Channel) -> Result<Option<Encoding>, Flaw> {
         if channel.schema_id != 0 && !self.texts.contains_key(&channel.schema_id) {
             let expected = format!("the schema {} before the channel {}", channel.schema_id, channel.topic);
@@ -209,7 +209,7 @@ impl Topics {
             .map_or(("", ""), |schema| (schema.name.as_str(), schema.encoding.as_str()));
         let ros = || match ros_definition::parse(name, &String::from_utf8_lossy(text)) {
             Ok(definitions) => Ok(Plan::new(&definitions)),
-            // A schema that is not understood may well be no CAN frame.
+            // An unsupported schema need not concern CAN frames.
             Err(error) if looks_like_can(name) => Err(Flaw::unsupported(error, format!("schema {name}"))),
             Err(_) => Ok(None),
         };
@@ -233,12 +233,12 @@ impl Topics {
     }
 }
 
-/// Whether a message of that name is a CAN frame, whatever its fields are.
+/// Whether the message's name proves that it is a CAN frame, with any fields.
 fn is_can_frame(name: &str) -> bool {
     name.starts_with("can_msgs/") || Shape::is_named_fd(name.rsplit('/').next().unwrap_or_default())
 }
 
-/// Whether a message of that name is probably a CAN frame, so that it would be missed.
+/// Whether the message's name suggests a CAN frame, so that the user would miss it.
 fn looks_like_can(name: &str) -> bool {
     let last = name.rsplit(['/', '.', ':']).next().unwrap_or_default();
     name.starts_with("can_msgs/") || last.contains("CAN") || last.contains("Can") || Shape::is_named_fd(last)

@@ -19,17 +19,17 @@ const FRAME: &str =
 const FD_FRAME: &str =
     "std_msgs/Header header\nuint32 id\nbool is_extended\nbool is_error\nuint8 len\nuint8[<=64] data\n";
 
-/// The name of metadata that holds the comment of the message after it, and of the value in it.
+/// The name of the metadata with the comment of the following message, and of its value.
 pub(crate) const COMMENT: &str = "comment";
 
 struct McapWriter {
     mcap: mcap::Writer<NoSeek<Box<dyn Write>>>,
     frame_schema: u16,
     fd_schema: u16,
-    /// By channel, and whether it is for CAN FD.
+    /// The number of each channel in the file, by channel and CAN FD.
     channels: HashMap<(ChannelId, bool), u16>,
     sequence: u32,
-    /// The message under way.
+    /// The message being encoded.
     message: Vec<u8>,
     finished: bool,
     time_base: TimeBase,
@@ -45,7 +45,7 @@ fn failed(error: mcap::McapError) -> WriteError {
 
 pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
     let time_base = options.time_base;
-    // The sink may be a pipe.
+    // The sink may be a pipe, which can't seek.
     let mcap_options = packed::mcap_options(options.chunk_compression)
         .profile("ros2")
         .library(concat!("canvass ", env!("CARGO_PKG_VERSION")))
@@ -72,7 +72,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
 }
 
 impl McapWriter {
-    /// The file's channel for a record's channel, added when its first frame comes.
+    /// The file's channel for a record's channel; declared at its first frame.
     fn channel(&mut self, record: &Record, channels: &Channels) -> Result<u16, WriteError> {
         let key = (record.channel, record.frame.is_fd());
         if let Some(&channel) = self.channels.get(&key) {
@@ -89,7 +89,7 @@ impl McapWriter {
     fn encode(&mut self, record: &Record) {
         let frame = &record.frame;
         let nanos = record.timestamp.nanos();
-        // A time that does not fit is left out: the log time stands for it.
+        // A time that does not fit is left out; the reader then uses the log time.
         let (seconds, nanoseconds) = match i32::try_from(nanos / 1_000_000_000) {
             Ok(seconds) => (seconds, (nanos % 1_000_000_000) as u32),
             Err(_) => (0, 0),
@@ -103,10 +103,10 @@ impl McapWriter {
         message.extend_from_slice(&frame.id().raw().to_le_bytes());
         let extended = u8::from(frame.id().is_extended() && !frame.is_error());
         let error = u8::from(frame.is_error());
-        // A frame has at most 64 bytes here.
+        // The message types hold at most 64 bytes.
         let length = frame.len() as u8;
         if frame.is_fd() {
-            // One byte of filling in front of the sequence's length.
+            // One byte aligns the length of the sequence.
             message.extend_from_slice(&[extended, error, length, 0]);
             message.extend_from_slice(&u32::from(length).to_le_bytes());
             message.extend_from_slice(record.data());
@@ -135,7 +135,7 @@ impl McapWriter {
 impl Writer for McapWriter {
     fn write(&mut self, record: &Record, channels: &Channels) -> Result<(), WriteError> {
         if self.finished {
-            let reason = "the file is finished".to_owned();
+            let reason = "write after finish".to_owned();
             return Err(WriteError::Format { format: Format::Mcap, reason });
         }
         if record.frame.is_xl() {

@@ -23,7 +23,7 @@ mod writer;
 pub(crate) use reader::{open, sniff};
 pub(crate) use writer::create;
 
-/// What tcpdump and Wireshark take for the longest packet. A longer one is a damaged length.
+/// Limit of a packet in tcpdump and Wireshark. A longer one has a damaged length.
 const LONGEST: u32 = 262_144;
 /// The channel of all frames: SocketCAN's usual name of the only bus.
 pub(crate) const CHANNEL: &str = "can0";

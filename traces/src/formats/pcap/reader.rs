@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 const FILE_HEADER: usize = 24;
 const PACKET_HEADER: usize = 16;
-/// A packet that is searched for is not further from the last one, in seconds.
+/// Limit of the time between the last packet and one found by searching, in seconds.
 const NEAR: u32 = 86_400;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
@@ -31,31 +31,31 @@ struct PcapReader {
     /// `None` until the file header was read.
     file: Option<File>,
     channels: Channels,
-    /// Of the packet read last.
+    /// Number of the last packet.
     number: u64,
-    /// Of the frame read last.
+    /// Time of the last frame.
     seconds: Option<u32>,
     done: bool,
 }
 
-/// What the file header says.
+/// The content of the file header.
 #[derive(Clone, Copy)]
 struct File {
     format: PacketFormat,
     channel: ChannelId,
 }
 
-/// How packets are written.
+/// The layout of packets.
 #[derive(Clone, Copy)]
 struct PacketFormat {
     order: Endianness,
     link: LinkType,
-    /// How many nanoseconds the fraction of a second counts.
+    /// Number of nanoseconds per unit of the fraction.
     unit: u32,
 }
 
 impl PacketFormat {
-    /// The packet that these bytes begin with.
+    /// The packet at the beginning of the bytes.
     #[inline]
     fn packet(self, bytes: &[u8]) -> Result<(&[u8], RawPcapPacket<'_>), PcapParseError> {
         match self.order {
@@ -70,22 +70,22 @@ impl PacketFormat {
         Timestamp(u64::from(packet.ts_sec) * 1_000_000_000 + nanos)
     }
 
-    /// How many units a second has.
+    /// Number of units in a second.
     const fn limit(self) -> u32 {
         1_000_000_000 / self.unit
     }
 
-    /// Why a packet's header can't be right, if it can't.
+    /// The contradiction in a packet's header, if there is one.
     fn contradiction(self, packet: &Header) -> Option<(&'static str, String)> {
         if packet.captured > packet.original {
             let found = format!("{} of {} bytes", packet.captured, packet.original);
-            return Some(("a packet of which no more is captured than there was", found));
+            return Some(("a packet with no more bytes captured than sent", found));
         }
         let limit = self.limit();
         (packet.fraction >= limit).then(|| ("a fraction of a second", format!("{} of {limit}", packet.fraction)))
     }
 
-    /// Whether a packet's header can be one.
+    /// Whether a packet's header is plausible.
     fn is_likely(self, packet: &Header) -> bool {
         let frame = self.link.shortest_packet() <= packet.captured as usize;
         frame && packet.original <= LONGEST && self.contradiction(packet).is_none()
@@ -106,7 +106,7 @@ impl PacketFormat {
     }
 }
 
-/// A packet's header, where there is no packet yet.
+/// The header of a packet that is not read yet.
 #[derive(Default)]
 struct Header {
     seconds: u32,
@@ -149,7 +149,7 @@ impl PcapReader {
         if header.version_major != 2 {
             return Err(self.damage(DamageKind::Fatal, "pcap version 2", &header.version_major.to_string()));
         }
-        // The upper half has other uses.
+        // The upper half of the field has other uses.
         let number = u32::from(header.datalink) as u16;
         let Some(link) = LinkType::from_number(number) else {
             return Err(self.damage(DamageKind::Fatal, LINK_TYPES, &format!("link type {number}")));
@@ -160,8 +160,7 @@ impl PcapReader {
         Ok(File { format, channel: self.channels.intern(CHANNEL) })
     }
 
-    /// The next packet, if it is a whole one at hand with a common frame: the same as [`PcapReader::packet`] gives, but
-    /// quickly.
+    /// The quick way for a complete packet with a common frame; gives the same as [`PcapReader::packet`].
     #[inline]
     fn common_packet(&mut self, file: File) -> Option<Record> {
         let window = self.source.window();
@@ -186,7 +185,7 @@ impl PcapReader {
             let missing = match file.format.packet(window) {
                 Ok((rest, packet)) if packet.incl_len <= LONGEST => {
                     let size = window.len() - rest.len();
-                    // Of two lengths that contradict each other the smaller one tells where the next packet may be.
+                    // If two lengths contradict each other, the next packet may follow at the smaller one.
                     let likely = size.min((packet.orig_len as usize).saturating_add(PACKET_HEADER));
                     let place = Place { number: self.number + 1, offset: self.source.offset() };
                     let record = record(file, &mut self.channels, &packet, place);
@@ -219,7 +218,7 @@ impl PcapReader {
         }
     }
 
-    /// The file ends in a packet, or its length is damaged and another one follows.
+    /// Reports a packet that the file's end cuts, or a damaged length if another packet follows.
     fn cut(&mut self, format: PacketFormat, length: usize) -> Damage {
         self.number += 1;
         let found = format!("the end of the file after {}", self.source.window().len());
@@ -234,7 +233,7 @@ impl PcapReader {
         damage
     }
 
-    /// What is after a damaged packet of that size, with its header, decides whether its lengths can be believed.
+    /// Decides by the bytes after a damaged packet of this size, header included, whether its lengths can be trusted.
     fn damaged(&mut self, format: PacketFormat, size: usize, damage: Damage) -> Damage {
         match self.may_begin(format, size) {
             Ok(true) => self.source.consume(size),
@@ -244,15 +243,15 @@ impl PcapReader {
         damage
     }
 
-    /// Whether a packet may begin there, or the file end.
+    /// Whether a packet may begin at `at`, or the file end there.
     fn may_begin(&mut self, format: PacketFormat, at: usize) -> Result<bool, SourceError> {
         self.source.fill_to(at + PACKET_HEADER)?;
         let behind = self.source.window().get(at..).unwrap_or_default();
-        // A header that is cut can't be judged.
+        // A cut header can't be checked.
         Ok(behind.first_chunk().is_none_or(|&header| format.is_likely(&format.header(header))))
     }
 
-    /// Passes over the begin of a packet that is none, up to the next one. Without one the damage is fatal.
+    /// Skips the beginning of an invalid packet, up to the next valid one. If there is none, the damage is fatal.
     fn search(&mut self, format: PacketFormat, damage: Damage) -> Damage {
         match self.next_likely(format) {
             Ok(true) => damage,
@@ -264,7 +263,7 @@ impl PcapReader {
         }
     }
 
-    /// Moves to the next bytes that are a packet for sure; whether there are any.
+    /// Moves to the next bytes that are certainly a packet; returns whether there are any.
     fn next_likely(&mut self, format: PacketFormat) -> Result<bool, SourceError> {
         self.source.consume(1);
         while self.source.fill_to(PACKET_HEADER)? {
@@ -289,7 +288,7 @@ impl PcapReader {
         Ok(false)
     }
 
-    /// Whether the window begins with a packet that has a frame, and after which another one may begin.
+    /// Whether the window begins with a packet that has a frame, and another packet may follow.
     fn is_packet(&mut self, format: PacketFormat) -> Result<bool, SourceError> {
         let Some(&header) = self.source.window().first_chunk() else { return Ok(false) };
         let header = format.header(header);
@@ -309,7 +308,7 @@ const fn order(order: Endianness) -> nom::number::Endianness {
     }
 }
 
-/// A whole packet's frame.
+/// The frame of a complete packet.
 fn record(file: File, channels: &mut Channels, packet: &RawPcapPacket<'_>, place: Place) -> Result<Record, Damage> {
     let format = file.format;
     if packet.incl_len < packet.orig_len {

@@ -10,7 +10,7 @@ use std::io::Write;
 
 struct PcapWriter {
     sink: Box<dyn Write>,
-    /// The frame and the whole packet under way.
+    /// The frame and the complete packet being written.
     frame: Vec<u8>,
     packet: Vec<u8>,
     time_base: TimeBase,
@@ -48,7 +48,7 @@ impl Writer for PcapWriter {
         self.losses.count_any(record.comment().map(|_| Loss::Comment));
         self.losses.count_any(Loss::of_utc(self.time_base));
         let nanos = record.timestamp.nanos();
-        // 32 bits of seconds last until 2106.
+        // The 32 bits of seconds last until 2106.
         let ts_sec = u32::try_from(nanos / 1_000_000_000).unwrap_or_else(|_| {
             self.losses.count(Loss::Date);
             u32::MAX
@@ -56,7 +56,7 @@ impl Writer for PcapWriter {
         let ts_frac = (nanos % 1_000_000_000) as u32;
         self.frame.clear();
         socketcan::encode(record, &mut self.frame);
-        // At most a CAN XL frame.
+        // The length is at most that of a CAN XL frame.
         let length = self.frame.len() as u32;
         let packet =
             RawPcapPacket { ts_sec, ts_frac, incl_len: length, orig_len: length, data: self.frame.as_slice().into() };

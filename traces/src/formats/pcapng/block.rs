@@ -1,4 +1,4 @@
-//! The blocks of pcapng: which are known, where one may begin, and what the crate reads of them.
+//! The blocks of pcapng: their types, plausibility, and the content that the crate reads.
 
 use crate::Direction;
 use byteorder::{BigEndian, LittleEndian};
@@ -10,14 +10,14 @@ use pcap_file::pcapng::blocks::{
 };
 use pcap_file::pcapng::{BlockContentParseError, PcapNgBlock, PcapNgState, RawBlock, RawBlockParseError};
 
-/// Type and length before the body, length after it.
+/// Length of type and length before the body, and of the length after it.
 pub(crate) const FRAMING: usize = 12;
-/// The longest block that is looked into.
+/// Maximum length of a parsed block.
 pub(crate) const LONGEST: usize = 512 * 1024;
-/// Keys of other protocols, which the crate does not know.
+/// A block with keys of other protocols, which the crate does not know.
 const DECRYPTION_SECRETS: u32 = 0x0A;
 
-/// A block's type, and its length as it stands in front of it.
+/// A block's type, and the length before its body.
 #[derive(Clone, Copy)]
 pub(crate) struct Head {
     pub(crate) kind: u32,
@@ -25,7 +25,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    /// Whether a block of that type may be as long as it likes: it holds no frame.
+    /// Whether blocks of this type hold no frame and so may have any length.
     pub(crate) const fn is_aside(self) -> bool {
         matches!(
             self.kind,
@@ -50,14 +50,14 @@ impl Head {
             )
     }
 
-    /// Whether a block may begin like this.
+    /// Whether a block may begin with these values.
     pub(crate) const fn is_likely(self) -> bool {
         let length = self.length as usize;
         self.is_known() && length >= FRAMING && length <= LONGEST && length.is_multiple_of(4)
     }
 }
 
-/// A number of four bytes.
+/// Reads a number of four bytes.
 #[inline]
 pub(crate) fn word(order: Endianness, bytes: [u8; 4]) -> u32 {
     match order {
@@ -66,7 +66,7 @@ pub(crate) fn word(order: Endianness, bytes: [u8; 4]) -> u32 {
     }
 }
 
-/// The byte order that the magic number of a section header tells.
+/// The byte order that the magic number of a section header shows.
 pub(crate) fn byte_order(magic: [u8; 4]) -> Option<Endianness> {
     match &magic {
         b"\x1A\x2B\x3C\x4D" => Some(Endianness::Big),
@@ -87,14 +87,14 @@ pub(crate) fn length(order: Endianness, bytes: &[u8; FRAMING]) -> u32 {
     word(order, [a, b, c, d])
 }
 
-/// The first fields of a block, and its byte order: a section header tells its own.
+/// The first fields of a block, and its byte order; a section header shows its own.
 pub(crate) fn head(section: Option<Endianness>, bytes: &[u8; FRAMING]) -> Option<(Endianness, Head)> {
     let &[kind, length, third] = bytes.as_chunks().0 else { return None };
     let order = if is_section(bytes) { byte_order(third) } else { section }?;
     Some((order, Head { kind: word(order, kind), length: word(order, length) }))
 }
 
-/// The block that these bytes begin with.
+/// The block at the beginning of the bytes.
 pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_>), RawBlockParseError> {
     match order {
         Endianness::Big => RawBlock::from_slice::<BigEndian>(bytes),
@@ -102,8 +102,8 @@ pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_
     }
 }
 
-/// A block's content. Where only its options can't be read, which begin after `fixed` bytes, it is given without
-/// them; the flag tells whether all was read.
+/// A block's content. If only its options, which begin after `fixed` bytes, are unreadable, the content comes without
+/// them; the flag tells whether everything was read.
 pub(crate) fn content<'a, T: PcapNgBlock<'a>>(
     order: Endianness,
     state: &PcapNgState,
@@ -124,21 +124,21 @@ pub(crate) fn content<'a, T: PcapNgBlock<'a>>(
     }
 }
 
-/// Where the options of a packet begin.
+/// The offset of a packet's options.
 pub(crate) fn options_of_packet(order: Endianness, body: &[u8]) -> usize {
     let captured = body.get(12..16).and_then(|bytes| bytes.try_into().ok()).map_or(0, |bytes| word(order, bytes));
     20_usize.saturating_add(captured as usize).saturating_add(3) / 4 * 4
 }
 
-/// Whether a block that holds no frame has the content that its type promises, as far as it is known: else it may be a
-/// packet whose type is damaged.
+/// Whether the content of a block without frame fits its type, as far as the type is known. If not, the block may be
+/// a packet with a damaged type.
 pub(crate) fn is_aside(order: Endianness, state: &PcapNgState, kind: u32, body: &[u8]) -> bool {
     use pcap_file::pcapng::blocks::name_resolution::NameResolutionBlock;
     match kind {
         NAME_RESOLUTION_BLOCK => {
             content::<NameResolutionBlock<'_>>(order, state, body, body.len()).is_ok_and(|(_, whole)| whole)
         }
-        // Fields of systemd have names of capital letters.
+        // Field names of systemd consist of capital letters.
         SYSTEMD_JOURNAL_EXPORT_BLOCK => body.first().is_some_and(|&b| b.is_ascii_uppercase() || b == b'_'),
         DECRYPTION_SECRETS => {
             let length = body.get(4..8).and_then(|bytes| bytes.try_into().ok()).map(|bytes| word(order, bytes));
@@ -152,7 +152,7 @@ pub(crate) fn is_aside(order: Endianness, state: &PcapNgState, kind: u32, body: 
 /// An option's code and value.
 type BlockOption<'a> = (u16, &'a [u8]);
 
-/// Hands each option to `each`; whether all of them could be read.
+/// Passes each option to `each`; returns whether all could be read.
 pub(crate) fn for_each_option<'a>(
     order: Endianness,
     mut options: &'a [u8],
@@ -176,7 +176,7 @@ fn option(order: Endianness, options: &[u8]) -> Option<(BlockOption<'_>, &[u8])>
         Endianness::Little => u16::from_le_bytes(bytes),
     });
     let value = rest.get(..usize::from(length))?;
-    // The filling of the last one may be absent.
+    // The last option may lack its filling.
     Some(((code, value), rest.get(usize::from(length).next_multiple_of(4)..).unwrap_or_default()))
 }
 

@@ -1,4 +1,4 @@
-//! What an interface description block says, and the clock of its packets.
+//! An interface description block, and the clock of its packets.
 
 use super::block;
 use crate::formats::socketcan::LinkType;
@@ -16,36 +16,36 @@ const LONGEST_NAME: usize = 256;
 /// An interface of the current section.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interface {
-    /// As in the block; [`LinkType::from_number`] tells whether it is one of ours.
+    /// The link type as in the block; [`LinkType::from_number`] tells whether it carries CAN.
     pub(crate) link_number: u16,
     pub(crate) link: Option<LinkType>,
     pub(crate) channel: ChannelId,
     pub(crate) clock: Clock,
-    /// How many lost frames were reported so far.
+    /// Number of lost frames reported so far.
     pub(crate) dropped: u64,
 }
 
-/// How an interface counts time.
+/// The clock of an interface.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Clock {
     unit: Unit,
-    /// Seconds.
+    /// Offset in seconds.
     offset: i64,
 }
 
 /// The unit of a time stamp.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Unit {
-    /// That many nanoseconds.
+    /// This many nanoseconds.
     Nanoseconds(u64),
-    /// That many of them are a nanosecond.
+    /// A fraction: this many units make a nanosecond.
     PerNanosecond(u64),
     /// 2^-n seconds.
     BinaryFraction(u32),
 }
 
 impl Unit {
-    /// From the value of `if_tsresol`: bit 7 tells powers of two from powers of ten.
+    /// Parses the value of `if_tsresol`: bit 7 tells powers of two from powers of ten.
     fn from_resolution(value: u8) -> Self {
         let exponent = u32::from(value & 0x7F);
         if value & 0x80 != 0 {
@@ -53,7 +53,7 @@ impl Unit {
         } else if exponent <= 9 {
             Self::Nanoseconds(10u64.pow(9 - exponent))
         } else {
-            // 0 stands for units so small that 2^64 of them are no nanosecond.
+            // 0 stands for units so small that 2^64 of them make no nanosecond.
             Self::PerNanosecond(10u64.checked_pow(exponent - 9).unwrap_or_default())
         }
     }
@@ -82,7 +82,7 @@ impl Clock {
     }
 }
 
-/// The `number`th interface of its section, of that link type and with these options. The flag tells whether all options
+/// The `number`th interface of its section, with this link type and these options. The flag tells whether all options
 /// could be read.
 pub(crate) fn described(
     order: Endianness,

@@ -1,4 +1,4 @@
-//! What the blocks of a section mean: its interfaces, its packets, and what the recorder lost.
+//! The content of a section's blocks: interfaces, packets, and reports of lost frames.
 
 use super::block::{self, options_of_packet};
 use super::interface::{self, Interface};
@@ -21,22 +21,22 @@ use pcap_file::{DataLink, Endianness};
 use std::borrow::Cow;
 use std::time::Duration;
 
-/// How many interfaces of a section are distinguished.
+/// Maximum number of interfaces in a section.
 const MOST_INTERFACES: usize = 65_536;
 
 /// A section, as far as it was read.
 #[derive(Default)]
 pub(crate) struct Section {
-    /// What the crate must know of it.
+    /// The state that the crate needs.
     state: PcapNgState,
-    /// `None` for one whose description can't be read.
+    /// The interfaces; `None` for one with an unreadable description.
     pub(crate) interfaces: Vec<Option<Interface>>,
     pub(crate) latest: Option<Timestamp>,
-    /// Whether a packet without time was seen.
+    /// Whether a packet without time has occurred.
     pub(crate) untimed: bool,
 }
 
-/// What a block gives: a damage goes before the frame of the same block.
+/// The content of a block; its damage is reported before its frame.
 #[derive(Default)]
 pub(crate) struct Content {
     pub(crate) damage: Option<Damage>,
@@ -49,15 +49,15 @@ impl From<Damage> for Content {
     }
 }
 
-/// A packet of any of the three kinds of blocks.
+/// A packet from any of the three kinds of packet blocks.
 struct Packet<'a> {
     interface: u32,
-    /// In the interface's units; `None` for a simple packet block.
+    /// The time in units of the interface; `None` for a simple packet block.
     time: Option<Duration>,
     original: u32,
     data: Cow<'a, [u8]>,
     direction: Direction,
-    /// Frames lost before this one.
+    /// Number of frames lost before this one.
     drops: u64,
     comment: Option<Cow<'a, str>>,
     /// Whether its options could be read.
@@ -65,14 +65,14 @@ struct Packet<'a> {
 }
 
 impl Section {
-    /// A new section begins, without interfaces.
+    /// Begins a section without interfaces.
     pub(crate) fn begin(&mut self, endianness: Endianness) {
         let header = SectionHeaderBlock { endianness, ..SectionHeaderBlock::default() };
         self.state.update_from_block(&header.into_block());
         self.interfaces.clear();
     }
 
-    /// What a block other than a section header holds.
+    /// The content of a block other than a section header.
     pub(crate) fn content(
         &mut self,
         order: Endianness,
@@ -106,27 +106,28 @@ impl Section {
         }
     }
 
-    /// Adds an interface. One whose description can't be read keeps its number.
+    /// Adds an interface. An interface with an unreadable description keeps its number.
     fn describe(&mut self, order: Endianness, body: &[u8], place: Place, channels: &mut Channels) -> Content {
         let number = self.interfaces.len();
         if number >= MOST_INTERFACES {
             return unreadable(place, "at most 65536 interfaces", "");
         }
-        // The crate refuses a block for a bit of its reserved field, and for an option that it does not like.
+        // The crate refuses a block for a reserved bit or an option that it can't parse; so the fields are read here.
         let fields = body.first_chunk::<8>().map(|&[l0, l1, _, _, s0, s1, s2, s3]| [l0, l1, 0, 0, s0, s1, s2, s3]);
         let description = fields.and_then(|fields| {
             let (read, _) = block::content::<InterfaceDescriptionBlock<'_>>(order, &self.state, &fields, 8).ok()?;
             Some((read.linktype, read.snaplen))
         });
         let (linktype, snaplen) = description.unwrap_or((DataLink::NULL, 0));
-        // See the module's docs: the times of its packets are to be given as they stand there.
+        // The crate is told that the interface counts nanoseconds, so that it returns times unconverted (see the
+        // module's docs).
         let options = vec![InterfaceDescriptionOption::IfTsResol(InterfaceTsResolution::NANO)];
         self.state.update_from_block(&InterfaceDescriptionBlock { linktype, snaplen, options }.into_block());
         if description.is_none() {
             self.interfaces.push(None);
             return unreadable(place, "an interface description", "");
         }
-        // A link type has 16 bits here.
+        // The field has 16 bits.
         let link = u32::from(linktype) as u16;
         let options = body.get(8..).unwrap_or_default();
         let (interface, readable) = interface::described(order, link, options, number, channels);
@@ -137,7 +138,7 @@ impl Section {
         unreadable(place, "an interface description with options that fit into it", "")
     }
 
-    /// What an interface's statistics say about lost packets that the packets themselves did not.
+    /// Reports lost packets that only the interface's statistics mention.
     fn statistics(&mut self, order: Endianness, body: &[u8], place: Place) -> Content {
         let read = block::content::<InterfaceStatisticsBlock<'_>>(order, &self.state, body, 12);
         let Ok((statistics, whole)) = read else { return unreadable(place, "interface statistics", "") };
@@ -155,7 +156,7 @@ impl Section {
         if whole { Content::default() } else { unreadable(place, "interface statistics, and nothing after them", "") }
     }
 
-    /// The packet's frame, and the damage that goes before it.
+    /// The frame of a packet, and the damage that precedes it.
     fn packet(&mut self, order: Endianness, place: Place, packet: &Packet<'_>, channels: &mut Channels) -> Content {
         let (drops, whole) = (packet.drops, packet.whole);
         let interface = packet.interface as usize;
@@ -170,7 +171,7 @@ impl Section {
             if let Some(Some(interface)) = self.interfaces.get_mut(interface) {
                 interface.dropped = interface.dropped.saturating_add(drops);
             }
-            // Of two damages the frame's own is more than that some were lost before it.
+            // Of two damages, the frame's own is reported: it says more than the loss before it.
             let dropped = Damage::dropped(drops, place);
             return Content { damage: Some(damage.unwrap_or(dropped)), record };
         }
@@ -213,7 +214,7 @@ impl Section {
         if packet.direction != Direction::Unknown {
             record.direction = packet.direction;
         }
-        // Among packets with times one without is not earlier than those before it.
+        // A packet without time, between packets with times, gets the time of the latest one before.
         record.timestamp = self.latest.unwrap_or_default();
         match packet.time {
             None => self.untimed = true,
@@ -264,7 +265,7 @@ fn packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -> Parsed<
         _ => None,
     });
     let direction = block::flags_direction(flags.unwrap_or_default());
-    // FFFFh: not known.
+    // FFFFh means unknown.
     let drops = if drop_count == u16::MAX { 0 } else { drop_count.into() };
     Ok(Packet {
         interface: interface_id.into(),

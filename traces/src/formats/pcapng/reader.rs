@@ -20,20 +20,20 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct PcapngReader {
     source: Source,
-    /// The byte order of the current section; `None` before the first one, and after a damaged header.
+    /// The byte order of the current section; `None` before the first section, and after a damaged section header.
     order: Option<Endianness>,
     section: Section,
-    /// Where the current section ends, if its header says it.
+    /// The end of the current section, if its header gives its length.
     section_end: Option<u64>,
     channels: Channels,
-    /// Of the block read last.
+    /// Number of the last block.
     number: u64,
-    /// What comes after a damage out of the same block.
+    /// The record that follows a damage of the same block.
     pending: Option<Record>,
     done: bool,
 }
 
-/// What a block gives.
+/// The result of a block.
 enum Yield {
     Content(Content),
     End,
@@ -72,7 +72,7 @@ impl PcapngReader {
         Damage::source(error, self.place())
     }
 
-    /// The record of the next block, if it is one of those that most are.
+    /// The quick way for the next block, if it is of the usual form.
     #[inline]
     fn usual_block(&mut self) -> Option<Record> {
         if self.order != Some(Endianness::Little) {
@@ -118,7 +118,7 @@ impl PcapngReader {
                 let (expected, found) = explained(&error);
                 let damage = self.damage(DamageKind::Malformed, expected, &found);
                 if head.kind == SECTION_HEADER_BLOCK {
-                    // Its magic number is right: a section begins, wherever its header ends.
+                    // The magic number is right, so a section begins, even if its header is damaged.
                     self.order = Some(order);
                     self.section.begin(order);
                 }
@@ -127,7 +127,7 @@ impl PcapngReader {
         }
     }
 
-    /// No whole block is left.
+    /// Handles the end, at which no complete block is left.
     fn end(&mut self) -> Yield {
         if !self.source.window().is_empty() {
             return self.cut(0).into();
@@ -141,14 +141,14 @@ impl PcapngReader {
         }
     }
 
-    /// The section ends before the length that its header says.
+    /// The damage if the section ends before the length in its header.
     fn missing_end_of_section(&mut self) -> Option<Damage> {
         let end = self.section_end.take().filter(|end| *end > self.source.offset())?;
         let expected = format!("a section up to offset {end}, as its header says");
         Some(self.damage(DamageKind::Unfinished, expected, "its end"))
     }
 
-    /// A section header without its magic number, or none at all.
+    /// The damage for a section header without magic number, or a missing one.
     fn no_section(&mut self) -> Damage {
         let Some(&head) = self.source.window().first_chunk() else {
             return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
@@ -157,7 +157,7 @@ impl PcapngReader {
             return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
         }
         let damage = self.damage(DamageKind::Malformed, "the byte order magic 1A2B3C4Dh in a section header", "");
-        // Its two lengths are equal in one byte order only.
+        // The two lengths of a block are equal in only one byte order.
         for order in [Endianness::Little, Endianness::Big] {
             let length = block::length(order, &head) as usize;
             if !(FRAMING..=LONGEST).contains(&length) {
@@ -177,12 +177,12 @@ impl PcapngReader {
                 return damage;
             }
         }
-        // Up to the next section, nothing tells the byte order and the interfaces.
+        // Until the next section, byte order and interfaces are unknown.
         self.order = None;
         self.search(damage)
     }
 
-    /// A section begins: byte order and interfaces begin anew.
+    /// Begins a section: byte order and interfaces are reset.
     fn begin(&mut self, order: Endianness, header: Option<(u16, i64, bool)>, length: usize, place: Place) -> Yield {
         let Some((major, section_length, whole)) = header else {
             return self.damage(DamageKind::Fatal, "a section header of at least 16 bytes", "").into();
@@ -192,7 +192,7 @@ impl PcapngReader {
         }
         let missing = self.missing_end_of_section();
         self.source.consume(length);
-        // -1: not known.
+        // The length -1 means unknown.
         self.section_end = u64::try_from(section_length).ok().and_then(|n| self.source.offset().checked_add(n));
         self.order = Some(order);
         self.section.begin(order);
@@ -200,9 +200,9 @@ impl PcapngReader {
         Yield::Content(Content { damage: missing.or_else(|| (!whole).then(options)), record: None })
     }
 
-    /// A block that is too long to have a frame: one that is known to have none is passed over.
+    /// Handles a block that is too long for a frame: a known type without frames is skipped.
     fn too_long(&mut self, head: Head) -> Yield {
-        // Blocks begin at multiples of four, whatever the writer says.
+        // Blocks begin at multiples of four, even if a writer's length is not one.
         let size = u64::from(head.length).next_multiple_of(4);
         let place = self.place();
         if head.is_aside() {
@@ -214,7 +214,7 @@ impl PcapngReader {
         } else {
             let expected = format!("a block of at most {LONGEST} bytes");
             let damage = self.search(self.damage(DamageKind::Malformed, expected, &size.to_string()));
-            // The end of the file, or of what can be read of it.
+            // Handles the end of the file, or of its readable part.
             if !damage.kind.is_fatal() || damage.place != place {
                 return damage.into();
             }
@@ -224,7 +224,7 @@ impl PcapngReader {
         Damage::new(DamageKind::Truncated, place, format!("a block of {size} bytes"), found.as_bytes()).into()
     }
 
-    /// The file ends in a block, or its length is damaged and another one follows.
+    /// Reports a block that the file's end cuts, or a damaged length if another block follows.
     fn cut(&mut self, length: usize) -> Damage {
         let found = format!("the end of the file after {}", self.source.window().len());
         let expected = match length {
@@ -238,7 +238,7 @@ impl PcapngReader {
         }
     }
 
-    /// Passes over a block that is none, up to the next one. Without one the damage is fatal.
+    /// Skips an invalid block, up to the next valid one. If there is none, the damage is fatal.
     fn search(&mut self, damage: Damage) -> Damage {
         match self.next_likely() {
             Ok(true) => damage,
@@ -250,7 +250,7 @@ impl PcapngReader {
         }
     }
 
-    /// Moves to the next bytes that have the two lengths of a block of a known type; whether there are any.
+    /// Moves to the next bytes with the two equal lengths of a block of known type; returns whether there are any.
     fn next_likely(&mut self) -> Result<bool, SourceError> {
         self.source.consume(1);
         while self.source.fill_to(FRAMING)? {
@@ -285,7 +285,7 @@ fn header(order: Endianness, block: &RawBlock<'_>) -> Option<(u16, i64, bool)> {
     Some((header.major_version, header.section_length, whole))
 }
 
-/// What was expected of a block, and what was found.
+/// The expected and the found text for an invalid block.
 fn explained(error: &RawBlockParseError) -> (String, String) {
     use PcapNgFormatError::{BlockLengthMismatch, BlockNotAligned, BlockTooShort};
     match error {

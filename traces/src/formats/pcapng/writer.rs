@@ -15,7 +15,7 @@ use pcap_file::{DataLink, Endianness};
 use std::io::Write;
 use std::time::Duration;
 
-/// A block's type and its length, before and after the body.
+/// Length of a block's type and its length before and after the body.
 const FRAMING: usize = 12;
 
 /// The longest name that an option can hold, in bytes; a channel's has no more.
@@ -23,11 +23,11 @@ const LONGEST_NAME: usize = u16::MAX as usize;
 
 struct PcapngWriter {
     sink: Box<dyn Write>,
-    /// Writes into memory, from where each block goes to the sink as a whole.
+    /// Collects a block in memory; the complete block goes to the sink.
     blocks: PcapNgWriter<Vec<u8>>,
-    /// By channel: its interface, once it was described.
+    /// The interface of each channel; `None` before it is described.
     interfaces: Vec<Option<u32>>,
-    /// The packet under way.
+    /// The packet being written.
     body: Vec<u8>,
     time_base: TimeBase,
     losses: Losses,
@@ -65,7 +65,7 @@ impl PcapngWriter {
         Ok(())
     }
 
-    /// The interface of a record's channel, described when its first frame comes.
+    /// The interface of a record's channel; described at its first frame.
     fn interface(&mut self, record: &Record, channels: &Channels) -> Result<u32, WriteError> {
         let at = usize::from(record.channel.0);
         if let Some(Some(number)) = self.interfaces.get(at) {
@@ -89,7 +89,7 @@ impl PcapngWriter {
         self.interfaces[at] = Some(number);
         Ok(number)
     }
-    /// The packet as it comes with all its options, of which a direction and a comment are known.
+    /// Writes a packet with its options: direction and comment, if known.
     fn write_packet(&mut self, record: &Record, interface_id: u32) -> Result<(), WriteError> {
         let mut frame = Vec::new();
         socketcan::encode(record, &mut frame);
@@ -98,7 +98,7 @@ impl PcapngWriter {
         let packet = EnhancedPacketBlock {
             interface_id,
             timestamp: Duration::from_nanos(record.timestamp.nanos()),
-            // At most a CAN XL frame.
+            // The length is at most that of a CAN XL frame.
             original_len: frame.len() as u32,
             data: frame.into(),
             options: direction.into_iter().chain(comment).collect(),
@@ -107,8 +107,8 @@ impl PcapngWriter {
         Ok(())
     }
 
-    /// The same for a frame without a comment, at a quarter of the cost: the crate writes every packet twice, the first time
-    /// to learn its length.
+    /// Writes a packet without comment, at a quarter of the cost: the crate writes every packet twice, the first time
+    /// only to learn its length.
     fn write_usual_packet(&mut self, record: &Record, interface_id: u32) -> Result<(), WriteError> {
         let nanos = record.timestamp.nanos();
         self.body.clear();
@@ -135,7 +135,7 @@ impl PcapngWriter {
     }
 }
 
-/// The direction as the option `epb_flags` has it.
+/// The direction, encoded as the option `epb_flags`.
 const fn flags(direction: Direction) -> Option<u32> {
     match direction {
         Direction::Unknown => None,

@@ -1,4 +1,4 @@
-//! Lines: comments, names of sections, fields and sections that are missing, lines that stand twice.
+//! Fixes of lines: comments, names of sections, missing fields and sections, repeated lines.
 
 use super::{Edit, Fix, Source};
 use crate::dictionary::check::Finding;
@@ -44,7 +44,7 @@ pub(super) fn edit(range: std::ops::Range<usize>, text: impl Into<String>) -> Ed
     Edit { range, text: text.into() }
 }
 
-/// A new line after that one.
+/// Inserts a new line after that one.
 pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     let at = source.whole_line(line);
     let end = source.line_end();
@@ -53,7 +53,7 @@ pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     edit(at.end..at.end, text)
 }
 
-/// An object without sub-indexes is a VAR where nothing else is said.
+/// Without another hint, an object without sub-indexes is a VAR.
 fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let section = source.section_in(finding.line)?;
     let has = |name| section.field(name).is_some();
@@ -62,16 +62,16 @@ fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     whole.then(|| Fix::edits(title, vec![insert_after(finding.line, "ObjectType=0x7", source)]))
 }
 
-/// The data types from BOOLEAN to UNSIGNED32, none of which may stand in a mapping.
+/// The data types from BOOLEAN to UNSIGNED32, none of which is allowed in mappings by default.
 const DUMMIES: [&str; 7] =
     ["Dummy0001=0", "Dummy0002=0", "Dummy0003=0", "Dummy0004=0", "Dummy0005=0", "Dummy0006=0", "Dummy0007=0"];
 
-/// A section that says that there is nothing, at the end of the file.
+/// An empty section at the end of the file.
 fn section(name: &str, source: &Source<'_>) -> Option<Fix> {
     let fields = match name {
         "Comments" => &["Lines=0"][..],
         "OptionalObjects" | "ManufacturerObjects" => &["SupportedObjects=0"],
-        // Some readers fail if one of them is missing.
+        // Some readers fail if one of these fields is missing.
         "DummyUsage" => &DUMMIES,
         _ => return None,
     };
@@ -87,7 +87,8 @@ fn section(name: &str, source: &Source<'_>) -> Option<Fix> {
     Some(Fix::edits(format!("add an empty section [{name}]"), vec![edit(at..at, text)]))
 }
 
-/// Every line ends as most do that don't end in CR alone; if all do, as on the systems that read EDS files.
+/// All lines get the most frequent line end that is not CR alone; if there is none, CR LF, as on the systems that
+/// read EDS files.
 fn line_ends(source: &Source<'_>) -> Fix {
     let both = source.text.matches("\r\n").count();
     let feeds = source.text.matches('\n').count() - both;

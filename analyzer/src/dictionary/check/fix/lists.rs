@@ -40,18 +40,18 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
     None
 }
 
-/// Whether there may be more than the file describes, which nobody knows who only sees the file.
+/// Whether the file may announce more objects than it describes; the file alone can't tell.
 fn announces_more(finding: &Finding, source: &Source<'_>) -> bool {
     let announced = source.field_in(finding.line).and_then(|field| number::value_of(field.value()));
     announced > described(finding).map(i128::from)
 }
 
-/// How many there are of what the finding counts.
+/// The number of described items that the finding counts.
 fn described(finding: &Finding) -> Option<u32> {
     finding.problem.found.split(' ').next()?.parse().ok()
 }
 
-/// What was found is the number, with what it counts.
+/// The found value is the number and the unit counted.
 fn count(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let number = described(finding)?;
     if let Some(field) = source.field_in(finding.line) {
@@ -67,16 +67,16 @@ fn entries(section: Section<'_>) -> Vec<(u32, Field<'_>)> {
     section.all_fields().filter_map(|field| Some((field.name().parse().ok()?, field))).collect()
 }
 
-/// The entries of the list in which a finding is.
+/// The entries of the list with the finding.
 fn entries_around<'s>(finding: &Finding, source: &'s Source<'_>) -> Option<Vec<(u32, Field<'s>)>> {
     source.section_at(finding.span.start).map(entries)
 }
 
-/// The entries keep their order, by their numbers.
+/// Renumbers the entries; they keep their order.
 fn renumber(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let mut entries = entries_around(finding, source)?;
     entries.sort_by_key(|(key, _)| *key);
-    // Which of two entries with the same number is meant is not known.
+    // Two entries with the same number have no known order.
     if entries.windows(2).any(|pair| matches!(pair, [(one, _), (other, _)] if one == other)) {
         return None;
     }
@@ -85,7 +85,7 @@ fn renumber(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     Some(Fix::edits("number the entries from 1", edits.collect()))
 }
 
-/// The lines stay where they are, with the entries in order.
+/// Sorts the entries; the lines keep their places.
 fn sort(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let entries = entries_around(finding, source)?;
     let mut sorted = entries.clone();
@@ -95,7 +95,7 @@ fn sort(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     Some(Fix::edits("sort the entries", edits.collect()))
 }
 
-/// Adds an object to its list, and removes it where it does not belong.
+/// Adds an object to its list, and removes it from wrong lists.
 fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let index = finding.problem.found.strip_suffix('h').and_then(|digits| u16::from_str_radix(digits, 16).ok())?;
     let list = list_of(index);
@@ -107,7 +107,7 @@ fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) 
     if finding.problem.rule == &rules::list::WRONG {
         edits.push(edit(source.whole_line(finding.line), ""));
     }
-    // An object that the right list has, too, is only removed from the wrong one.
+    // An object in both lists is only removed from the wrong one.
     if times <= 1 {
         let key = entries.iter().map(|(key, _)| *key).max().unwrap_or(0).checked_add(1)?;
         let last = entries.last().map(|(_, field)| *field).or_else(|| section.all_fields().last());

@@ -1,4 +1,4 @@
-//! What fixes a breach without guessing: the rule's own edit of the text. Comments and order stay.
+//! Fixes without guessing: each edit belongs to its rule. Comments and order stay.
 
 mod lines;
 mod lists;
@@ -10,21 +10,21 @@ use crate::dictionary::rules;
 use crate::dictionary::source::Source;
 use std::ops::Range;
 
-/// What fixes a finding.
+/// The fix of a finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What it does: `write 01:30PM`.
+    /// Its effect, such as `write 01:30PM`.
     pub title: String,
-    /// The changes of the text. None for what is changed by writing the file in another character set.
+    /// The changes of the text; empty if the fix only changes the character set.
     pub edits: Vec<Edit>,
 }
 
 /// One change of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// What is replaced, in bytes of the text; empty for an insertion.
+    /// The replaced bytes of the text; empty for an insertion.
     pub range: Range<usize>,
-    /// What stands there instead.
+    /// The new text.
     pub text: String,
 }
 
@@ -39,7 +39,7 @@ impl Fix {
     }
 }
 
-/// What fixes that finding, where it can be fixed without guessing.
+/// The fix of a finding; `None` if it needs guessing.
 pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) -> Option<Fix> {
     let rule = finding.problem.rule;
     let is = |other: &rules::Rule| rule == other;

@@ -9,12 +9,12 @@ use crate::dictionary::object::Setting;
 use crate::identity::Multiplexer;
 use crate::object;
 
-/// The data types whose use as a dummy a file tells.
+/// The data types that a file lists in `DummyUsage`.
 const BASIC_TYPES: std::ops::RangeInclusive<u16> = 0x0001..=0x0007;
 
 /// The version of CiA 306 that is written.
 const EDS_VERSION: &str = "4.0";
-/// As many PDOs of each direction a device can have.
+/// The largest number of PDOs of each direction.
 const MOST_PDOS: u16 = 512;
 
 pub(super) fn write(sheet: &mut Sheet, description: &DeviceDescription) {
@@ -67,7 +67,7 @@ fn file_info(sheet: &mut Sheet, file: &FileInfo) {
 fn device_info(sheet: &mut Sheet, description: &DeviceDescription) {
     let device = &description.device;
     sheet.section("DeviceInfo");
-    // CiA 306: they are the defaults of 1018h. Not every format tells them twice.
+    // By CiA 306 the numbers are the defaults of 1018h; some formats give them only once.
     let or_identity = |number: Option<u32>, sub| number.or_else(|| identity(description, sub));
     sheet.text("VendorName", &device.vendor_name, 0);
     sheet.code("VendorNumber", or_identity(device.vendor_number, 1));
@@ -110,7 +110,7 @@ fn identity(description: &DeviceDescription, sub: u8) -> Option<u32> {
 }
 
 fn commissioning(sheet: &mut Sheet, commissioning: &Commissioning) {
-    // CiA 306 writes it with one m.
+    // CiA 306 spells it with one m.
     sheet.section("DeviceComissioning");
     if let Some(id) = commissioning.node_id {
         sheet.number("NodeID", id.raw());

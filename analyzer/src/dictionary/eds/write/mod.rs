@@ -11,7 +11,7 @@ use super::lists::list_of;
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::loss::{Loss, Losses};
 
-/// The text of a file that reads as this description, and what of the description is not in it.
+/// The text of a file that reads as this description, and the parts that it can't hold.
 pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     let mut sheet = Sheet::default();
     header::write(&mut sheet, description);
@@ -30,7 +30,7 @@ pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     (sheet.text, sheet.losses.0)
 }
 
-/// An object that a list names and nothing describes.
+/// Reports objects in lists without a description.
 fn lost_lists(losses: &mut Losses, description: &DeviceDescription) {
     let lists = &description.lists;
     for &(index, line) in lists.mandatory.iter().chain(&lists.optional).chain(&lists.manufacturer) {
@@ -40,7 +40,7 @@ fn lost_lists(losses: &mut Losses, description: &DeviceDescription) {
     }
 }
 
-/// The file as far as it is written.
+/// The part of the file written so far.
 #[derive(Default)]
 struct Sheet {
     text: String,
@@ -57,12 +57,12 @@ impl Sheet {
         self.push(&["[", name, "]"]);
     }
 
-    /// A field whose value is right as it is.
+    /// Writes a field with a value that needs no check.
     fn field(&mut self, name: &str, value: &str) {
         self.push(&[name, "=", value]);
     }
 
-    /// A text of the description; `line` is where it stood.
+    /// Writes a text of the description; `line` is its line in the original file.
     fn text(&mut self, name: &str, value: &str, line: u32) {
         let place = format!("[{}] {name}", self.section);
         let value = self.losses.line(line, &place, value);
@@ -77,14 +77,14 @@ impl Sheet {
         self.field(name, &value.into().to_string());
     }
 
-    /// A number that is usually read in hexadecimal; none if it is not known.
+    /// Writes a number in hexadecimal; nothing if it is unknown.
     fn code(&mut self, name: &str, value: Option<u32>) {
         if let Some(value) = value {
             self.field(name, &format!("0x{value:X}"));
         }
     }
 
-    /// `1=0x1000`, `2=0x1001`… with their count.
+    /// Writes a list `1=0x1000`, `2=0x1001`… with its count.
     fn list(&mut self, count: &str, indexes: &[u16]) {
         self.field(count, &indexes.len().to_string());
         for (number, index) in (1..).zip(indexes) {

@@ -6,7 +6,7 @@ use crate::dictionary::loss::LossKind;
 use crate::dictionary::object::{Entry, Object, ObjectCode};
 use crate::identity::SubIndex;
 
-/// The sections of an object; `name` is that of the first.
+/// Writes the sections of an object; `name` is the name of the first one.
 pub(super) fn write(sheet: &mut Sheet, object: &Object, name: &str) {
     let value = match object.entries() {
         [entry] if entry.sub == SubIndex(0) && object.code.is_single() => Some(entry),
@@ -33,13 +33,13 @@ pub(super) fn write(sheet: &mut Sheet, object: &Object, name: &str) {
         return;
     };
     if entry.name != object.name {
-        // A single value has the name of its object.
+        // A VAR's entry has the name of its object.
         sheet.losses.no_place(entry.line, format!("[{name}] the name of sub-index 0"), &entry.name);
     }
     fields(sheet, entry);
 }
 
-/// Everything of an entry but its name and object code.
+/// Writes all fields of an entry but its name and object code.
 pub(super) fn fields(sheet: &mut Sheet, entry: &Entry) {
     if entry.data_type.0 != 0 {
         sheet.field("DataType", &format!("0x{:04X}", entry.data_type.0));

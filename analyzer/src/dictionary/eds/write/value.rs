@@ -1,4 +1,4 @@
-//! Values as CiA 306 writes them; XDD has the same forms.
+//! Values in the form of CiA 306, which XDD shares.
 
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::eds::fields::setting as read;
@@ -8,8 +8,8 @@ use crate::dictionary::problem::Problems;
 use crate::dictionary::value::Value;
 use canvass_traces::hex;
 
-/// The text that reads as that setting of an entry of that type; `None` if there is none: an empty string, one with control
-/// characters or blanks at its ends, a value of a type without values.
+/// The text that reads as that setting of an entry of that type; `None` if there is none: an empty string, a string
+/// with control characters or blanks at its ends, a type without values.
 pub(in crate::dictionary) fn text_of(setting: &Setting, data_type: DataType) -> Option<String> {
     candidates(setting, data_type).into_iter().find(|text| {
         let back = read(text, data_type, Place::default(), &mut Problems::default());
@@ -27,12 +27,12 @@ fn candidates(setting: &Setting, data_type: DataType) -> Vec<String> {
     match value {
         Value::Boolean(value) => vec![u8::from(*value).to_string()],
         Value::Integer(value) => vec![value.to_string()],
-        // COB-IDs, mappings and identities are read in hexadecimal.
+        // COB-IDs, mappings and identities are usually read in hexadecimal.
         Value::Unsigned(value @ 10..) if data_type.bits() >= Some(32) => vec![bits(*value)],
         Value::Unsigned(value) => vec![value.to_string()],
         Value::Real32(value) => vec![format!("{value:?}"), bits(value.to_bits().into())],
         Value::Real64(value) => vec![format!("{value:?}"), bits(value.to_bits())],
-        // A text with characters beyond Latin-1 is read as the bytes that it has in UTF-8.
+        // Characters beyond Latin-1 are read as their UTF-8 bytes.
         Value::VisibleString(bytes) => {
             std::iter::once(latin_1(bytes)).chain(String::from_utf8(bytes.clone())).collect()
         }
@@ -49,7 +49,7 @@ fn latin_1(bytes: &[u8]) -> String {
     bytes.iter().map(|&byte| char::from(byte)).collect()
 }
 
-/// Whether they are the same, also if they are no numbers (NaN).
+/// Whether the settings are the same; NaN equals NaN.
 fn is_same(one: &Setting, other: &Setting) -> bool {
     let raw = |setting: &Setting| setting.fixed().and_then(Value::to_raw);
     let kind = |setting: &Setting| setting.fixed().map(std::mem::discriminant);

@@ -1,6 +1,6 @@
-//! What can differ between a description and a device, and how certain it is that one of them is wrong.
+//! Kinds of differences between a description and a device, and their certainty.
 
-/// What differs.
+/// The kind of a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MismatchKind {
     /// Vendor-ID, product code, device type or device name.
@@ -15,31 +15,31 @@ pub enum MismatchKind {
     UndescribedObject,
     /// A sub-index of a described object that is not described.
     UndescribedEntry,
-    /// The length is not that of the data type.
+    /// The length differs from that of the data type.
     Length,
     /// The bytes are no value of the data type.
     NoValue,
-    /// What is described as readable is not, or the other way round.
+    /// The description and the device differ in whether the entry can be read.
     Access,
     /// The value lies outside the limits.
     Limits,
     /// Sub-index 0 counts other sub-indexes than are described.
     Count,
-    /// An entry that never changes has another value.
+    /// A constant entry has another value.
     Constant,
     /// A DCF or XDC configures another value.
     Configured,
-    /// An entry that can be written has another value than its default.
+    /// A writable entry has another value than its default.
     Setting,
     /// An entry that the device itself sets has another value than its default.
     State,
     /// A PDO carries other objects.
     Mapping,
-    /// A PDO carries an object that can't be mapped by the description.
+    /// A PDO carries an object that the description excludes from mapping.
     Unmappable,
     /// A COB-ID differs.
     CobId,
-    /// The device refuses to give the value.
+    /// The device refuses to upload the value.
     Refused,
     /// The device does not answer.
     NoAnswer,
@@ -47,19 +47,19 @@ pub enum MismatchKind {
     Violation,
 }
 
-/// Whether a difference shows that description or device is wrong.
+/// Whether a difference proves an error in the description or the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Weight {
     /// One of the two is wrong.
     Differs,
-    /// Somebody may have configured the device so.
+    /// The device may have been configured.
     MayBeConfiguration,
-    /// The device may have set it itself, as what it measures or is in.
+    /// The device may have set the value itself, as a measurement or a state.
     MayBeState,
 }
 
 impl Weight {
-    /// The word for it in JSON.
+    /// The name in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Differs => "differs",
@@ -95,7 +95,7 @@ impl MismatchKind {
         Self::Violation,
     ];
 
-    /// The name of the kind in tables and JSON; it does not change.
+    /// The stable name of the kind in tables and JSON.
     pub const fn id(self) -> &'static str {
         match self {
             Self::Identity => "identity",
@@ -122,32 +122,33 @@ impl MismatchKind {
         }
     }
 
-    /// What it means for users of the description.
+    /// The consequence for users of the description.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::Identity => "another device than the description is of: a master that checks it does not start it",
-            Self::Release => "another release than the description is of: the other differences may follow from it",
-            Self::MissingObject => "who uses the object is refused with abort 0602 0000h",
-            Self::MissingEntry => "who uses the sub-index is refused with abort 0609 0011h",
+            Self::Identity => "another device than the description is for: a master that checks it does not start it",
+            Self::Release => "another release than the description is for: the other differences may follow from it",
+            Self::MissingObject => "an access to the object is refused with abort 0602 0000h",
+            Self::MissingEntry => "an access to the sub-index is refused with abort 0609 0011h",
             Self::UndescribedObject => "no tool shows the object or configures it",
             Self::UndescribedEntry => "no tool shows the sub-index or configures it",
             Self::Length => "a value of the described length is refused with abort 0607 0010h, or is read wrongly",
             Self::NoValue => "a tool can't show the value",
-            Self::Access => "a tool reads what it can't, or does not read what it could",
+            Self::Access => "a tool tries to read an unreadable entry, or skips a readable one",
             Self::Limits => "a tool shows the value as wrong, and can't write it back",
-            Self::Count => "a tool looks at too few sub-indexes, or at too many",
-            Self::Constant => "it never changes by the description: another release or variant of the device",
-            Self::Configured => "the device is not configured as the file says, or not restarted since",
+            Self::Count => "a tool reads too few sub-indexes, or too many",
+            Self::Constant => "by the description it never changes: another release or variant of the device",
+            Self::Configured => "the device is not configured as in the file, or was not restarted since",
             Self::Setting => {
-                "not as delivered: somebody may have configured the device, or its default is not that of the description"
+                "not as delivered: the device may have been configured, or has another default than the description"
             }
             Self::State => {
-                "the device sets it: it may depend on its state or variant, or its default is not that of the description"
+                "the device sets it: it may depend on its state or variant, or has another default than the \
+                 description"
             }
-            Self::Mapping => "who takes values out of the PDO by the description gets others",
+            Self::Mapping => "consumers that decode the PDO by the description get wrong values",
             Self::Unmappable => "a tool refuses the mapping that the device has",
-            Self::CobId => "who expects the described CAN-ID hears nothing or reaches nobody",
-            Self::Refused => "the description says that it can be read",
+            Self::CobId => "nodes that use the described COB-ID receive nothing, or reach no one",
+            Self::Refused => "by the description it can be read",
             Self::NoAnswer => "a tool that reads it gets no answer",
             Self::Violation => "a tool that reads it gets no value",
         }

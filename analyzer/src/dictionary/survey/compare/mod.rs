@@ -1,4 +1,4 @@
-//! A description against a device: what was read from the device, and does not agree.
+//! Compares a description with the values read from a device.
 
 mod identity;
 mod kind;
@@ -21,39 +21,39 @@ use crate::identity::{Multiplexer, NodeId, SubIndex};
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// One thing in which a description and a device do not agree.
+/// A difference between a description and a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
     /// What differs.
     pub kind: MismatchKind,
     /// Whether one of the two is wrong.
     pub weight: Weight,
-    /// Where it is.
+    /// Its place.
     pub subject: Subject,
-    /// The name of the object or entry, by the description or else by the standard. May hold anything.
+    /// The name of the object or entry, from the description or else from the standard; may contain any characters.
     pub name: String,
-    /// What the description says.
+    /// The described side.
     pub described: Side,
-    /// What the device has.
+    /// The side of the device.
     pub found: Side,
 }
 
-/// What one of the two says.
+/// One side of a difference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Side {
-    /// Nothing: it does not have the object.
+    /// The object does not exist.
     Nothing,
-    /// That the object is there.
+    /// The object exists.
     Exists,
-    /// That no PDO can carry it.
+    /// No PDO can carry the entry.
     NotMappable,
-    /// Something that a description can say, too.
+    /// A value that a description can have, too.
     Fact(Fact),
     /// Limits.
     Limits(Option<Value>, Option<Value>),
     /// The length of a value, in bytes.
     Length(usize),
-    /// An answer as it came.
+    /// An answer of the device.
     Answer(Answer),
 }
 
@@ -75,7 +75,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Everything in which the device at `node`, as far as it was read, differs from its description; by index.
+/// All differences between the device at `node`, as far as it was read, and its description; by index.
 pub fn compare(description: &DeviceDescription, survey: &Survey, node: NodeId) -> Vec<Mismatch> {
     let mut comparison = Comparison { description, survey, node, told: BTreeSet::new(), found: Vec::new() };
     identity::compare(&mut comparison);
@@ -86,7 +86,7 @@ pub fn compare(description: &DeviceDescription, survey: &Survey, node: NodeId) -
     comparison.found
 }
 
-/// The addresses that tell most of a device, whether they are described or not.
+/// The addresses that identify a device best; they are read even if they are not described.
 pub const IDENTITY: [Multiplexer; 5] = [
     Multiplexer::new(0x1000, 0),
     Multiplexer::new(0x1018, 0),
@@ -95,7 +95,7 @@ pub const IDENTITY: [Multiplexer; 5] = [
     Multiplexer::new(0x1018, 3),
 ];
 
-/// Where a difference stands among the others.
+/// The sort key of a difference.
 fn place(subject: Subject) -> (u16, u16) {
     match subject {
         Subject::Field(_) | Subject::Module(_) => (0, 0),
@@ -105,7 +105,7 @@ fn place(subject: Subject) -> (u16, u16) {
     }
 }
 
-/// The two, and what was found so far.
+/// The two sides, and the differences found.
 struct Comparison<'a> {
     description: &'a DeviceDescription,
     survey: &'a Survey,

@@ -1,4 +1,4 @@
-//! Whether described objects and sub-indexes exist, and answer as their access type says.
+//! Compares existence and access of objects and sub-indexes.
 
 use super::{Answer, Comparison, MismatchKind, Side, Weight, values};
 use crate::dictionary::difference::{Fact, Subject};
@@ -24,7 +24,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
     }
 }
 
-/// Whether the device says of every entry that was read that there is no such object.
+/// Whether the device answers for every read entry that there is no such object.
 fn is_absent(comparison: &Comparison<'_>, object: &Object) -> bool {
     let at = |entry: &Entry| Multiplexer { index: object.index, sub: entry.sub };
     let mut answers = object.entries().iter().filter_map(|entry| comparison.survey.get(at(entry))).peekable();
@@ -41,7 +41,7 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
             MismatchKind::MissingEntry
         }
         Answer::Aborted(AbortCode::WRITE_ONLY) if entry.access.is_readable() => MismatchKind::Access,
-        // With which code a write-only entry refuses to be read is for the device's conformance, not for its description.
+        // The abort code for reading a write-only entry is a matter of conformance, not of the description.
         Answer::Aborted(_) if !entry.access.is_readable() || answer.is_momentary() || is_empty_history(at) => return,
         Answer::Aborted(_) => MismatchKind::Refused,
         Answer::Silent => MismatchKind::NoAnswer,
@@ -55,7 +55,7 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
     comparison.report(kind, Weight::Differs, Subject::Entry(at), described, Side::Answer(answer.clone()));
 }
 
-/// Errors that have not happened have no sub-index in 1003h, or no value.
+/// In 1003h, errors that have not occurred have no sub-index or no value.
 fn is_empty_history(at: Multiplexer) -> bool {
     at.index.0 == object::PREDEFINED_ERROR_FIELD && at.sub.0 > 0
 }

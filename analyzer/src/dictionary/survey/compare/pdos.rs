@@ -1,4 +1,4 @@
-//! What the PDOs of a device carry.
+//! Compares the mappings of PDOs.
 
 use super::{Comparison, MismatchKind, Side, Weight};
 use crate::PdoNumber;
@@ -14,13 +14,13 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
         let Some(found) = found(comparison, object) else { continue };
         let described = mapping(comparison.description, pdo);
         let own: BTreeSet<u32> = described.iter().flatten().map(|entry| entry.0).collect();
-        // That the description contradicts itself is no difference to the device.
+        // An inconsistency of the description itself is no difference to the device.
         let others: BTreeSet<u32> = found.iter().map(|entry| entry.0).filter(|entry| !own.contains(entry)).collect();
         for entry in others {
             mappable(comparison, pdo, MappingEntry(entry));
         }
         let Some(described) = described else { continue };
-        // The device's own entries tell the rest, such as one that is not there.
+        // Other differences, such as a missing entry, are reported for the device's entries.
         comparison.told.extend((0..=64).map(|sub| Multiplexer { index: object.index, sub: SubIndex(sub) }));
         if described != found {
             let weight = match object.entries().iter().any(|entry| entry.access.is_writable()) {
@@ -35,16 +35,16 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
     }
 }
 
-/// What the PDO carries as the device has it; `None` where not all of it could be read, or it has no layout.
+/// The mapping of a PDO in the device; `None` if it could not be read completely, or the PDO has no layout.
 fn found(comparison: &Comparison<'_>, object: &Object) -> Option<Vec<MappingEntry>> {
     let count = comparison.survey.count(object.index).filter(|&count| count <= 64)?;
     let at = |sub| Multiplexer { index: object.index, sub: SubIndex(sub) };
     (1..=count).map(|sub| u32::try_from(comparison.survey.number(at(sub))?).ok().map(MappingEntry)).collect()
 }
 
-/// What the device has mapped must be what the description lets be mapped.
+/// Checks that the description allows mapping of the objects that the device has mapped.
 fn mappable(comparison: &mut Comparison<'_>, pdo: PdoNumber, mapped: MappingEntry) {
-    // An entry that was opened and not filled, or a gap.
+    // An empty entry, or a gap.
     if mapped.0 == 0 || mapped.object().index.0 < 0x20 {
         return;
     }

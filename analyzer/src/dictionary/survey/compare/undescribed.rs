@@ -1,4 +1,4 @@
-//! What the device has and the description does not name.
+//! Finds objects of the device that are not described.
 
 use super::{Comparison, MismatchKind, Side, Weight};
 use crate::dictionary::difference::Subject;

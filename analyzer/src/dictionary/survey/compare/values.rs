@@ -1,4 +1,4 @@
-//! Values against data types, limits and defaults.
+//! Compares values with data types, limits and defaults.
 
 use super::{Answer, Comparison, MismatchKind, Side, Weight};
 use crate::dictionary::difference::{Fact, Subject};
@@ -15,7 +15,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, object: &Object, entry: &
             limits(comparison, at, entry, &value);
             return default(comparison, object, entry, &value);
         }
-        // A type of the manufacturer's own.
+        // A manufacturer-specific data type.
         Err(ValueError::NoValue(_)) => return,
         Err(ValueError::Length { .. } | ValueError::OddLength { .. }) => {
             (MismatchKind::Length, Side::Length(bytes.len()))
@@ -62,7 +62,7 @@ fn default(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, valu
     }
 }
 
-/// Devices often fill their names with blanks or zeros, and files leave them out.
+/// Devices often fill their names with blanks or zeros, and files leave these out.
 fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
     let (Value::VisibleString(described), Value::VisibleString(found)) = (described, found) else { return false };
     let is_filler = |byte: &&u8| **byte == 0 || byte.is_ascii_whitespace();
@@ -71,11 +71,11 @@ fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
     matches!(at.index.0, 0x1008..=0x100A) && (described.is_empty() || same)
 }
 
-/// What it means if the value is not the default; `None` where it means nothing.
+/// The kind of a value that is not the default; `None` if it means nothing.
 fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     let kind = match (at.index.0, at.sub.0) {
-        // Errors, time and serial number are the device's own.
+        // Errors, time and serial number are specific to the device.
         (0x1001..=0x1003 | object::HIGH_RESOLUTION_TIME_STAMP, _) | (object::IDENTITY, 4) => return None,
         (object::IDENTITY, 1..=3) if is_open(entry) => return None,
         (object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME, _) | (object::IDENTITY, 1 | 2) => {
@@ -89,7 +89,7 @@ fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
         _ if is_cob_id(at) => MismatchKind::CobId,
         (_, 0) if !object.code.is_single() && !entry.access.is_writable() => MismatchKind::Count,
         _ if entry.access == Access::Const => MismatchKind::Constant,
-        // What they give when they are read says what the device can do.
+        // The values read tell the capabilities of the device.
         (object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS, _) => MismatchKind::State,
         _ if entry.access.is_writable() => MismatchKind::Setting,
         (0x1004..=0x1FFF, _) => MismatchKind::Constant,
@@ -104,7 +104,7 @@ fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
     Some((kind, weight))
 }
 
-/// Files that leave a part of the identity open have 0 there.
+/// Files that leave a part of the identity open have 0.
 fn is_open(entry: &Entry) -> bool {
     entry.start_value(NodeId::MIN).and_then(|value| value.to_raw()) == Some(0)
 }

@@ -1,4 +1,4 @@
-//! `DeviceInfo`, from the objects that say who the device is and what it can do.
+//! `DeviceInfo`, from the objects with identity and capabilities of the device.
 
 use super::Facts;
 use crate::dictionary::description::DeviceInfo;
@@ -30,14 +30,14 @@ pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rat
     }
 }
 
-/// The manufacturer's device name, as far as it can stand in a file.
+/// The manufacturer's device name, reduced to characters that a file can hold.
 fn name(facts: &Facts<'_>) -> String {
     let name = facts.survey.value(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)).unwrap_or_default();
     let name: String = name.iter().filter(|byte| matches!(byte, b' '..=b'~')).map(|&byte| char::from(byte)).collect();
     name.trim().to_owned()
 }
 
-/// Of what is mapped now: bytes, or single bits.
+/// The granularity of the current mappings: bytes, or single bits.
 fn granularity(facts: &Facts<'_>) -> u8 {
     let mapping = facts.survey.answers().map(|(at, _)| at);
     let mut mapping = mapping.filter(|at| crate::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0);

@@ -1,7 +1,7 @@
-//! A description made from what a device answers: a start where none exists.
+//! Makes a description from a device's answers, as a start if none exists.
 //!
-//! Names, types and access of objects that a standard defines are the standard's; of others they are guessed from what was
-//! read, and marked. Nothing can be said about limits.
+//! Standard objects get the standard's names, types and access; those of other objects are guessed from the values
+//! read, and marked. Limits remain unknown.
 
 mod access;
 mod device;
@@ -21,42 +21,42 @@ use crate::identity::{Index, Multiplexer, NodeId, SubIndex};
 use crate::wire::pdo::MappingEntry;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A description, and what of it is guessed.
+/// A description, and its guesses.
 #[derive(Clone, Debug)]
 pub struct Scanned {
     /// The description.
     pub description: DeviceDescription,
-    /// What is guessed of which entry.
+    /// The guesses for each entry.
     pub guesses: BTreeMap<Multiplexer, Vec<Guess>>,
 }
 
-/// What is not known of an entry, and was guessed.
+/// An unknown property of an entry that was guessed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guess {
-    /// The data type, from a value of so many bytes.
+    /// The data type, from a value with this number of bytes.
     TypeOf(usize),
-    /// The data type, of an entry that gave no value.
+    /// The data type, for an entry without a value.
     Type,
-    /// The data type: that of the standard has another length than the value, which has so many bytes.
+    /// The data type: that of the standard does not have the value's number of bytes.
     TypeBeside(usize),
-    /// The access type: only writing would tell whether the entry can be written.
+    /// The access type: only writing would show whether the entry can be written.
     Access,
 }
 
-/// What is read without knowing whose device it is.
+/// The input for a description: all data read from a device.
 pub struct Scan<'a> {
-    /// What the device answered.
+    /// The device's answers.
     pub survey: &'a Survey,
-    /// Its node-ID then.
+    /// Its node-ID.
     pub node: NodeId,
-    /// The bit rate in kbit/s at which it was read, if it is known.
+    /// The bit rate in kbit/s, if known.
     pub bit_rate: Option<u16>,
-    /// What the file says about itself.
+    /// The data about the file.
     pub file: FileInfo,
 }
 
 impl Scan<'_> {
-    /// The description.
+    /// Makes the description.
     pub fn describe(self) -> Scanned {
         let facts = Facts::of(&self);
         let mut guesses = BTreeMap::new();
@@ -83,10 +83,10 @@ impl Scan<'_> {
     }
 }
 
-/// Below are the data types.
+/// Indexes below are data types.
 const FIRST: u16 = 0x1000;
 
-/// What the device tells as a whole.
+/// The data about the whole device.
 struct Facts<'a> {
     survey: &'a Survey,
     node: NodeId,
@@ -111,12 +111,12 @@ impl<'a> Facts<'a> {
         Self { survey, node: scan.node, profile, in_rpdos: mapped(0x1600), in_tpdos: mapped(0x1A00) }
     }
 
-    /// What a standard says of an entry, where the device has the object as the standard does: with sub-indexes or without.
+    /// The standard's entry, if the device's object has the standard's form: with or without sub-indexes.
     fn standard(&self, at: Multiplexer) -> Option<ObjectName> {
         object_name(at, self.profile).filter(|name| name.object.code.is_single() != self.has_subs(at.index))
     }
 
-    /// Whether the object has sub-indexes, even if it has none at the moment.
+    /// Whether the object has sub-indexes, even if there are none at the moment.
     fn has_subs(&self, index: Index) -> bool {
         let exists = |(sub, answer): (SubIndex, &Answer)| sub.0 > 0 && answer.exists() == Some(true);
         let at = Multiplexer { index, sub: SubIndex(0) };

@@ -1,4 +1,4 @@
-//! One object with its entries.
+//! Makes one object with its entries.
 
 use super::{Facts, Guess, access, types, values};
 use crate::dictionary::data_type::DataType;
@@ -24,7 +24,7 @@ pub(super) fn describe(facts: &Facts<'_>, index: Index, guesses: &mut BTreeMap<M
     let mut object = Object::new(index.0, name_of_object(facts, index), code);
     for mut entry in entries {
         if !has_subs {
-            // A single value has the name of its object.
+            // A VAR's entry has the name of its object.
             entry.name.clone_from(&object.name);
         }
         object.insert(entry);
@@ -42,7 +42,7 @@ fn entry(facts: &Facts<'_>, at: Multiplexer, has_subs: bool) -> (Entry, Vec<Gues
     (entry, type_guess.into_iter().chain(access_guess).collect())
 }
 
-/// The standard's, if the device has it so; an array has elements of one type, without gaps.
+/// The standard's object code, if the device's object has this form. An array has elements of one type, without gaps.
 fn code(standard: Option<ObjectName>, has_subs: bool, entries: &[Entry]) -> ObjectCode {
     let elements = || entries.iter().filter(|entry| entry.sub.0 > 0);
     let types: BTreeSet<DataType> = elements().map(|entry| entry.data_type).collect();
@@ -61,7 +61,7 @@ fn code(standard: Option<ObjectName>, has_subs: bool, entries: &[Entry]) -> Obje
     }
 }
 
-/// The standard's, also where the device has it in another form.
+/// The standard's name, even if the device's object has another form.
 fn name_of_object(facts: &Facts<'_>, index: Index) -> String {
     match object_name(Multiplexer { index, sub: SubIndex(0) }, facts.profile) {
         None => format!("Object {index}"),

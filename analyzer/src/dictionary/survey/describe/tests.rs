@@ -99,7 +99,9 @@ fn other_objects_are_guessed_and_said_to_be() {
     assert!(other.description.dictionary.object(Index(0x2006)).is_none());
     let eds = other.eds();
     assert!(
-        eds.contains("[2000]\r\n; guessed: the data type, from 2 bytes; the access, as only writing tells it\r\n"),
+        eds.contains(
+            "[2000]\r\n; guessed: the data type, from 2 bytes; the access type, which only writing would show\r\n"
+        ),
         "{eds}"
     );
 }

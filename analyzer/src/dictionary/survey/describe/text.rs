@@ -1,4 +1,4 @@
-//! The file: an EDS, with a comment where something is guessed.
+//! The file: an EDS, with a comment for each guess.
 
 use super::{Guess, Scanned};
 use crate::dictionary::check::check;
@@ -8,8 +8,8 @@ use crate::identity::{Multiplexer, SubIndex};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Scanned {
-    /// The text of an EDS. Each entry of which something is guessed has a comment that says so; what a check of the file
-    /// would call an error has one, too: the device has it so.
+    /// The text of an EDS. Each guessed entry has a comment. Properties that a check would report as errors have one,
+    /// too: the device really has them.
     pub fn eds(&self) -> String {
         let (text, _) = eds::write(&self.description);
         let text = with_comments(&text, &self.by_section());
@@ -30,7 +30,7 @@ impl Scanned {
     }
 }
 
-/// Puts comments into their sections; those of none stand first.
+/// Inserts comments into their sections; comments without section come first.
 fn with_comments(text: &str, comments: &BTreeMap<String, String>) -> String {
     let mut commented = comments.get("").map(|comment| format!("{comment}\r\n")).unwrap_or_default();
     for line in text.split_inclusive('\n') {
@@ -47,12 +47,12 @@ fn heading(line: &str) -> Option<&str> {
     line.trim_end().strip_prefix('[').and_then(|line| line.strip_suffix(']'))
 }
 
-/// The section that a line stands in; empty for line 0, which is that of the whole file.
+/// The section that contains a line; empty for line 0, which stands for the whole file.
 fn section_of(text: &str, line: u32) -> &str {
     text.lines().take(line as usize).filter_map(heading).last().unwrap_or_default()
 }
 
-/// What is wrong with the device itself, such as a mapping of another length than the object's.
+/// Waivers for the device's own errors, such as a mapping with another length than the object's.
 fn waivers(text: &str) -> BTreeMap<String, String> {
     let mut rules: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
     let checked = check(text.as_bytes(), None);
@@ -77,23 +77,23 @@ impl std::fmt::Display for Guess {
             Self::TypeBeside(bytes) => {
                 write!(f, "the data type, from {bytes} bytes: the standard's has another length")
             }
-            Self::Access => f.write_str("the access, as only writing tells it"),
+            Self::Access => f.write_str("the access type, which only writing would show"),
         }
     }
 }
 
-/// What is to be known of the whole file.
+/// The comments about the whole file.
 pub(super) fn comments(guesses: &BTreeMap<Multiplexer, Vec<Guess>>) -> Vec<String> {
     let guessed = match guesses.len() {
-        0 => "Nothing had to be guessed of single entries.".to_owned(),
-        1 => "1 entry is guessed in part: a comment in its section says what.".to_owned(),
-        count => format!("{count} entries are guessed in part: comments in their sections say what."),
+        0 => "No single entry had to be guessed.".to_owned(),
+        1 => "1 entry is partly guessed: see the comment in its section.".to_owned(),
+        count => format!("{count} entries are partly guessed: see the comments in their sections."),
     };
     let lines = [
         "Read from a device, as a start: nothing was written to it.",
         "Names, types and access of standard objects are those of CiA 301, 302, 304 and 406.",
         "Defaults are the values that the device had when it was read.",
-        "PDOMapping=1 has what was mapped then; limits, LSS and other bit rates are not known.",
+        "PDOMapping=1 marks the objects that were mapped; limits, LSS and further bit rates are unknown.",
     ];
     lines.into_iter().map(str::to_owned).chain([guessed]).collect()
 }

@@ -1,11 +1,11 @@
-//! The data type of an entry: the standard's where it fits, else one of the length that was read.
+//! The data type of an entry: the standard's if it fits, else one of the value's length.
 
 use super::{Facts, Guess};
 use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::survey::Answer;
 use crate::identity::Multiplexer;
 
-/// The data type, and what of it is guessed. `counts`: the entry tells how many others there are.
+/// The data type, and the guess in it. `counts`: the entry is the count of an object's entries.
 pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (DataType, Option<Guess>) {
     let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.data_type);
     let bytes = match facts.survey.get(at) {
@@ -24,7 +24,7 @@ pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (DataType,
     }
 }
 
-/// The type of that length that means the same as the standard's: later versions of a profile have longer values.
+/// The type of that length closest to the standard's: later versions of a profile have longer values.
 fn of_length(standard: DataType, bytes: &[u8]) -> DataType {
     let same = |data_type: &&DataType| data_type.class() == standard.class() && data_type.bytes() == Some(bytes.len());
     match standard.class() {
@@ -34,7 +34,7 @@ fn of_length(standard: DataType, bytes: &[u8]) -> DataType {
     .unwrap_or_else(|| by_content(bytes))
 }
 
-/// Whole numbers have one, two, four or eight bytes; what can be read as a text is one.
+/// Integers have one, two, four or eight bytes; printable bytes are a text.
 fn by_content(bytes: &[u8]) -> DataType {
     match bytes.len() {
         1 => DataType::UNSIGNED8,
@@ -46,7 +46,7 @@ fn by_content(bytes: &[u8]) -> DataType {
     }
 }
 
-/// Characters that can be printed, up to zeros that fill the rest.
+/// Whether the bytes are printable characters, followed by zeros.
 fn is_text(bytes: &[u8]) -> bool {
     let zeros = bytes.iter().rev().take_while(|&&byte| byte == 0).count();
     let text = bytes.get(..bytes.len() - zeros).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Defaults: what was read of parameters and constants. What the device measures or is in has none.
+//! Defaults: the values read for parameters and constants. Measured values and states have none.
 
 use super::Facts;
 use crate::PdoNumber;
@@ -11,7 +11,7 @@ use crate::object;
 use crate::object::encoder;
 use crate::wire::sdo::{REQUEST_BASE, RESPONSE_BASE};
 
-/// The default, where what was read can be one.
+/// The default, if the value read can be one.
 pub(super) fn default(facts: &Facts<'_>, at: Multiplexer, data_type: DataType, counts: bool) -> Option<Setting> {
     let is_known = counts || is_parameter(facts, at);
     let bytes = facts.survey.value(at).filter(|_| is_known)?;
@@ -24,11 +24,11 @@ pub(super) fn default(facts: &Facts<'_>, at: Multiplexer, data_type: DataType, c
     }
 }
 
-/// Whether the value of the entry is one that the device is delivered with, or that somebody has configured.
+/// Whether the value of the entry is a factory or a configured setting.
 fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
     let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.access);
     match (at.index.0, at.sub.0) {
-        // Errors, what can be stored, the time and the serial number are the device's own.
+        // Errors, storage capabilities, time and serial number are specific to the device.
         (
             0x1001..=0x1003
             | object::STORE_PARAMETERS
@@ -51,7 +51,7 @@ fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
     }
 }
 
-/// A COB-ID of the predefined connection set follows the node-ID; so does any other of a PDO that has the node-ID at its end.
+/// COB-IDs of the predefined connection set follow the node-ID; so do other COB-IDs of PDOs that end in the node-ID.
 fn with_node_id(facts: &Facts<'_>, at: Multiplexer, raw: u64) -> Setting {
     let node = u32::from(facts.node.raw());
     match u32::try_from(raw).map(CobId) {

@@ -2,7 +2,7 @@
 
 use quick_xml::escape::escape;
 
-/// The text of an XML file as far as it is written. Attributes without a value are left out.
+/// The XML text written so far. Attributes without a value are left out.
 pub(super) struct Markup {
     text: String,
     open: Vec<&'static str>,
@@ -15,18 +15,18 @@ impl Markup {
         Self { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), open: Vec::new() }
     }
 
-    /// Begins an element that has others in it.
+    /// Begins an element with nested elements.
     pub fn open(&mut self, name: &'static str, attributes: Attributes<'_>) {
         self.start(name, attributes, ">\n");
         self.open.push(name);
     }
 
-    /// An element without content.
+    /// Writes an element without content.
     pub fn empty(&mut self, name: &'static str, attributes: Attributes<'_>) {
         self.start(name, attributes, "/>\n");
     }
 
-    /// An element with a text; none if there is no text.
+    /// Writes an element with a text; nothing if there is no text.
     pub fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: Option<&str>) {
         if let Some(text) = text {
             self.start(name, attributes, ">");
@@ -35,7 +35,7 @@ impl Markup {
         }
     }
 
-    /// Ends the element that was begun last.
+    /// Ends the innermost open element.
     pub fn close(&mut self) {
         if let Some(name) = self.open.pop() {
             self.indent();

@@ -9,7 +9,7 @@ use crate::dictionary::loss::{Loss, LossKind, Losses};
 use crate::object;
 use markup::Markup;
 
-/// The text of a file that reads as this description, and what of the description is not in it.
+/// The text of a file that reads as this description, and the parts that it can't hold.
 pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     let mut sheet = Sheet { markup: Markup::new(), losses: Losses::default() };
     lost(&mut sheet.losses, description);
@@ -24,20 +24,20 @@ pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     (sheet.markup.into_text(), sheet.losses.0)
 }
 
-/// The file as far as it is written.
+/// The part of the file written so far.
 struct Sheet {
     markup: Markup,
     losses: Losses,
 }
 
 impl Sheet {
-    /// A text of the description as the value of an attribute or element; `None` if it is empty.
+    /// A text of the description for an attribute or element; `None` if it is empty.
     fn text(&mut self, line: u32, place: &str, text: &str) -> Option<String> {
         Some(self.losses.line(line, place, text)).filter(|text| !text.is_empty())
     }
 }
 
-/// What CiA 311 has no place for, as far as this program reads it.
+/// Reports the parts for which CiA 311, as far as this program reads it, has no place.
 fn lost(losses: &mut Losses, description: &DeviceDescription) {
     let file = &description.file;
     losses.no_place(0, "[FileInfo] FileRevision", &file.revision);

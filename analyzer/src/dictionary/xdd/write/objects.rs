@@ -55,7 +55,7 @@ fn sub_object(sheet: &mut Sheet, object: &Object, entry: &Entry) {
     sheet.markup.empty("CANopenSubObject", &attributes);
 }
 
-/// Everything of an entry but its name.
+/// All attributes of an entry but its name.
 fn entry_attributes(sheet: &mut Sheet, place: &str, entry: &Entry) -> [Attribute; 9] {
     let mut value = |name: &str, setting: &Option<Setting>| {
         let setting = setting.as_ref()?;
@@ -86,7 +86,7 @@ fn entry_attributes(sheet: &mut Sheet, place: &str, entry: &Entry) -> [Attribute
     ]
 }
 
-/// CiA 311 has four access types; into which PDO an entry goes stands in the mapping.
+/// CiA 311 has four access types; the mapping tells the direction in PDOs.
 fn access(sheet: &mut Sheet, place: &str, entry: &Entry) -> (&'static str, &'static str) {
     let one_way = matches!(entry.access, Access::Rwr | Access::Rww);
     let access = if one_way { Access::Rw } else { entry.access };

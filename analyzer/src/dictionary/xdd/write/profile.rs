@@ -1,11 +1,11 @@
-//! The two profiles of a file: what the device is, and what it has on the bus.
+//! The two profiles of a file: the device, and its communication.
 
 use super::markup::Attributes;
 use super::{Sheet, objects};
 use crate::dictionary::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo};
 use crate::dictionary::moment::{xml_date, xml_time};
 
-/// Who and what the device is.
+/// Writes the identity and kind of the device.
 pub(super) fn device(sheet: &mut Sheet, description: &DeviceDescription) {
     open(sheet, description, "Device", "ProfileBody_Device_CANopen");
     let device = &description.device;
@@ -24,7 +24,7 @@ pub(super) fn device(sheet: &mut Sheet, description: &DeviceDescription) {
     close(sheet);
 }
 
-/// The objects, and what the device can do on the bus.
+/// Writes the objects, and the device's capabilities on the bus.
 pub(super) fn communication(sheet: &mut Sheet, description: &DeviceDescription) {
     open(sheet, description, "CommunicationNetwork", "ProfileBody_CommunicationNetwork_CANopen");
     sheet.markup.open("ApplicationLayers", &[]);
@@ -47,7 +47,7 @@ pub(super) fn communication(sheet: &mut Sheet, description: &DeviceDescription) 
     close(sheet);
 }
 
-/// The profile's header and the beginning of its body.
+/// Writes the profile's header and the beginning of its body.
 fn open(sheet: &mut Sheet, description: &DeviceDescription, class: &str, body: &str) {
     let file = &description.file;
     let markup = &mut sheet.markup;
@@ -64,7 +64,7 @@ fn open(sheet: &mut Sheet, description: &DeviceDescription, class: &str, body: &
     markup.leaf("ProfileTechnology", &[], Some("CANopen"));
     markup.close();
     markup.close();
-    // Both profiles have the same attributes: what gets lost is reported once.
+    // Both profiles have the same attributes, whose losses are reported once.
     let known = sheet.losses.0.len();
     let attributes = body_attributes(sheet, file, body);
     if class == "Device" {

@@ -1,5 +1,6 @@
 //! The bench on a simulated device that works: each function does on the bus what it says.
 
+mod acting;
 mod blocks;
 mod described;
 mod left;

@@ -1,26 +1,20 @@
-//! The result as JUnit XML, for continuous integration.
+//! The cases of a run for JUnit files.
 //!
 //! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
 //! *not applicable* is skipped, and so is what is in quarantine, with what came of it; *tolerated* and *deviation* pass, with
 //! their reason in the suite's output.
 
 use super::told::Told;
-use super::{Run, cct_forecast, name_in_family, quarantined, repetitions};
-use crate::junit::{Case, Outcome, Problem, Suite, write};
-use crate::provenance;
+use super::{Run, cct_forecast, is_bad, name_in_family, quarantined, repetitions};
+use crate::document::junit::{Case, Outcome, Problem, Suite};
 use canvass_suite::foreign;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_traces::Timestamp;
-use std::io::{self, Write};
 
-/// Writes the document.
-///
-/// # Errors
-/// What `out` gives.
-pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let suites = run.families().into_iter().map(|(family, cases)| suite(run, family, &cases));
-    write("test", &suites.collect::<Vec<_>>(), out)
+/// A suite for each family.
+pub fn of(run: &Run) -> Vec<Suite> {
+    run.families().into_iter().map(|(family, cases)| suite(run, family, &cases)).collect()
 }
 
 fn suite(run: &Run, family: &str, cases: &[&CaseReport]) -> Suite {
@@ -39,7 +33,7 @@ fn suite(run: &Run, family: &str, cases: &[&CaseReport]) -> Suite {
     if !run.other_clients.is_empty() {
         suite.add_properties([("other_clients", foreign::told(&run.other_clients))]);
     }
-    suite.add_properties(provenance::junit_properties(&run.provenance));
+    suite.add_properties(run.provenance.properties());
     suite.add_cases(cases.iter().map(|report| case(report)));
     suite
 }
@@ -89,7 +83,7 @@ fn details(report: &CaseReport) -> Vec<String> {
 
 /// What is to be said of a case that did not simply pass, and did not fail.
 fn remarks(report: &CaseReport) -> Vec<String> {
-    if matches!(report.verdict.kind(), Kind::Fail | Kind::Error | Kind::Inconclusive) {
+    if is_bad(report.verdict.kind()) {
         return Vec::new();
     }
     let mut remarks = Vec::new();

@@ -11,7 +11,8 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
 /// Cases that belong together, with what is to be known of the run.
-pub(crate) struct Suite {
+#[derive(Debug)]
+pub struct Suite {
     name: String,
     properties: Vec<(String, String)>,
     began: Timestamp,
@@ -19,7 +20,8 @@ pub(crate) struct Suite {
 }
 
 /// One thing that was tried.
-pub(crate) struct Case {
+#[derive(Debug)]
+pub struct Case {
     /// What it belongs to, with dots: `canvass.nodes`.
     pub family: String,
     /// Its name in the family.
@@ -33,7 +35,8 @@ pub(crate) struct Case {
 }
 
 /// How a case ended.
-pub(crate) enum Outcome {
+#[derive(Debug)]
+pub enum Outcome {
     /// As it should.
     Passed,
     /// It was not judged.
@@ -48,7 +51,8 @@ pub(crate) enum Outcome {
 }
 
 /// What is to be said of a case that did not pass.
-pub(crate) struct Problem {
+#[derive(Debug)]
+pub struct Problem {
     /// Of what kind it is, in one word or two.
     pub kind: &'static str,
     /// The sentence that tells it.

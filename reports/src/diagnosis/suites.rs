@@ -1,24 +1,19 @@
-//! The diagnosis as JUnit XML: each rule is a case, which fails where it has found an error or a warning.
+//! The rules for JUnit files: each is a case, which fails where it has found what counts.
 
 use super::{Diagnosed, frame, times};
-use crate::junit::{Case, Outcome, Problem, Suite, write};
-use crate::provenance;
+use crate::document::junit::{Case, Outcome, Problem, Suite};
 use canvass_analyzer::findings::{Finding, Metadata, Severity, all};
-use std::io::{self, Write};
 
-/// Writes the document. What is less severe than `fail_on` passes; its words stand in the output.
-///
-/// # Errors
-/// What `out` gives.
-pub fn render(diagnosed: &Diagnosed<'_>, fail_on: Option<Severity>, out: &mut dyn Write) -> io::Result<()> {
+/// A suite for each family of rules. What is less severe than `fail_on` passes; its words stand in the output.
+pub fn of(diagnosed: &Diagnosed<'_>, fail_on: Option<Severity>) -> Vec<Suite> {
     let rules: Vec<&Metadata> = all().map(|definition| definition.metadata).collect();
-    let suites = rules.chunk_by(|a, b| self::family(a) == self::family(b)).map(|family| {
-        let mut suite = Suite::new(family.first().map_or("", |rule| self::family(rule)));
-        suite.add_properties(provenance::junit_properties(diagnosed.provenance));
-        suite.add_cases(family.iter().map(|rule| case(diagnosed, rule, fail_on)));
+    let suite = |rules: &[&Metadata]| {
+        let mut suite = Suite::new(rules.first().map_or("", |rule| family(rule)));
+        suite.add_properties(diagnosed.provenance.properties());
+        suite.add_cases(rules.iter().map(|rule| case(diagnosed, rule, fail_on)));
         suite
-    });
-    write("diagnose", &suites.collect::<Vec<_>>(), out)
+    };
+    rules.chunk_by(|a, b| family(a) == family(b)).map(suite).collect()
 }
 
 fn family(rule: &Metadata) -> &str {

@@ -1,0 +1,238 @@
+//! What is reported of one case: on a terminal what matters most, on less than a screen.
+
+use super::told::Told;
+use super::{cct_forecast, decisive, delays, hex, quarantined, recorded, repetitions, symbol, timeline, tone, uses};
+use crate::document::{Block, Cell, Column, Depth, Fact, Finding, Row, Table, Tone, fact};
+use crate::page_text::counted;
+use crate::time::milliseconds;
+use canvass_suite::bench::Exhibit;
+use canvass_suite::runner::CaseReport;
+use canvass_suite::verdict::Kind;
+use canvass_traces::{Direction, Timestamp};
+
+/// The lines of a case below its title on a terminal: with that, and an empty one before it, it fits on one of 24 lines.
+const LINES: usize = 22;
+/// Of these lines, so many are for breaches.
+const BREACHES: usize = 12;
+/// And this many for what else was noticed.
+const REMARKS: usize = 4;
+/// More frames than these explain nothing on a terminal.
+const FRAMES: usize = 16;
+/// The frames of a case in Markdown: the last ones.
+const FRAMES_ON_PAPER: usize = 20;
+
+/// The name of the case as a place on the page.
+pub fn anchor(report: &CaseReport) -> String {
+    report.case.id.replace('/', "-")
+}
+
+/// The sign and the verdict of a case.
+fn badge(report: &CaseReport) -> String {
+    let kind = report.verdict.kind();
+    format!("{} {kind}", symbol(kind))
+}
+
+/// A row for the list of what failed.
+pub fn line(report: &CaseReport) -> Row {
+    let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
+    let why = quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default() + &reason;
+    let kind = report.verdict.kind();
+    let case = Cell { link: format!("#{}", anchor(report)), ..report.case.id.into() };
+    Row {
+        tone: tone(kind),
+        lines: vec![format!("{} {}  {why}", symbol(kind), report.case.id)],
+        ..Row::of([Cell { tone: tone(kind), ..badge(report).into() }, case, why.into()])
+    }
+}
+
+/// A case, with as much about it as there is room for.
+pub fn finding(report: &CaseReport, depth: Depth) -> Finding {
+    let kind = report.verdict.kind();
+    Finding {
+        tone: tone(kind),
+        badge: badge(report),
+        title: report.case.id.to_owned(),
+        id: report.case.clause.to_string(),
+        anchor: anchor(report),
+        data_kind: kind.name(),
+        is_open: matches!(kind, Kind::Fail | Kind::Error),
+        body: if depth == Depth::Screen { on_a_screen(report) } else { in_full(report, depth) },
+    }
+}
+
+/// The worst breach, as many more as there is room for, the foremost remarks, and frames in the rest of the room.
+fn on_a_screen(report: &CaseReport) -> Vec<Block> {
+    let all: Vec<Vec<Fact>> = Told::all(report).iter().map(facts).collect();
+    let (mut blocks, mut used) = (Vec::new(), 0);
+    for (at, facts) in all.iter().enumerate() {
+        // The last line may have to say how many are left out.
+        let room = if at + 1 == all.len() { BREACHES } else { BREACHES - 1 };
+        if at > 0 && used + facts.len() > room {
+            let hidden = all.len() - at;
+            blocks.push(Block::Text(format!("… {hidden} more breach{}", if hidden == 1 { "" } else { "es" })));
+            used += 1;
+            break;
+        }
+        used += facts.len();
+        blocks.push(Block::Facts(facts.clone()));
+    }
+    let mut remarks = remarks(report);
+    if remarks.len() > REMARKS {
+        let hidden = remarks.len() - (REMARKS - 1);
+        remarks.truncate(REMARKS - 1);
+        remarks.push(fact("…", format!("{hidden} more notes")));
+    }
+    used += remarks.len();
+    blocks.push(Block::Facts(remarks));
+    if report.verdict.kind() != Kind::Pass {
+        let (frames, before) = decisive(report, FRAMES.min(LINES.saturating_sub(used + 1)));
+        let told = format!("… {} before", counted(before as usize, "frame"));
+        blocks.extend((before > 0).then_some(Block::Text(told)));
+        blocks.push(Block::Table(Table::of(["time", "frame", "", "meaning"], frames.into_iter().map(seen))));
+    }
+    blocks
+}
+
+/// A frame by the time of the recording.
+fn seen(Exhibit { record, text }: &Exhibit) -> Row {
+    let time = format!("({})", record.timestamp);
+    Row::of([time, record.frame.to_string(), record.direction.to_string(), text.clone()])
+}
+
+/// A breach, or why the case did not come to its end.
+fn facts(told: &Told) -> Vec<Fact> {
+    let mut facts = vec![fact("duty", &told.duty), fact("expected", &told.expected), fact("found", &told.found)];
+    facts.extend(told.excuse.iter().map(|excuse| fact(&told.authority().to_lowercase(), &excuse.documented)));
+    facts.extend(told.waiver().map(|waiver| fact("as data", waiver)));
+    facts
+}
+
+/// What else was noticed.
+fn remarks(report: &CaseReport) -> Vec<Fact> {
+    let mut remarks: Vec<Fact> = quarantined(report).map(|told| fact("quarantine", told)).into_iter().collect();
+    if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
+        remarks.push(fact("forecast", format!("case {number} of CiA's test tool would {forecast}")));
+    }
+    remarks.extend(repetitions(report).map(|told| fact("repeated", told)));
+    remarks.extend(uses(report).map(|uses| fact("used", uses)));
+    remarks.extend(report.measurements.iter().map(|measurement| fact("measured", measurement)));
+    remarks.extend(report.notes.iter().map(|note| fact("note", note)));
+    remarks
+}
+
+fn in_full(report: &CaseReport, depth: Depth) -> Vec<Block> {
+    let mut blocks = vec![Block::Text(report.case.requirement.to_owned())];
+    blocks.extend(Told::all(report).iter().map(|told| Block::Facts(facts(told))));
+    let mut remarks = remarks(report);
+    remarks
+        .extend([fact("level", report.case.level.name()), fact("duration", format!("{} on the bus", report.duration))]);
+    blocks.push(Block::Facts(remarks));
+    blocks.extend(evidence(report, depth));
+    blocks
+}
+
+fn evidence(report: &CaseReport, depth: Depth) -> Option<Block> {
+    let all: Vec<&Exhibit> = report.evidence.frames().collect();
+    let start = all.first()?.record.timestamp;
+    let omitted = report.evidence.omitted();
+    let mut title = format!("{} frames", all.len());
+    if omitted > 0 {
+        title += &format!(" ({omitted} more left out)");
+    }
+    if let Some([first, last]) = recorded(report) {
+        title += &format!(": #{first} to #{last} of the recording");
+    }
+    if depth < Depth::Page {
+        let frames = decisive(report, FRAMES_ON_PAPER).0;
+        return Some(Block::fold(title, vec![table(frames.into_iter().map(|shown| row(shown, start)))]));
+    }
+    let mut rows: Vec<Row> = all.iter().map(|shown| row(shown, start)).collect();
+    if omitted > 0 {
+        let gap = ["", "", "", "", "", &format!("{omitted} frames left out")];
+        rows.insert(report.evidence.gap().min(rows.len()), Row { tone: Tone::Odd, ..Row::of(gap) });
+    }
+    let pictures = [timeline::strip(&all), delays::plot(&all)].map(Block::Markup);
+    let blocks = pictures.into_iter().chain([table(rows.into_iter())]).collect();
+    Some(Block::Fold { title, is_open: matches!(report.verdict.kind(), Kind::Fail | Kind::Error), blocks })
+}
+
+fn table(rows: impl Iterator<Item = Row>) -> Block {
+    let names = ["", "CAN-ID", "data", "meaning"].map(Column::new);
+    Block::Table(Table::new([Column::right("#"), Column::right("ms")].into_iter().chain(names), rows))
+}
+
+fn row(Exhibit { record, text }: &Exhibit, start: Timestamp) -> Row {
+    let number = record.place.number;
+    let is_sent = record.direction == Direction::Tx;
+    let (sign, title) = if is_sent { ("→", "sent by the tester") } else { ("←", "received") };
+    let anchor = if number > 0 { format!("frame-{number}") } else { String::new() };
+    let place = match number {
+        0 => Cell::default(),
+        _ => Cell { link: format!("#{anchor}"), ..number.to_string().into() },
+    };
+    let time = milliseconds(record.timestamp.since(start));
+    let direction = Cell { title: title.to_owned(), ..sign.into() };
+    let meaning = Cell { class: "text".to_owned(), ..text.clone().into() };
+    let cells = [place, time.into(), direction, record.frame.id().to_string().into(), hex(record).into(), meaning];
+    Row { tone: if is_sent { Tone::Faint } else { Tone::Plain }, anchor, ..Row::of(cells) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::height;
+    use canvass_bus::observation::{Observation, Subject};
+    use canvass_suite::bench::Evidence;
+    use canvass_suite::catalogue;
+    use canvass_suite::verdict::{Breach, Ruled, Verdict};
+    use canvass_traces::{CanId, ChannelId, Duration, Frame, Record};
+
+    fn report(breaches: usize, notes: usize, frames: u64) -> CaseReport {
+        let breach = |n| Breach::new(Subject::Device, format!("duty {n}")).found(Observation::Silence);
+        let ruled = (0..breaches).map(|n| Ruled { breach: breach(n), excuse: None }).collect();
+        let mut evidence = Evidence::default();
+        let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
+        for n in 0..frames {
+            evidence.push(Exhibit { record: Record::new(Timestamp(n), ChannelId(0), frame), text: String::new() });
+        }
+        CaseReport {
+            case: catalogue::cases()[0],
+            verdict: Verdict::new(ruled, None),
+            evidence,
+            notes: vec!["a note".to_owned(); notes],
+            measurements: Vec::new(),
+            uses: Vec::new(),
+            foreign: Vec::new(),
+            outcomes: vec![Kind::Fail],
+            quarantine: None,
+            duration: Duration::ZERO,
+        }
+    }
+
+    /// What a terminal shows of it, below its title.
+    fn body(breaches: usize, notes: usize, frames: u64) -> Vec<Block> {
+        finding(&report(breaches, notes, frames), Depth::Screen).body
+    }
+
+    fn text(breaches: usize, notes: usize, frames: u64) -> String {
+        format!("{:?}", body(breaches, notes, frames))
+    }
+
+    #[test]
+    fn a_case_takes_at_most_a_screen_whatever_it_found() {
+        for (breaches, notes, frames) in [(1, 0, 500), (300, 0, 500), (1, 300, 3), (300, 300, 500), (3, 0, 0)] {
+            let height = height(&body(breaches, notes, frames));
+            assert!(height <= LINES, "{breaches} {notes} {frames}: {height}");
+            assert!(text(breaches, notes, frames).contains("duty 0"));
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_counted() {
+        let shown = text(300, 0, 500);
+        assert!(shown.contains("more breaches") && shown.contains("frames before"), "{shown}");
+        let told = text(3, 0, 2);
+        assert!(told.contains("duty 2") && !told.contains("more"), "{told}");
+        assert!(text(1, 9, 0).contains("6 more notes"));
+    }
+}
