@@ -2,7 +2,7 @@
 //! spliced and changed.
 #![cfg(test)]
 
-#[path = "../../fuzz/src/lib.rs"]
+#[path = "../../fuzz-targets/src/lib.rs"]
 mod targets;
 
 use proptest::prelude::*;
@@ -83,8 +83,8 @@ fn every_capture_format_has_its_target() {
         let name = format.id().trim_start_matches("candump-");
         assert!(TARGETS.iter().any(|target| target.0 == name), "{name}");
     }
-    let manifest = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/Cargo.toml")).unwrap();
+    let manifest = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz-targets/Cargo.toml")).unwrap();
     for (name, ..) in TARGETS {
-        assert!(manifest.contains(&format!("fuzz_targets/{name}.rs")), "{name}");
+        assert!(manifest.contains(&format!("targets/{name}.rs")), "{name}");
     }
 }

@@ -10,6 +10,9 @@ use std::sync::Mutex;
 /// How long each target runs, in seconds, unless CI says otherwise.
 pub const USUAL: u32 = 15;
 
+/// Where the targets stand. `fuzz`, where cargo-fuzz looks without being told, would be taken for the fuzzer of devices.
+const FOLDER: &str = "fuzz-targets";
+
 /// A description has many more paths than the others: it runs twice as long.
 const LONG: &str = "description";
 
@@ -24,9 +27,9 @@ const AT_ONCE: usize = 2;
 fn seeds(target: &str) -> &'static [&'static str] {
     match target {
         "description" | "model" => &["analyzer/tests/eds", "conformance/device/models"],
-        "waivers" => &["fuzz/seeds/waivers"],
-        "slcan" => &["fuzz/seeds/slcan"],
-        "reproducer" => &["traces/samples", "fuzz/seeds/reproducer"],
+        "waivers" => &["fuzz-targets/seeds/waivers"],
+        "slcan" => &["fuzz-targets/seeds/slcan"],
+        "reproducer" => &["traces/samples", "fuzz-targets/seeds/reproducer"],
         "wire" | "filter" | "motion" => &[],
         _ => &["traces/samples"],
     }
@@ -44,7 +47,7 @@ pub fn fuzz(seconds: u32) -> Result<()> {
         // It only calls others: optimising it would take longer than it runs.
         run("cargo", &["install", "cargo-fuzz", "--locked", "--debug", "--quiet"])?;
     }
-    run("cargo", &["+nightly", "fuzz", "build"])?;
+    run("cargo", &["+nightly", "fuzz", "build", "--fuzz-dir", FOLDER])?;
     let targets = targets()?;
     let next = Mutex::new(targets.into_iter());
     let failed = Mutex::new(Vec::new());
@@ -65,7 +68,8 @@ pub fn fuzz(seconds: u32) -> Result<()> {
 
 /// The names of all targets, by what cargo-fuzz finds.
 fn targets() -> Result<Vec<String>> {
-    let output = Command::new("cargo").args(["+nightly", "fuzz", "list"]).output().context("can't run cargo fuzz")?;
+    let output = Command::new("cargo").args(["+nightly", "fuzz", "list", "--fuzz-dir", FOLDER]).output();
+    let output = output.context("can't run cargo fuzz")?;
     let names: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect();
     ensure!(!names.is_empty(), "cargo fuzz knows no targets");
     Ok(names)
@@ -73,20 +77,20 @@ fn targets() -> Result<Vec<String>> {
 
 fn run_target(target: &str, seconds: u32) -> Result<()> {
     // The first folder takes what the fuzzer finds; the others it only reads.
-    let found = format!("fuzz/corpus/{target}");
+    let found = format!("{FOLDER}/corpus/{target}");
     std::fs::create_dir_all(&found)?;
     let folders = seeds(target).iter().filter(|folder| Path::new(folder).is_dir());
     let seconds = if target == LONG { 2 * seconds } else { seconds };
     let time = format!("-max_total_time={seconds}");
     let output = Command::new("cargo")
-        .args(["+nightly", "fuzz", "run", target, &found])
+        .args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, target, &found])
         .args(folders)
         .args(["--", &time, MOST_AT_ONCE, "-rss_limit_mb=4096", "-print_final_stats=1"])
         .output()?;
     let log = String::from_utf8_lossy(&output.stderr);
     let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 3 } else { 80 }).collect();
     let last: Vec<&str> = last.into_iter().rev().collect();
-    eprintln!("$ cargo +nightly fuzz run {target} for {seconds} s\n{}", last.join("\n"));
+    eprintln!("$ cargo +nightly fuzz run --fuzz-dir {FOLDER} {target} for {seconds} s\n{}", last.join("\n"));
     ensure!(output.status.success(), "the fuzz target {target} found an input that breaks it, see above");
     Ok(())
 }

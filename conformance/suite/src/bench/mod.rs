@@ -37,6 +37,7 @@ mod presence;
 mod profile;
 pub(crate) mod promptness;
 mod provide;
+mod quiet;
 mod restore;
 mod rewrite;
 pub mod sdo;

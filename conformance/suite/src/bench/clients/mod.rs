@@ -6,9 +6,7 @@ mod echo;
 mod queue;
 
 use super::foreign::{Foreign, Form};
-use super::traffic::Traffic;
 use crate::foreign::{ForeignKind, ForeignMessages};
-use crate::verdict::Stop;
 use addresses::Addresses;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::wire::Wire;
@@ -19,12 +17,6 @@ use canvass_traces::{Direction, Duration, Record, Timestamp};
 use echo::Echo;
 use queue::ServerQueue;
 use std::collections::BTreeMap;
-
-/// A client that polls asks again within this time.
-const POLL: Duration = Duration::from_millis(1_100);
-
-/// The least and the most time that an answer to others is waited for.
-const PATIENCE: (Duration, Duration) = (Duration::from_millis(10), Duration::from_millis(200));
 
 /// What is known of other clients.
 #[derive(Debug)]
@@ -157,6 +149,16 @@ impl Clients {
         self.answered_others
     }
 
+    /// Until when the SDO server has requests of others to answer, if each takes no longer than `patience`.
+    pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
+        self.queue.busy_until(now, patience)
+    }
+
+    /// The period of the others' requests, and when the next one is due.
+    pub fn next_request(&self) -> Option<(Duration, Timestamp)> {
+        self.queue.next_foreign()
+    }
+
     /// How many requests others have sent to the SDO server.
     pub const fn requests(&self) -> u64 {
         self.queue.foreign()
@@ -186,41 +188,4 @@ fn described(node: NodeId, description: &DeviceDescription) -> Addresses {
         Some((at, u32::try_from(value).ok()?))
     });
     Addresses::of_values(node, values)
-}
-
-impl Traffic<'_> {
-    /// Waits until the SDO server has answered all requests of others, or can't be expected to. `slowest`: the longest that an
-    /// answer took so far.
-    pub(super) fn wait_for_quiet(&mut self, slowest: Duration) -> Result<(), Stop> {
-        let begun = self.now();
-        let patience = slowest.times(3).clamp(PATIENCE.0, PATIENCE.1);
-        while let Some(until) = self.clients.queue.busy_until(self.now(), patience) {
-            // A client that asks without a pause leaves no quiet moment.
-            if self.now().since(begun) > PATIENCE.1 {
-                break;
-            }
-            self.receive(until)?;
-        }
-        Ok(())
-    }
-
-    /// Waits for a moment at which a dialogue of several messages has time before others ask again: not where they are likely to
-    /// do so soon.
-    pub(super) fn wait_for_time(&mut self, slowest: Duration) -> Result<(), Stop> {
-        match self.clients.queue.next_foreign() {
-            Some((period, next)) if period < POLL && next > self.now() && next.since(self.now()).0 < period.0 / 2 => {
-                self.wait_for_pause(slowest)
-            }
-            _ => self.wait_for_quiet(slowest),
-        }
-    }
-
-    /// Waits until others have asked once more, and have their answer: then they pause.
-    pub(super) fn wait_for_pause(&mut self, slowest: Duration) -> Result<(), Stop> {
-        let (before, deadline) = (self.clients.requests(), self.now() + POLL);
-        while self.clients.requests() == before && self.now() < deadline {
-            self.receive(deadline)?;
-        }
-        self.wait_for_quiet(slowest)
-    }
 }

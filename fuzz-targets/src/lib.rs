@@ -1,5 +1,5 @@
 //! Everything that reads bytes from outside, and what must hold for it whatever the bytes are: nothing panics, and what
-//! is refused is refused with words. Coverage-guided by `cargo +nightly fuzz run TARGET`; with random and with mutated
+//! is refused is refused with words. Coverage-guided by `cargo +nightly fuzz run --fuzz-dir fuzz-targets TARGET`; with random and with mutated
 //! real inputs by a test of the workspace, on every toolchain.
 
 use canvass_analyzer::dictionary::DeviceDescription;
@@ -31,10 +31,10 @@ pub const TARGETS: &[Target] = &[
     ("wire", wire, &[]),
     ("description", description, &["analyzer/tests/eds", "conformance/device/models"]),
     ("filter", filter, &[]),
-    ("waivers", waivers, &["fuzz/seeds/waivers"]),
+    ("waivers", waivers, &["fuzz-targets/seeds/waivers"]),
     ("model", model, &["conformance/device/models"]),
-    ("slcan", slcan, &["fuzz/seeds/slcan"]),
-    ("reproducer", reproducer, &["traces/samples", "fuzz/seeds/reproducer"]),
+    ("slcan", slcan, &["fuzz-targets/seeds/slcan"]),
+    ("reproducer", reproducer, &["traces/samples", "fuzz-targets/seeds/reproducer"]),
     ("motion", motion, &[]),
 ];
 
