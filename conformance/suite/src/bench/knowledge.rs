@@ -5,7 +5,7 @@ use super::state::Heartbeats;
 use crate::verdict::Reason;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Whether the device has what a case needs; if not, why not.
 pub type Met = Result<(), String>;
@@ -37,6 +37,8 @@ pub(crate) struct Knowledge {
     pub(super) heartbeats: Option<Heartbeats>,
     /// Which objects let themselves be written with the value that they have.
     pub(super) willing: BTreeMap<Multiplexer, bool>,
+    /// Objects that have taken another value than they had.
+    pub(super) takes: BTreeSet<Multiplexer>,
     /// The longest that the device took to answer a request that it served at once.
     pub(super) slowest_answer: Duration,
     /// 1000h as it was read first.

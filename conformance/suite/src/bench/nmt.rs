@@ -236,8 +236,13 @@ impl Bench<'_> {
             self.knowledge.starts_by_itself = Some(true);
             return Ok(true);
         }
-        self.show_state()?;
-        let found = self.state()? != Some(State::PRE_OPERATIONAL);
+        let found = match self.show_state() {
+            Err(Stop::Inconclusive(_)) if !self.is_cancelled() => true,
+            shown => {
+                shown?;
+                self.state()? != Some(State::PRE_OPERATIONAL)
+            }
+        };
         self.knowledge.starts_by_itself = Some(found);
         // A firmware that keeps values over a reset must not keep this one.
         self.restore();

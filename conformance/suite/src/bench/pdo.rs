@@ -196,6 +196,10 @@ impl Bench<'_> {
         let steps = [off, (pdo.entry(0), vec![0])].into_iter().chain(entries).chain([(pdo.entry(0), vec![count]), on]);
         for (multiplexer, value) in steps {
             self.download(multiplexer, &value)?.expect_confirmation()?;
+            // Some devices heed what was last read of a COB-ID.
+            if multiplexer == pdo.entry(0) {
+                self.expect_effect(multiplexer, &value)?;
+            }
         }
         Ok(())
     }

@@ -5,12 +5,12 @@ pub use super::attempt::{Attempt, Reply};
 use super::Bench;
 use super::attempt::subject_of;
 use super::block::ABORT;
-use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
-use canvass_bus::client::sdo::{Mode, Outcome, ServerLine, Transfer};
+use canvass_bus::client::sdo::{Bytes, Mode, Outcome, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
@@ -59,9 +59,21 @@ impl Bench<'_> {
     /// Reads a value that the case needs but is not about.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device does not give it.
+    /// [`Stop::Inconclusive`] if the device does not give it, or not in the length of its described type.
     pub fn read(&mut self, multiplexer: Multiplexer) -> Result<Vec<u8>, Stop> {
-        self.upload(multiplexer)?.value().or_inconclusive()
+        let value = self.upload(multiplexer)?.value().or_inconclusive()?;
+        match self.described_length(multiplexer) {
+            Some(length) if length != value.len() => {
+                let duty = format!("{multiplexer} has the length of its data type");
+                Err(Stop::Inconclusive(Reason::new(duty, format!("{length} bytes"), Bytes(&value).to_string())))
+            }
+            _ => Ok(value),
+        }
+    }
+
+    fn described_length(&self, multiplexer: Multiplexer) -> Option<usize> {
+        let description = self.target.description.as_ref()?;
+        description.dictionary.entry(multiplexer).ok()?.data_type.bytes()
     }
 
     /// Reads a number of up to four bytes that the case needs but is not about.
@@ -76,20 +88,27 @@ impl Bench<'_> {
     /// Writes a value that the case needs but is not about.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses it, or confirms it and keeps the value from before.
     pub fn write(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        self.write_confirmed(multiplexer, value)?;
+        self.expect_effect(multiplexer, value)
+    }
+
+    /// The same for a value whose effect is what the case judges: it only has to be confirmed.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn write_confirmed(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download(multiplexer, value)?.expect_confirmation().or_inconclusive()
     }
 
     /// The number that an object holds; `None`: it can't be read.
     pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
-        Ok(self.value_at_last(at)?.map(|value| super::sdo::number(&value)))
+        Ok(self.value_at_last(at)?.map(|value| number(&value)))
     }
 
     /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
-        use canvass_bus::client::Outcome;
-        const TRIES: usize = 3;
         for _ in 0..TRIES {
             match self.upload(at)?.outcome {
                 Outcome::Uploaded(value) => return Ok(Some(value)),
@@ -104,6 +123,28 @@ impl Bench<'_> {
     /// Writes an object now, and remembers nothing of it.
     pub(crate) fn download_now(&mut self, at: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download_as(at, value, Mode::Shortest).map(|_| ())
+    }
+
+    /// What follows from a write says nothing about a device that confirms it and does nothing. Looked at once in a run, when
+    /// an object is first given another value than it had before the case.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the object has the value from before.
+    pub(crate) fn expect_effect(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        let Some(before) = self.changes.value_before(multiplexer).filter(|before| *before != value).map(<[u8]>::to_vec)
+        else {
+            return Ok(());
+        };
+        if self.knowledge.takes.contains(&multiplexer) {
+            return Ok(());
+        }
+        let Outcome::Uploaded(now) = self.unjudged(|bench| bench.upload(multiplexer))?.outcome else { return Ok(()) };
+        if now == before {
+            let duty = format!("{multiplexer} takes the value that was written and confirmed");
+            return Err(Stop::Inconclusive(Reason::new(duty, Bytes(value).to_string(), Bytes(&now).to_string())));
+        }
+        self.knowledge.takes.insert(multiplexer);
+        Ok(())
     }
 
     /// Sends one SDO message, in or out of place, and waits for one response.

@@ -6,6 +6,7 @@
 
 mod liberties;
 mod masking;
+pub mod null;
 
 pub use liberties::{Chance, Dice, LibertyRow, Sparing};
 pub use masking::{Masked, Masking};
@@ -18,9 +19,9 @@ use crate::runner::{CaseReport, run_case};
 use crate::touch::Touch;
 use crate::verdict::{Grade, Kind, Reason, Ruled, Verdict};
 use canvass_analyzer::NodeId;
-use canvass_bus::SimulatedBus;
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
+use canvass_bus::{Machine, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
 use canvass_device::{Fault, Firmware};
@@ -260,9 +261,22 @@ fn judge_hearing(
     knowledge: &mut Knowledge,
     hear: &mut dyn FnMut(&Record),
 ) -> CaseReport {
-    let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
-    bus.attach(Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)));
+    let new =
+        |motion| -> Box<dyn Machine> { Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)) };
+    judge_machine(case, new, model.default_bit_rate(), target, knowledge, hear)
+}
+
+/// As [`judge_hearing`], on a machine of that motion which `new` makes.
+fn judge_machine(
+    case: &'static Case,
+    new: impl FnOnce(Motion) -> Box<dyn Machine>,
+    bit_rate: u32,
+    target: &Target,
+    knowledge: &mut Knowledge,
+    hear: &mut dyn FnMut(&Record),
+) -> CaseReport {
+    let mut bus = SimulatedBus::new(bit_rate);
+    bus.attach(new(Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 })));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |record: &Record| {

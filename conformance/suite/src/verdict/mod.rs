@@ -9,7 +9,7 @@ mod stop;
 
 pub use breach::{Allowed, Breach, Check, Grade, When, observed, observed_response};
 pub use deviation::Deviation;
-pub use stop::{Judged, Precondition, Stop};
+pub use stop::{Judged, Precondition, Stop, tried};
 
 use std::fmt;
 

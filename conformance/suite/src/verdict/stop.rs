@@ -37,6 +37,17 @@ impl Stop {
     }
 }
 
+/// Sees that a case has tried something: where nothing could be tried, nothing is known. `what` says what it needed.
+///
+/// # Errors
+/// [`Stop::Inconclusive`] if it has not.
+pub fn tried(times: usize, what: &'static str) -> Judged {
+    if times > 0 {
+        return Ok(());
+    }
+    Err(Stop::Inconclusive(Reason::new("the case tries what it is about", what, "none that the device answers so")))
+}
+
 impl From<Box<Breach>> for Stop {
     fn from(breach: Box<Breach>) -> Self {
         Self::Breach(breach)

@@ -179,6 +179,7 @@ fn frame_bit(bench: &mut Bench<'_>) -> Judged {
                 bench.check(attempt.refused(Situation::InvalidValue))?;
             }
         } else {
+            bench.expect_effect(at, &(off & !0x7FF | FRAME | FREE).to_le_bytes())?;
             let long = bench.download(at, &(off & !0x1FFF_FFFF | FRAME | LONG).to_le_bytes())?;
             bench.check(long.under("which has 29 bits, after bit 29 was taken").refused(Situation::Confirmed))?;
         }

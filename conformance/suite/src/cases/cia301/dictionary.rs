@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Stop, demand};
+use crate::verdict::{Breach, Judged, Stop, demand, tried};
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
@@ -46,6 +46,7 @@ fn described(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoSubIndex])]
 fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
+    let mut asked = 0;
     for index in [
         object::IDENTITY,
         object::TPDO_COMMUNICATION_PARAMETER,
@@ -65,8 +66,9 @@ fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
         }
         let attempt = bench.upload(Multiplexer::new(index, beyond))?;
         bench.check(attempt.refused(Situation::MissingEntry))?;
+        asked += 1;
     }
-    Ok(())
+    tried(asked, "an object whose sub-index 0 can be read")
 }
 
 fn readable(bench: &Bench<'_>) -> Vec<(Multiplexer, DataType)> {
@@ -86,6 +88,7 @@ const fn is_momentary(code: AbortCode) -> bool {
 #[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Should,
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
+    let mut asked = 0;
     for index in [
         object::IDENTITY,
         object::PREDEFINED_ERROR_FIELD,
@@ -93,9 +96,10 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
         object::TPDO_MAPPING_PARAMETER,
         object::RPDO_COMMUNICATION_PARAMETER,
     ] {
-        if !bench.has(Multiplexer::new(index, 0))? {
+        if !bench.has(Multiplexer::new(index, 0))? || bench.upload(Multiplexer::new(index, 0))?.abort().is_some() {
             continue;
         }
+        asked += 1;
         let attempt = bench.upload(Multiplexer::new(index, 0xFF))?;
         let Outcome::Uploaded(value) = &attempt.outcome else {
             bench.check(attempt.refused(Situation::MissingEntry))?;
@@ -114,7 +118,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
                 .found(Observation::Value(value.clone()))
         }))?;
     }
-    Ok(())
+    tried(asked, "an object whose sub-index 0 can be read")
 }
 
 /// After every reset node the parameters have the same values. Those that are not the defaults of the description are
@@ -123,6 +127,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
        needs = [Description], catches = [ParameterDriftsAtReset], cct = "4.8")]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
     let before = parameters(bench)?;
+    tried(before.len(), "a parameter that can be read")?;
     bench.reset(canvass_analyzer::wire::nmt::Command::RESET_NODE)?;
     let after = parameters(bench)?;
     for (at, before) in &before {

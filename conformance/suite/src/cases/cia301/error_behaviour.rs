@@ -43,7 +43,7 @@ fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged 
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
-    bench.write(BEHAVIOUR, &[behaviour])?;
+    bench.write_confirmed(BEHAVIOUR, &[behaviour])?;
     bench.show_state()?;
     bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
     bench.reach(from)?;

@@ -5,7 +5,7 @@ use crate::bench::pdo::{Pdo, RPDO, TPDO};
 use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop};
+use crate::verdict::{Judged, Reason, Stop, tried};
 use canvass_analyzer::CobId;
 
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
@@ -83,10 +83,12 @@ fn parameters_while_off(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("a TPDO can be switched off", "one in the description", "none");
         return Err(Stop::NotApplicable(reason));
     }
+    let mut off = 0;
     bench.each(pdos, |bench, (pdo, own)| {
         if bench.download(pdo.parameter(1), &(own.0 | CobId::INVALID).to_le_bytes())?.abort().is_some() {
             return Ok(());
         }
+        off += 1;
         bench.each([(3, 1_000_u16), (5, 500), (6, 1), (6, 240)], |bench, (sub, value)| {
             let at = pdo.parameter(sub);
             if bench.described(at) != Some(true) || !bench.can_write(at)? || !bench.is_within_limits(at, value.into()) {
@@ -99,5 +101,6 @@ fn parameters_while_off(bench: &mut Bench<'_>) -> Judged {
             bench.download(at, &before).map(|_| ())
         })?;
         bench.download(pdo.parameter(1), &own.0.to_le_bytes()).map(|_| ())
-    })
+    })?;
+    tried(off, "a TPDO that can be switched off")
 }

@@ -51,7 +51,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     scratches.extend(bench.application_scratch()?);
     scratches.dedup_by_key(|scratch| scratch.multiplexer);
     for scratch in &scratches {
-        bench.write(scratch.multiplexer, &scratch.other)?;
+        bench.write_confirmed(scratch.multiplexer, &scratch.other)?;
     }
     let saved = bench.download(STORE, b"save")?;
     if !bench.stores_by_itself()? {

@@ -7,7 +7,7 @@ use crate::bench::objects::Scratch;
 use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand, tried};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
@@ -54,15 +54,18 @@ fn every_restore_signature(bench: &mut Bench<'_>) -> Judged {
 
 fn every_signature(bench: &mut Bench<'_>, index: u16, wrong: [[u8; 4]; 5]) -> Judged {
     let objects = sub_indexes(bench, index)?;
+    let mut asked = 0;
     bench.each(objects, |bench, at| {
         if !bench.can_write(at)? {
             return Ok(());
         }
+        asked += 1;
         bench.each(wrong, |bench, signature| {
             let attempt = bench.download(at, &signature)?;
             bench.check(attempt.refused(Situation::WrongSignature))
         })
-    })
+    })?;
+    tried(asked, "a sub-index that sub-index 0 counts and that can be written")
 }
 
 /// Each sub-index of 1010h and 1011h tells what it can in an UNSIGNED32: on command in bit 0, and of 1010h by itself in
@@ -72,6 +75,7 @@ fn every_signature(bench: &mut Bench<'_>, index: u16, wrong: [[u8; 4]; 5]) -> Ju
 fn every_capability(bench: &mut Bench<'_>) -> Judged {
     let mut objects = sub_indexes(bench, object::STORE_PARAMETERS)?;
     objects.extend(sub_indexes(bench, object::RESTORE_DEFAULT_PARAMETERS)?);
+    tried(objects.len(), "a sub-index that sub-index 0 counts")?;
     bench.each(objects, |bench, at| {
         let known = if at.index.0 == object::STORE_PARAMETERS { COMMAND | AUTO } else { COMMAND };
         let value = bench.upload(at)?.value()?;

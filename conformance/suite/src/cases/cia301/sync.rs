@@ -34,7 +34,7 @@ pub(super) fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> 
         bench.write(OVERFLOW, &[overflow])?;
     }
     bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
-    bench.write(COB_ID, &(own | PRODUCES).to_le_bytes())?;
+    bench.write_confirmed(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     Ok((own & 0x7FF) as u16)
 }
 

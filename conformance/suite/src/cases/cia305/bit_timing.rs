@@ -1,6 +1,6 @@
 //! Configuration and activation of the bit timing (CiA 305, 6.4.3 and 6.4.4).
 
-use super::dialogue::{breach, configure, exchange, expect_error, wait};
+use super::dialogue::{breach, configure, exchange, expect_error, expect_plain, wait};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
@@ -34,6 +34,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     bench.each(answers, |bench, (index, answer)| {
         let has = Lss::bit_rate(index).is_some_and(|rate| rates.contains(&rate));
         let what = format!("bit timing {index} of table 0, which the device {},", if has { "has" } else { "has not" });
+        bench.check(expect_plain(&what, answer))?;
         bench.check(expect_error(&what, ConfigureCommand::BitTiming, &[u8::from(!has)], answer))
     })
 }
@@ -81,6 +82,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(Reason::new("the bit rate can be set", "error code 0", found)));
     }
     expect_error("the bit timing in use", ConfigureCommand::BitTiming, &[0], answer).or_inconclusive()?;
+    expect_plain("the bit timing in use", answer).or_inconclusive()?;
     bench.watch_restart();
     bench.drain()?;
     bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(MASTER_CAN_ID))?;

@@ -91,7 +91,7 @@ fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Sto
     };
     if inquires != Some(false) {
         let answer = exchange_within(bench, Request::InquireNodeId, patience)?;
-        if matches!(answer, Some(Response::NodeId(_))) {
+        if matches!(answer, Some(Response::NodeId(node)) if node != 0) {
             bench.knowledge.learned(LSS_INQUIRY.id, Found::Known(Ok(())));
             return Ok(true);
         }
@@ -101,7 +101,12 @@ fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Sto
     }
     let own = Request::ConfigureNodeId { node_id: bench.node().raw() };
     let answer = exchange_within(bench, own, patience)?;
-    let takes = matches!(answer, Some(Response::Configured { command: ConfigureCommand::NodeId, .. }));
+    let takes = match answer {
+        Some(Response::Configured { command: of @ ConfigureCommand::NodeId, error, .. }) => {
+            of.error_name::<Lss>(error).is_some()
+        }
+        _ => false,
+    };
     if takes && inquires.is_none() {
         let why = "in configuration the slave confirms its node-ID (11h) and does not answer an inquiry of it (5Eh)";
         bench.knowledge.learned(LSS_INQUIRY.id, Found::Known(Err(why.to_owned())));

@@ -2,7 +2,9 @@
 //!
 //! The device has its node-ID taken away for these cases, and gets it back.
 
-use super::dialogue::{breach, exchange, expect, expect_configuration, expect_silence, expect_waiting, observed, tell};
+use super::dialogue::{
+    breach, configure, exchange, expect, expect_configuration, expect_silence, expect_waiting, observed, tell, wait,
+};
 use super::unconfigured::unconfigured;
 use crate::bench::Bench;
 use crate::case;
@@ -139,5 +141,8 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], catches = [FastscanAnsweredWhenConfigured])]
 fn with_node_id(bench: &mut Bench<'_>) -> Judged {
     let answer = scan(bench, 0, RESET, 0, 0)?;
-    bench.check(expect_silence("the begin of Fastscan with a node-ID", answer))
+    bench.check(expect_silence("the begin of Fastscan with a node-ID", answer))?;
+    // Silence means something only if the slave is there.
+    configure(bench)?;
+    wait(bench)
 }

@@ -3,7 +3,7 @@
 use super::dialogue::{address, configure, exchange, expect_heard, expect_silence, tell, wait};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Stop};
+use crate::verdict::{Judged, Stop, tried};
 use canvass_analyzer::wire::lss::{Bound, Request, Response};
 
 /// The six bounds around an address: exact vendor and product, ranges of revision and serial number.
@@ -79,7 +79,9 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
         let heard = identify(bench, wrong, false)?;
         let duty = format!("a slave outside of the {} does not answer", Bound::ALL[place].name());
         bench.check(expect_heard(duty, None, &heard))
-    })
+    })?;
+    // Silence means something only if the slave answers within its bounds.
+    tried(identify(bench, right, true)?.len(), "an answer to the bounds of its own address")
 }
 
 /// A slave with a node-ID does not answer the search for slaves without one.

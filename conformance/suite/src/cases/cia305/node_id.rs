@@ -3,7 +3,7 @@
 use super::dialogue::{breach, configure, exchange, expect_error, observed, set_node_id, shown, wait};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::layer_setting::Dialect;
@@ -144,7 +144,8 @@ fn takes_effect(bench: &mut Bench<'_>) -> Judged {
 fn pending(bench: &mut Bench<'_>) -> Judged {
     let other = vacant(bench)?;
     configure(bench)?;
-    set_node_id(bench, other)?;
+    let taken = set_node_id(bench, other)?;
+    expect_error("another node-ID", ConfigureCommand::NodeId, &[0], taken).or_inconclusive()?;
     wait(bench)?;
     let restarted = bench.wait_for(RESTART, |record| {
         let id = record.frame.cob_id()?;

@@ -34,6 +34,7 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
     let mut changed = Vec::new();
     for scratch in parameters {
         if bench.download(scratch.multiplexer, &scratch.other)?.outcome == Outcome::Downloaded {
+            bench.expect_effect(scratch.multiplexer, &scratch.other)?;
             changed.push(scratch);
         }
     }

@@ -5,7 +5,7 @@ use crate::bench::Bench;
 use crate::bench::sdo::{DEVICE_TYPE, Reply};
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Check, Judged, Precondition, demand};
+use crate::verdict::{Breach, Check, Judged, Precondition, demand, tried};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response, Segment};
@@ -132,6 +132,7 @@ fn restart(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/abort/known-code", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoUnknownAbortCode])]
 fn known_code(bench: &mut Bench<'_>) -> Judged {
+    let mut aborts = 0;
     let segment = Segment::new(false, &[0; 7], true).map(Request::DownloadSegment);
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let refused = [
@@ -146,11 +147,13 @@ fn known_code(bench: &mut Bench<'_>) -> Judged {
     bench.each(refused.into_iter().flatten(), |bench, request| {
         let reply = bench.exchange(&request, "request that must be refused")?;
         let Some(Response::Abort(abort)) = reply.response else { return Ok(()) };
+        aborts += 1;
         let is_known = abort.code.name().is_some() || abort.code.cal_name().is_some();
         bench.check(demand(is_known, || {
             let breach = Breach::new(reply.subject, "aborts have a code that the standard defines");
             breach.expected("a code of CiA 301").found(reply.observation()).told(reply.actual())
         }))
     })?;
-    bench.expect_tidy()
+    bench.expect_tidy()?;
+    tried(aborts, "a request that the server aborts")
 }

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Check, Judged, demand, observed};
+use crate::verdict::{Breach, Check, Judged, demand, observed, tried};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
@@ -26,6 +26,7 @@ const SHORT: [(Multiplexer, usize); 4] = [
 #[case(id = "301/sdo/upload/expedited", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Must,
        catches = [SdoShortResponse], cct = "2.1")]
 fn upload(bench: &mut Bench<'_>) -> Judged {
+    let mut read = 0;
     bench.each(SHORT, |bench, (multiplexer, length)| {
         // DS-301 V3.0 had no 1018h: that it is missing is the matter of the cases on identity.
         if bench.described(multiplexer) == Some(false) {
@@ -35,9 +36,11 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
         if attempt.abort().is_some() {
             return Ok(());
         }
+        read += 1;
         let first = attempt.responses.first().copied();
         bench.check(is_expedited(multiplexer, &attempt.outcome, first, length))
     })?;
+    tried(read, "one of the objects that every device has")?;
     let scratches = bench.scratch_objects()?;
     bench
         .each(scratches, |bench, scratch| bench.upload(scratch.multiplexer)?.value().map(|_| ()).map_err(Into::into))?;
@@ -72,9 +75,11 @@ fn is_expedited(multiplexer: Multiplexer, outcome: &Outcome, first: Option<Frame
 #[case(id = "301/sdo/upload/padding", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Open,
        catches = [SdoUnusedBytesNotZero])]
 fn padding(bench: &mut Bench<'_>) -> Judged {
+    let mut read = 0;
     let objects = SHORT.into_iter().map(|(multiplexer, _)| multiplexer).chain(bench.long_objects(5, 2)?);
     bench.each(objects, |bench, multiplexer| {
         let attempt = bench.upload(multiplexer)?;
+        read += usize::from(matches!(attempt.outcome, Outcome::Uploaded(_)));
         let dirty = attempt.responses.iter().find(|frame| {
             let clean = Response::read(frame.data()).map(|clean| clean.to_frame(frame.cob_id().unwrap_or_default()));
             frame.len() == 8 && clean.is_ok_and(|clean| clean.data() != frame.data())
@@ -84,7 +89,8 @@ fn padding(bench: &mut Bench<'_>) -> Judged {
             let breach = Breach::new(multiplexer, "bytes that hold no data are 0").expected("00h in them");
             breach.found(Observation::named("bytes without data are not 0")).told(told)
         }))
-    })
+    })?;
+    tried(read, "an object that can be read")
 }
 
 /// A download with the exact length is confirmed by 60h with the same index and sub-index, and the value can be read

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
-use crate::verdict::{Breach, Check, Judged, Reason, Stop};
+use crate::verdict::{Breach, Check, Judged, Reason, Stop, tried};
 use canvass_analyzer::Service;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
@@ -84,6 +84,8 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
+    // Silence means something only if the server is there.
+    tried(usize::from(bench.answers()?), "an answer to a request of its own")?;
     let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(other));
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];
     bench.drain()?;

@@ -5,7 +5,7 @@ use super::by_hand::{MISSING, begin_download, confirmed_segment, in_segments, se
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::Judged;
+use crate::verdict::{Judged, tried};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response};
@@ -156,15 +156,18 @@ fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
        needs = [LongScratch], catches = [SdoSegmentLengthWrong, SdoUploadEndMissing])]
 fn segment_ends(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = bench.long_scratch()?;
+    let mut taken = 0;
     bench.each([1_u8, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15], |bench, length| {
         let value: Vec<u8> = (0..length).map(|n| b'A' + n).collect();
         let attempt = bench.download_segmented(multiplexer, &value)?;
         if is_refused_length(attempt.abort()) {
             return Ok(());
         }
+        taken += 1;
         attempt.expect_confirmation()?;
         bench.expect_value(multiplexer, &value, format!("{multiplexer} has the {length} bytes that were written"))
     })?;
+    tried(taken, "a length that the object takes")?;
     bench.expect_tidy()
 }
 
