@@ -109,7 +109,9 @@ impl Bench<'_> {
 
     /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
-        for _ in 0..TRIES {
+        /// As often as a bad connection loses answers in a row.
+        const ASKED: usize = 3;
+        for _ in 0..ASKED {
             match self.upload(at)?.outcome {
                 Outcome::Uploaded(value) => return Ok(Some(value)),
                 Outcome::Aborted(_) => return Ok(None),
