@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn a_conflict_is_refused() {
         let text = "[FileInfo]\n<<<<<<< HEAD\nX=1\n=======\nX=2\n>>>>>>> other\n";
-        assert!(read(text).unwrap_err().to_string().contains("line 2 begins a merge conflict"));
+        assert!(read(text).unwrap_err().to_string().contains("line 2 begins an unresolved merge conflict"));
         assert!(read("[FileInfo]\n;=======\nX=1\n").is_ok());
     }
 

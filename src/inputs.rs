@@ -74,7 +74,7 @@ pub struct Inputs<'a> {
 
 /// The kind of the latest record, [`Inputs::record`].
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Seen {
+pub enum RecordKind {
     Record,
     /// A frame salvaged from damage; it contradicts itself, and the damage was reported.
     Salvaged,
@@ -127,19 +127,19 @@ impl<'a> Inputs<'a> {
     ///
     /// # Errors
     /// With `--strict`, the first damage.
-    pub fn advance(&mut self) -> Result<Option<Seen>, Failure> {
+    pub fn advance(&mut self) -> Result<Option<RecordKind>, Failure> {
         if self.order.is_some() { self.advance_in_order() } else { self.read() }
     }
 
     /// Reads on until the oldest record may be returned.
     #[cold]
-    fn advance_in_order(&mut self) -> Result<Option<Seen>, Failure> {
+    fn advance_in_order(&mut self) -> Result<Option<RecordKind>, Failure> {
         let mut is_at_end = false;
         while let Some(order) = &mut self.order {
             let next = if is_at_end { order.flush() } else { order.pop() };
             if let Some(next) = next {
                 self.record.clone_from(next);
-                return Ok(Some(Seen::Record));
+                return Ok(Some(RecordKind::Record));
             }
             if is_at_end {
                 break;
@@ -154,7 +154,7 @@ impl<'a> Inputs<'a> {
 
     /// Reads what comes next.
     #[inline]
-    fn read(&mut self) -> Result<Option<Seen>, Failure> {
+    fn read(&mut self) -> Result<Option<RecordKind>, Failure> {
         while (self.ends_itself || !self.interrupt.came())
             && let Some((source, item)) = self.merge.next()
         {
@@ -164,7 +164,7 @@ impl<'a> Inputs<'a> {
                     if let Some(quality) = self.quality.get_mut(source) {
                         quality.record(&self.record);
                     }
-                    return Ok(Some(Seen::Record));
+                    return Ok(Some(RecordKind::Record));
                 }
                 // After Ctrl-C the last line may be cut off, which is no damage of the file.
                 Err(_) if self.interrupt.came() && !self.ends_itself => {}
@@ -172,7 +172,7 @@ impl<'a> Inputs<'a> {
                     self.report(source, &damage)?;
                     if let Some(record) = damage.salvaged {
                         self.record = *record;
-                        return Ok(Some(Seen::Salvaged));
+                        return Ok(Some(RecordKind::Salvaged));
                     }
                 }
             }

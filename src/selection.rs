@@ -27,12 +27,12 @@ pub struct Selection {
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[arg(skip)]
-    seen: Seen,
+    counts: Counts,
 }
 
 /// Number of frames tested, and number that passed each test.
 #[derive(Clone, Default)]
-struct Seen {
+struct Counts {
     asked: Cell<u64>,
     of_node: Cell<u64>,
     tried: Cell<u64>,
@@ -85,10 +85,10 @@ impl Selection {
 
     /// Whether a record is selected; its channel is not checked.
     pub fn has(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
-        count(&self.seen.asked);
+        count(&self.counts.asked);
         let of_node = self.has_node(decoded.node);
         if of_node {
-            count(&self.seen.of_node);
+            count(&self.counts.of_node);
         }
         of_node && self.passes(record, decoded, inputs)
     }
@@ -101,10 +101,10 @@ impl Selection {
     /// Whether a record passes the filter; its channel and node are not checked.
     pub fn passes(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
         let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
-        count(&self.seen.tried);
+        count(&self.counts.tried);
         let passes = self.filter.as_ref().is_none_or(|filter| filter.matches(&subject));
         if passes {
-            count(&self.seen.passed);
+            count(&self.counts.passed);
         }
         passes
     }
@@ -119,7 +119,7 @@ impl Selection {
     /// Warns of nodes, channels and filters that no frame matched: they are probably misspelt.
     pub fn warn_of_nothing(&self, inputs: &Inputs<'_>) {
         self.warn_of_unknown_channels(inputs);
-        let Seen { asked, of_node, tried, passed } = &self.seen;
+        let Counts { asked, of_node, tried, passed } = &self.counts;
         if asked.get() > 0 && of_node.get() == 0 && !self.node.is_empty() {
             let nodes: Vec<String> = self.node.iter().map(ToString::to_string).collect();
             diagnostic(&format!("canvass: no frame is of node {} (--node)", nodes.join(", ")));

@@ -2,7 +2,7 @@
 
 use crate::destination::Destination;
 use crate::files::Files;
-use crate::inputs::{InputOptions, Inputs, Seen, format_ids};
+use crate::inputs::{InputOptions, Inputs, RecordKind, format_ids};
 use crate::output::{Output, diagnostic};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
@@ -137,9 +137,9 @@ struct Conversion<'a> {
 
 impl Conversion<'_> {
     fn run(&mut self, inputs: &mut Inputs<'_>) -> Result<(), Failure> {
-        while let Some(seen) = inputs.advance()? {
+        while let Some(kind) = inputs.advance()? {
             // A salvaged frame contradicts itself; written out, it would look like a good frame.
-            if seen == Seen::Record && self.chooses(inputs.record(), inputs) {
+            if kind == RecordKind::Record && self.chooses(inputs.record(), inputs) {
                 let flushes = self.flushes;
                 let recording = self.recording(inputs)?;
                 recording.write(inputs.record(), inputs.channels())?;

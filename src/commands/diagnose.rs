@@ -3,7 +3,7 @@
 use crate::destination::refuse_existing;
 use crate::devices::DeviceArg;
 use crate::files::Files;
-use crate::inputs::{InputOptions, Inputs, Seen};
+use crate::inputs::{InputOptions, Inputs, RecordKind};
 use crate::output::{Color, Output, document, is_terminal, unless_closed};
 use crate::provenance::{Collected, Hashes, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
@@ -124,14 +124,14 @@ impl Args {
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
         // A frame that contradicts itself is no evidence.
-        while let Some(seen) = inputs.advance()? {
+        while let Some(kind) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
                 damages = found;
                 reading.interrupted(inputs.merge())?;
             }
             reading.see_channel(inputs.record().channel, inputs.merge());
-            if seen == Seen::Record && range.contains(inputs.record().timestamp) {
+            if kind == RecordKind::Record && range.contains(inputs.record().timestamp) {
                 inputs.hand_over(&mut reading)?;
             }
         }

@@ -219,18 +219,18 @@ fn names_that_are_no_words_are_lost_in_a_log() {
     let output = command.args(["a b", "c", "-"]).output().unwrap();
     let (_, out, errors) = crate::command::ended(&output);
     assert_eq!(out, "(001.000000) a_b:can0 001#\n(002.000000) c:can0 001#\n");
-    assert_eq!(errors, "canvass: candump can't hold channel names: lost of 1 frame\n");
+    assert_eq!(errors, "canvass: candump can't hold channel names: dropped from 1 frame\n");
 }
 
 #[test]
 fn pcap_ends_in_2106() {
     let folder = Folder::new().with("in.log", "(4294967296.000000) can0 001#\n");
-    assert_eq!(folder.good("convert in.log out.pcap"), "canvass: pcap can't hold the date: lost of 1 frame\n");
+    assert_eq!(folder.good("convert in.log out.pcap"), "canvass: pcap can't hold the date: dropped from 1 frame\n");
 }
 
 #[test]
 fn a_clock_before_the_start_is_lost_in_asc() {
     let log = "(1700000010.000000) can0 001# R\n(1700000000.000000) can0 001# R\n";
     let folder = Folder::new().with("in.log", log);
-    assert!(folder.good("convert in.log out.asc").contains("asc can't hold digits of the time: lost of 1 frame"));
+    assert!(folder.good("convert in.log out.asc").contains("asc can't hold digits of the time: dropped from 1 frame"));
 }

@@ -333,6 +333,10 @@ fn a_device_file_that_is_none_is_refused() {
     let device = format!("5={}", path.display());
     for command in ["decode", "diagnose"] {
         let refused = run_with_input(&[command, "-", "--device", &device], HEALTHY);
-        assert!(refused.status == 2 && refused.stderr.contains("line 2 begins a merge conflict"), "{}", refused.stderr);
+        assert!(
+            refused.status == 2 && refused.stderr.contains("line 2 begins an unresolved merge conflict"),
+            "{}",
+            refused.stderr
+        );
     }
 }

@@ -151,7 +151,7 @@ fn files_are_mended_and_what_would_change_is_shown() {
     let again = run(&["eds", "check", &path, "--diff"]);
     assert_eq!((again.status, again.stdout.as_str()), (0, ""));
     let input = run_with_input(&["eds", "check", "-", "--fix"], PLAIN);
-    assert!(input.status == 2 && input.stderr.contains("standard input can't be written"), "{}", input.stderr);
+    assert!(input.status == 2 && input.stderr.contains("standard input can't be overwritten"), "{}", input.stderr);
 }
 
 #[test]

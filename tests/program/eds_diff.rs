@@ -21,8 +21,8 @@ fn what_breaks_is_told_with_its_reason_and_makes_the_status() {
     let (status, text) = diff("HighLimit=1000", "HighLimit=100", &[]);
     let expected = "breaking  the limits are narrower  [limit/narrower]\n  2000h:00 Setting: 1000 -> 100\n  \
                     = A DCF with a value that was allowed is refused: abort 0609 0031h (too high) or 0609 0032h (too low).\n\n\
-                    notable  the version of the file is the same  [file/same-version]\n  FileVersion: \"1\" -> \"1\"\n  \
-                    = A tool that has the old file may keep it: it can't see that the new one says something else.\n\n\
+                    notable  the version of the file is the same, but its content is not  [file/same-version]\n  FileVersion: \"1\" -> \"1\"\n  \
+                    = A tool with the old file may keep it, as it can't see the change.\n\n\
                     analyzer/tests/eds/plain.eds -> -: 1 breaking, 1 notable, no harmless\n";
     assert_eq!((status, text.as_str()), (1, expected));
     assert_eq!(run(&["eds", "diff", OLD, OLD]).stdout, format!("{OLD} -> {OLD}: no difference\n"));

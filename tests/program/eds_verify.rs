@@ -81,7 +81,7 @@ fn text_is_a_table_with_what_each_difference_means() {
     let summary = format!("{ENCODER}, node 20 on sim:reference-406+device-type-profile-wrong: ");
     let last = shown.stdout.lines().last().unwrap();
     assert!(last.starts_with(&summary) && last.ends_with("entries read, 1 difference"), "{last}");
-    assert!(shown.stdout.contains("\nidentity: another device than the description is of"), "{}", shown.stdout);
+    assert!(shown.stdout.contains("\nidentity: another device than the description is for"), "{}", shown.stdout);
     let markdown =
         run(&["eds", "verify", ENCODER, "sim:reference-406+undescribed-object", "--all", "--format", "markdown"]);
     assert!(

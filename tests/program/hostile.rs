@@ -159,7 +159,7 @@ fn gzip_bomb(out: &mut dyn Write, head: &[u8], byte: u8) -> io::Result<()> {
 
 #[test]
 fn gzip_bombs() {
-    says("is of no known format", 2, 0, |out| gzip_bomb(out, b"", 0));
+    says("has no known format", 2, 0, |out| gzip_bomb(out, b"", 0));
     let log = b"(1700000000.000000) can0 701#05\n";
     says("expected a line of at most 65536 bytes", 0, 1, |out| gzip_bomb(out, log, b'('));
     says("expected", 2, 24, |out| gzip_bomb(out, &sample("tcpdump-us.pcap"), 0xFF));

@@ -296,7 +296,7 @@ fn a_violation_behind_slcan_is_confirmed_and_small() {
 fn buses_that_are_not_there() {
     for (bus, says) in [
         ("slcan:/dev/no-such-port", "/dev/no-such-port"),
-        ("slcan:tcp://127.0.0.1:1", "nobody listens there"),
+        ("slcan:tcp://127.0.0.1:1", "no program listens there"),
         ("no-such-can0", "no-such-can0"),
     ] {
         let tested = run(&["test", bus, "--node", "5"]);

@@ -28,12 +28,12 @@ impl ChannelNumbers {
 
     fn assign(&mut self, channel: ChannelId, name: &str) -> u16 {
         let own = name.parse().ok().filter(|&n| n > 0 && is_number(name, n) && !self.taken.contains(&n));
-        // There are at most 4096 channels and 65535 numbers, so a number is free.
         let number = own.unwrap_or_else(|| {
             self.free_from = (self.free_from.max(1)..=u16::MAX).find(|n| !self.taken.contains(n)).unwrap_or(u16::MAX);
             self.free_from
         });
-        self.taken.insert(number);
+        let is_free = self.taken.insert(number);
+        debug_assert!(is_free, "at most {} channels leave a number free", crate::Channels::MAX);
         self.numbers.insert(channel, number);
         number
     }

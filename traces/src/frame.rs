@@ -230,7 +230,9 @@ impl Frame {
         if self.flags & 0xF0 != 0 {
             self.flags >> 4
         } else if self.is_fd() {
-            Self::FD_LENGTHS.iter().position(|&l| u16::from(l) == self.len).unwrap_or(15) as u8
+            let code = Self::FD_LENGTHS.iter().position(|&l| u16::from(l) == self.len);
+            debug_assert!(code.is_some(), "CAN FD has no length of {} bytes", self.len);
+            code.unwrap_or(15) as u8
         } else if self.is_xl() {
             (self.len - 1) as u8
         } else {

@@ -66,6 +66,7 @@ impl Lines {
         self.source.consume(std::mem::take(&mut self.given));
         let place = Place { number: self.number + 1, offset: self.source.offset() };
         let (content, len) = usual(self.source.window(), place)?;
+        debug_assert!((1..=self.source.window().len()).contains(&len), "a usual line lies in the window");
         (self.number, self.given) = (place.number, len);
         Some(content)
     }
@@ -93,6 +94,7 @@ impl Lines {
                 None => break,
             }
         }
+        debug_assert!(at + self.given <= window.len(), "skipped lines lie in the window");
         let is_last = skipped > 0 && kept.is_none();
         let time = if is_last { window.get(last..).and_then(|line| time(format, line)) } else { None };
         self.number += skipped as u64 + u64::from(kept.is_some());

@@ -15,8 +15,9 @@ pub(crate) fn nanos(date: DateTime) -> Option<u64> {
 pub(crate) fn date_of(nanos: u64) -> DateTime {
     let seconds = i64::try_from(nanos / 1_000_000_000).unwrap_or(i64::MAX);
     let fraction = (nanos % 1_000_000_000) as i32;
-    // 2^64 ns are 584 years, well within the range of dates.
-    EPOCH.checked_add(jiff::SignedDuration::new(seconds, fraction)).unwrap_or(EPOCH)
+    let date = EPOCH.checked_add(jiff::SignedDuration::new(seconds, fraction));
+    debug_assert!(date.is_ok(), "2^64 ns are 584 years, well within the range of dates");
+    date.unwrap_or(EPOCH)
 }
 
 #[cfg(test)]

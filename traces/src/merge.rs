@@ -162,7 +162,9 @@ impl Merge {
                 return Some(item);
             }
         };
-        self.sources.get_mut(at)?.head = Some(item);
+        let source = self.sources.get_mut(at)?;
+        debug_assert!(source.head.is_none(), "a source is read ahead by one record");
+        source.head = Some(item);
         self.heap.push(Reverse((time, at)));
         None
     }
@@ -211,6 +213,10 @@ impl Merge {
             self.renumbered |= usize::from(merged.0) != source.channels.len();
             source.channels.push(merged);
         }
+        debug_assert!(
+            source.channels.len() > usize::from(channel.0),
+            "the source's channels are registered up to this"
+        );
         source.channels.last().copied().unwrap_or(channel)
     }
 }
@@ -231,8 +237,9 @@ impl Iterator for Merge {
         }
         let Reverse((_, at)) = self.heap.pop()?;
         self.wanted.push(at);
-        let head = self.sources.get_mut(at)?.head.take()?;
-        Some((at, head))
+        let head = self.sources.get_mut(at)?.head.take();
+        debug_assert!(head.is_some(), "each time in the heap belongs to the head of a source");
+        Some((at, head?))
     }
 }
 

@@ -81,6 +81,13 @@ impl Source {
         let n = n.min(self.end - self.start);
         self.start += n;
         self.offset += n as u64;
+        self.check_window();
+    }
+
+    /// The window lies inside the buffer: all slices of it rely on that.
+    #[inline]
+    fn check_window(&self) {
+        debug_assert!(self.start <= self.end && self.end <= self.buffer.len());
     }
 
     /// Reads more bytes, at least one unless the source has ended; returns whether there were any.
@@ -102,6 +109,7 @@ impl Source {
                 }
                 Ok(n) => {
                     self.end += n;
+                    self.check_window();
                     return Ok(true);
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

@@ -1,10 +1,11 @@
-//! `cargo xtask as-found`: whether canvass leaves devices as it found them, judged by python-canopen in virtual time.
+//! `cargo xtask as-found`: checks that canvass leaves devices as it found them, with python-canopen in virtual time
+//! as the judge.
 
 use crate::peers;
 use crate::run::run;
 use anyhow::Result;
 
-/// Where cargo puts the simulated device that the judge drives, and the program.
+/// The example with the simulated device that the judge drives, and the program.
 const LOCKSTEP: &str = "target/debug/lockstep";
 const CANVASS: &str = "target/debug/canvass";
 const JUDGE: &str = "tests/peers/as_found";
@@ -12,7 +13,7 @@ const JUDGE: &str = "tests/peers/as_found";
 /// Runs the judge with its own options; it prints a table and the shortest run of each kind of difference.
 ///
 /// # Errors
-/// If a device is not as it was found, or something can't be built.
+/// If a device differs from its initial state, or a build fails.
 pub fn as_found(options: &[String]) -> Result<()> {
     peers::install_python()?;
     run("cargo", &["build", "--locked", "--features", "peers", "--bin", "lockstep", "--bin", "canvass"])?;

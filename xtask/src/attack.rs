@@ -1,8 +1,8 @@
-//! `cargo xtask attack [--for 5m] [--seed N]`: files and adapters made to hurt, through the program.
+//! `cargo xtask attack [--for 5m] [--seed N]`: malicious files and adapters against the program.
 //!
-//! Real captures, descriptions, results and journals are changed at random, from a seed, and given to every command that
-//! reads them. No run may panic, take more memory or time than its limit, or lose a frame without a word: see [`account`].
-//! [`rogue`]: adapters that do what no adapter does.
+//! Real captures, descriptions, results and journals are changed at random, from a seed, and given to every command
+//! that reads them. No run may panic, exceed its memory or time, or lose a frame without a report: see [`account`].
+//! [`rogue`]: misbehaving adapters.
 
 mod account;
 mod chance;
@@ -26,17 +26,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tally::Tally;
 
-/// What CI can spare.
+/// The usual duration, for CI.
 const USUAL: Duration = Duration::from_secs(90);
-/// Where files are changed and failures are kept.
+/// The folder for changed files and failures.
 const FOLDER: &str = "target/attack";
-/// One for each processor of CI's machines.
+/// Number of threads: one for each processor of CI's machines.
 const THREADS: u64 = 2;
 
 /// Attacks the program for that time.
 ///
 /// # Errors
-/// If it can't be built, or did not hold.
+/// If the program can't be built, or fails.
 pub fn attack(args: &[String]) -> Result<()> {
     let (mut span, mut seed, mut is_child) = (USUAL, 1, false);
     let mut args = args.iter();
@@ -55,16 +55,17 @@ pub fn attack(args: &[String]) -> Result<()> {
     by_child(span, seed)
 }
 
-/// Attacks the program that lies there.
+/// Attacks the program that is already built.
 ///
 /// # Errors
-/// If it did not hold.
+/// If the program fails.
 pub fn built(span: &str) -> Result<()> {
     by_child(parse_span(span)?, 1)
 }
 
 fn by_child(span: Duration, seed: u64) -> Result<()> {
-    // The system tells the most memory of all children together: those that have built the program must not be among them.
+    // The system reports the largest memory of all children, so the attack runs in a process without compilers among
+    // them.
     let this = this_program()?;
     let args = ["attack", "--built", "--for", &format!("{}s", span.as_secs()), "--seed", &seed.to_string()];
     run(&this.to_string_lossy(), &args)
@@ -99,7 +100,7 @@ fn attack_built(span: Duration, seed: u64) -> Result<()> {
     Ok(())
 }
 
-/// One changed file, through every command that reads its kind.
+/// Runs every command for its kind on one changed file.
 fn one(program: &Program, seeds: &Seeds, seed: u64, number: u64, thread: u64, tally: &mut Tally) {
     let mut chance = Chance::new(seed, number);
     let original = seeds.any(&mut chance);
@@ -140,7 +141,7 @@ fn parse_span(text: &str) -> Result<Duration> {
     }
 }
 
-/// The original of a changed file, for those that look at its rows.
+/// The rows of the original file, for changes that keep rows.
 pub(crate) fn rows(bytes: &[u8]) -> Vec<&[u8]> {
     bytes.split_inclusive(|&byte| byte == b'\n').collect()
 }

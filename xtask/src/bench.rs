@@ -1,4 +1,4 @@
-//! How fast canvass is, beside its peers, measured in the same run on the same frames.
+//! Measures the speed of canvass beside other programs, in the same run on the same frames.
 
 use crate::measure::{Cost, RUNS, TIME, best, best_of, machine, release};
 use crate::packages::{Package, install};
@@ -10,12 +10,12 @@ use std::fs::{self, File};
 use std::process::{Command, Stdio};
 
 const FRAMES: u32 = 1_000_000;
-/// Python is given the first of them only, as it is slow.
+/// Number of frames for Python, which is slow.
 const FRAMES_FOR_PYTHON: u32 = 100_000;
 const READING_RUNS: &str = "15";
-/// tshark's JSON takes most of a minute.
+/// Number of runs for tshark's JSON, which takes most of a minute.
 const SLOW_RUNS: usize = 1;
-/// Instructions are counted of few frames and of many: the difference is free of what the start of the program costs.
+/// Instructions are counted for few and for many frames; the difference excludes the start of the program.
 const COUNTED: (u32, u32) = (20_000, 120_000);
 /// The same for exchanges with simulated devices.
 const EXCHANGED: (u32, u32) = (10_000, 60_000);
@@ -25,8 +25,7 @@ const FUZZED: (u32, u32) = (20_000, 60_000);
 const RIPGREP: Package = Package { program: "rg", probe: &["--version"], package: "ripgrep" };
 const VALGRIND: Package = Package { program: "valgrind", probe: &["--version"], package: "valgrind" };
 
-/// Measures and prints; nothing is asserted. Times are those of the processor, so that it matters little what else the
-/// machine does.
+/// Measures and prints; nothing is asserted. Processor time is measured, so other work of the machine matters little.
 pub fn bench() -> Result<()> {
     install(&[TIME, RIPGREP])?;
     install_all()?;
@@ -44,7 +43,7 @@ pub fn bench() -> Result<()> {
     simulation()
 }
 
-/// Of these only what is about device descriptions.
+/// Measures only device descriptions.
 pub fn descriptions() -> Result<()> {
     install(&[TIME])?;
     build()?;
@@ -53,8 +52,8 @@ pub fn descriptions() -> Result<()> {
     crate::describing::describing()
 }
 
-/// Counts the instructions that a frame takes to be decoded, and an exchange to be simulated, by callgrind: they are the same on every machine of an
-/// architecture, whatever else it does.
+/// Counts the instructions per decoded frame and per simulated exchange by callgrind: they do not depend on the
+/// machine, within an architecture, nor on its load.
 pub fn instructions() -> Result<()> {
     install(&[VALGRIND])?;
     build()?;
@@ -81,7 +80,7 @@ pub fn instructions() -> Result<()> {
         let each = |of: fn(Counted) -> u64| of(counts.1).saturating_sub(of(counts.0)) / u64::from(many - few);
         let beside = match each(|counted| counted.beside) {
             0 => String::new(),
-            // valgrind knows no processor's instructions for it.
+            // valgrind does not support the processor's instructions for SHA-256.
             more => format!("  and {more} in another thread, for the SHA-256 of the capture"),
         };
         println!("canvass {:32} {:>8}{beside}", args.join(" "), each(|counted| counted.first));
@@ -89,8 +88,8 @@ pub fn instructions() -> Result<()> {
     simulated_instructions()
 }
 
-/// The same for the examples that exchange SDO messages with simulated devices: `bus_speed` with one device, and a tenth
-/// as often with one of ten; `soak` fuzzes, with a seed that is always the same.
+/// The same for the examples that exchange SDO messages with simulated devices: `bus_speed` with one device, and a
+/// tenth as often with one of ten; `soak` fuzzes, with a fixed seed.
 fn simulated_instructions() -> Result<()> {
     build_examples()?;
     println!("\ninstructions per exchange on the simulated bus");
@@ -106,7 +105,7 @@ fn simulated_instructions() -> Result<()> {
     Ok(())
 }
 
-/// Counts and prints: an example with its arguments, for so many exchanges.
+/// Counts and prints: an example with its arguments, for two numbers of exchanges.
 fn simulated(name: &str, (few, many): (u32, u32), command: impl Fn(&str) -> Vec<String>) -> Result<()> {
     let count = |exchanges: u32| {
         let words = command(&exchanges.to_string());
@@ -118,19 +117,19 @@ fn simulated(name: &str, (few, many): (u32, u32), command: impl Fn(&str) -> Vec<
     Ok(())
 }
 
-/// The instructions of a whole run.
+/// The number of instructions of a whole run.
 #[derive(Clone, Copy, Default)]
 struct Counted {
-    /// Of the thread that reads the frames.
+    /// Instructions of the thread that reads the frames.
     first: u64,
-    /// Of all others.
+    /// Instructions of all other threads.
     beside: u64,
 }
 
-/// Counts them: callgrind writes a file for each thread, `<file>-01` and on.
+/// Counts instructions: callgrind writes a file for each thread, `<file>-01` and on.
 fn counted(command: &[&str]) -> Result<Counted> {
     let of_thread = |number: usize| format!("target/bench/callgrind.out-{number:02}");
-    // Those of a run with more threads would be taken for this one's.
+    // Files of an earlier run with more threads would be counted, too.
     (1..).map(of_thread).take_while(|path| fs::remove_file(path).is_ok()).for_each(drop);
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--separate-threads=yes", "--callgrind-out-file=target/bench/callgrind.out"])
@@ -146,23 +145,23 @@ fn counted(command: &[&str]) -> Result<Counted> {
     Ok(Counted { first, beside: others.iter().sum() })
 }
 
-/// What a file of callgrind gives as the sum of all its lines.
+/// The total in a file of callgrind.
 fn total(written: &str) -> Option<u64> {
     written.lines().find_map(|line| line.strip_prefix("totals:"))?.trim().parse().ok()
 }
 
-/// Makes a capture of so many frames of the usual traffic.
+/// Makes a capture with this number of frames of usual traffic.
 pub fn make(format: &str, frames: u32, path: &str) -> Result<()> {
     let capture = File::create(path)?;
     let written =
         Command::new(release("examples/traffic")).args([format, &frames.to_string()]).stdout(capture).status()?;
     if !written.success() {
-        bail!("the traffic could not be made: {written}");
+        bail!("making the traffic failed: {written}");
     }
     Ok(())
 }
 
-/// Builds what is measured, and what makes the traffic.
+/// Builds the measured programs, and the one that makes the traffic.
 pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked"])?;
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
@@ -172,7 +171,7 @@ pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
-/// One line for each frame, beside tshark's, and beside the time that it takes to look for lines at all.
+/// Decoding to one line per frame, beside tshark, and beside the time for merely finding lines.
 fn decoding() -> Result<()> {
     println!("\ndecoding to a line per frame, output to /dev/null");
     let (log, pcap, canvass) = (capture("candump"), capture("pcap"), release("canvass"));
@@ -193,18 +192,18 @@ fn decoding() -> Result<()> {
     Ok(())
 }
 
-/// A format and who else reads it.
+/// A format and the programs that read it.
 struct Reading {
     format: &'static str,
     peers: &'static [Peer],
 }
 
 enum Peer {
-    /// A program that reads its standard input.
+    /// A program that reads standard input.
     Program(&'static str),
-    /// tshark, showing one field.
+    /// tshark, printing one field.
     Tshark,
-    /// A Python library, and an expression that gives frames out of the file `path`.
+    /// A Python library, and an expression for the frames of the file `path`.
     Python(&'static str, &'static str),
 }
 
@@ -224,7 +223,7 @@ const READING: [Reading; 4] = [
     },
 ];
 
-/// To records, on one thread.
+/// Reading to records, on one thread.
 fn reading() -> Result<()> {
     println!("\nreading, one thread");
     for Reading { format, peers } in READING {
@@ -262,7 +261,7 @@ fn python(frames: &str, path: &str) -> Result<f64> {
     reported(Command::new(PYTHON).args(["-c", &program, path]))
 }
 
-/// The rate that a program reports as its number of frames, its number of damages, and its nanoseconds.
+/// The rate from a program's output: number of frames, number of damages, nanoseconds.
 fn reported(command: &mut Command) -> Result<f64> {
     let output = command.stderr(Stdio::inherit()).output().with_context(|| format!("can't run {command:?}"))?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -277,7 +276,7 @@ fn compare(name: &str, ours: f64, reference: f64) {
     println!("{name:44} {ours:>6.2} M frames/s, {:.1} times as fast", ours / reference);
 }
 
-/// In million frames per second.
+/// The rate in million frames per second.
 fn rate(cost: Cost) -> f64 {
     f64::from(FRAMES) / cost.cpu / 1e6
 }

@@ -1,4 +1,4 @@
-//! What CI runs: one step after the other, those first that are quick and find most. A step that fails hides no other.
+//! The steps of CI, in the order of speed and benefit. A failed step does not stop the others.
 
 use crate::as_found::as_found;
 use crate::attack;
@@ -19,27 +19,27 @@ use std::sync::Mutex;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What CI compiles at once: also the tests that need other people's programs, a browser, or a kernel with CAN, and that have
-/// steps of their own.
+/// The features that CI compiles at once, including those of tests with steps of their own: other programs, a
+/// browser, or a kernel with CAN.
 const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan,canvass/page"];
 
-/// Which of these the step of the tests leaves to their own steps, as nextest says it.
+/// The tests that the test step leaves to other steps, as a filter of nextest.
 const WITHOUT_NEEDS: [&str; 2] =
     ["-E", "not (package(canvass) & (binary(peers) | binary(browser) | binary(vcan) | binary(page)))"];
 
-/// How the lints are run by themselves.
+/// The command of the lints.
 const LINTS: &str =
     "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
-/// How long CI runs each fuzz target, in seconds: long enough for the seeds and for what is found at once.
+/// Duration of each fuzz target in CI, in seconds: enough for the seeds and quick findings.
 const FUZZ: u32 = 5;
-/// How long it does at night.
+/// The same at night.
 const FUZZ_AT_NIGHT: u32 = 120;
 
-/// Something that must pass.
+/// A step that must pass.
 struct CiStep {
     name: &'static str,
-    /// The command that does the same by itself.
+    /// The command for this step alone.
     alone: &'static str,
     run: fn() -> Result<()>,
 }
@@ -66,7 +66,7 @@ const STEPS: [CiStep; 16] = [
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ) },
 ];
 
-/// What takes long and finds little: once a night is enough.
+/// Steps that take long and find little; they run nightly.
 const NIGHTLY: [CiStep; 6] = [
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
@@ -76,32 +76,33 @@ const NIGHTLY: [CiStep; 6] = [
     CiStep { name: "incidents", alone: "cargo xtask incidents", run: incidents },
 ];
 
-/// Everything that must pass: format, lints, documentation, all tests, with all their set-up.
+/// Runs all steps of CI: format, lints, documentation, all tests, with their set-up.
 pub fn ci() -> Result<()> {
-    // Downloads mostly wait, and compilations do not.
+    // Downloads mostly wait, while compilations use the processor.
     if let Ok(mut fetching) = FETCHING.lock() {
         *fetching = Some(std::thread::spawn(fetch));
     }
     all(&STEPS)
 }
 
-/// What is worth running once a night, beside [`ci`].
+/// Runs the nightly steps, which [`ci`] does not have.
 pub fn nightly() -> Result<()> {
     all(&NIGHTLY)
 }
 
-/// What is worth running after each change.
+/// Runs the checks for each change.
 pub fn everyday() -> Result<()> {
     all(&[FORMAT, CiStep { name: "tests", alone: ALL_TESTS, run: everyday_tests }])
 }
 
-/// What installs the programs of others while this compiles.
+/// The thread that installs other programs during compilation.
 static FETCHING: Mutex<Option<JoinHandle<Result<()>>>> = Mutex::new(None);
 
-/// Installs what the steps after that of [`fetched`] need. They look for it themselves too, and say what is missing.
+/// Installs the programs for the steps after [`fetched`]. These steps also check for themselves, and report missing
+/// programs.
 fn fetch() -> Result<()> {
     let needed = peers::install_all().and_then(|()| browser::install_all()).and_then(|()| vcan::install_all());
-    // Without these, their steps are left out.
+    // Without these, their steps are skipped.
     let optional = windows::install_compiler().and_then(|()| web::prepare());
     if let Err(missing) = optional {
         eprintln!("{missing:#}");
@@ -109,13 +110,13 @@ fn fetch() -> Result<()> {
     needed
 }
 
-/// Waits for them.
+/// Waits for the installations.
 fn fetched() -> Result<()> {
     let fetching = FETCHING.lock().ok().and_then(|mut fetching| fetching.take());
-    fetching.map_or(Ok(()), |fetching| fetching.join().unwrap_or_else(|_| bail!("installing has panicked")))
+    fetching.map_or(Ok(()), |fetching| fetching.join().unwrap_or_else(|_| bail!("the installation panicked")))
 }
 
-/// Runs all steps, and says at the end how each went.
+/// Runs all steps, and prints their results at the end.
 fn all(steps: &[CiStep]) -> Result<()> {
     let began = Instant::now();
     let mut rows = Vec::new();
@@ -155,22 +156,22 @@ fn lints() -> Result<()> {
     run("cargo", &clippy.concat())
 }
 
-/// What can be switched off really can: it is features of these two.
+/// Checks that the optional features of these two crates can be switched off.
 fn without_features() -> Result<()> {
     run("cargo", &["check", "--package", "canvass", "--package", "canvass-bus", "--no-default-features", "--locked"])
 }
 
-/// The program that the tests have built prints the reference pages.
+/// Builds the book; the program built for the tests prints the reference pages.
 fn book() -> Result<()> {
     docs::book(&built())
 }
 
-/// The program, as the tests have built it.
+/// The path of the program built for the tests.
 fn built() -> PathBuf {
     target_folder().join("debug/canvass")
 }
 
-/// The page, tried beside the program that the tests have built.
+/// Tests the page, beside the program built for the tests.
 fn page() -> Result<()> {
     web::step(|| these(&["page"]))
 }
@@ -179,7 +180,7 @@ fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
 }
 
-/// With nextest they come from the same compilation as the tests that have steps of their own; cargo can't leave those out.
+/// With nextest one compilation serves also the tests with steps of their own; cargo can't leave those out.
 fn tests() -> Result<()> {
     if has_nextest() { test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS].concat()) } else { everyday_tests() }
 }
@@ -190,7 +191,7 @@ fn peers_and_browser() -> Result<()> {
     these(&["peers", "browser"])
 }
 
-/// The program's tests in those files: all is compiled.
+/// Runs the program's tests in these files; everything is compiled already.
 fn these(files: &[&str]) -> Result<()> {
     if has_nextest() {
         let binaries: Vec<String> = files.iter().map(|file| format!("binary({file})")).collect();
@@ -201,7 +202,7 @@ fn these(files: &[&str]) -> Result<()> {
     test(&[&["--package", "canvass"], &chosen[..], &FEATURES[..]].concat())
 }
 
-/// By nextest, which runs the tests of all crates side by side, where it is there.
+/// Runs tests with nextest, if installed, which runs all crates side by side.
 fn test(which: &[&str]) -> Result<()> {
     let more = [which, &["--locked", "--no-fail-fast"]].concat();
     if has_nextest() {
@@ -215,7 +216,7 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
-/// With the same features as the tests: the libraries that they have compiled.
+/// The features are those of the tests, so that the compiled libraries are reused.
 fn doc_tests() -> Result<()> {
     run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }
@@ -224,7 +225,7 @@ fn on_vcan() -> Result<()> {
     vcan::test(&[])
 }
 
-/// Of the program that the tests have built.
+/// Attacks the program built for the tests.
 fn attacked() -> Result<()> {
     attack::built("45s")
 }
@@ -233,16 +234,17 @@ fn attacked_long() -> Result<()> {
     attack::attack(&["--for".to_owned(), "10m".to_owned()])
 }
 
-/// All cases and properties against all faults and liberties, and the fuzzer against all faults. The tests try a part of it.
+/// Runs all cases and properties against all faults and liberties, and the fuzzer against all faults. The tests run a
+/// part of it.
 fn self_test() -> Result<()> {
-    // The same optimised program as on SocketCAN, with all checks of arithmetic: nothing more is compiled.
+    // The optimised program with overflow checks that the SocketCAN step uses; no further compilation is needed.
     let program = vcan::program()?;
     let program = program.to_string_lossy();
     run(&program, &["selftest"])?;
     run(&program, &["selftest", "--fuzz"])
 }
 
-/// A component of the toolchain, where a minimal one came without it.
+/// Installs a component of the toolchain, if a minimal toolchain lacks it.
 fn component(command: &str, name: &str) -> Result<()> {
     if is_there("cargo", &[command, "--version"]) {
         return Ok(());
@@ -251,7 +253,7 @@ fn component(command: &str, name: &str) -> Result<()> {
     run("rustup", &["component", "add", name])
 }
 
-/// Broken links and missing docs of the libraries are errors. The program's doc comments are its help texts, whose
+/// Broken links and missing docs of the libraries are errors. The program's doc comments are help texts, whose
 /// brackets are no links.
 fn documentation() -> Result<()> {
     eprintln!("$ cargo doc");

@@ -1,4 +1,4 @@
-//! What cargo compiles, and what the compiler says of it.
+//! Runs cargo, and collects its products and warnings.
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -6,31 +6,31 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// What a call of cargo left.
+/// The result of a call of cargo.
 #[derive(Debug, Default)]
 pub struct Compiled {
-    /// The programs of the tests.
+    /// The test programs.
     pub tests: Vec<PathBuf>,
-    /// How often the compiler warned of something in this workspace.
+    /// Number of warnings in this workspace.
     warnings: usize,
 }
 
 impl Compiled {
-    /// What was compiled, if the compiler did not warn.
+    /// Requires that there was no warning.
     ///
     /// # Errors
-    /// If it warned.
+    /// If there was a warning.
     pub fn without_warnings(self) -> Result<Self> {
         ensure!(self.warnings == 0, "expected no warnings, found {}: see above", self.warnings);
         Ok(self)
     }
 
-    /// Takes a message of cargo; what the compiler says is shown.
+    /// Handles a message of cargo; the compiler's messages are printed.
     fn take(&mut self, message: &Value) {
         match message["reason"].as_str() {
             Some("compiler-message") => self.warnings += warned(message),
             Some("compiler-artifact") if message["profile"]["test"] == true => {
-                // By the path that lasts: that of cargo may lead over a link.
+                // Uses the real path, as cargo's may lead through a link.
                 let built = message["executable"].as_str().and_then(|file| std::fs::canonicalize(file).ok());
                 self.tests.extend(built);
             }
@@ -39,10 +39,10 @@ impl Compiled {
     }
 }
 
-/// Runs cargo, which compiles and runs nothing.
+/// Compiles with cargo, without running anything.
 ///
 /// # Errors
-/// If it fails, or prints something unexpected.
+/// If cargo fails, or prints an unexpected message.
 pub fn compile(cargo: &mut Command, args: &[&str]) -> Result<Compiled> {
     eprintln!("$ cargo {}", args.join(" "));
     let mut running =
@@ -57,7 +57,8 @@ pub fn compile(cargo: &mut Command, args: &[&str]) -> Result<Compiled> {
     Ok(compiled)
 }
 
-/// Shows what the compiler says. Cargo asks it for this workspace only, and repeats it where nothing had to be built.
+/// Prints the compiler's messages. Cargo passes on only those of this workspace, and repeats them for crates that
+/// were built already.
 fn warned(message: &Value) -> usize {
     let said = &message["message"];
     eprint!("{}", said["rendered"].as_str().unwrap_or_default());

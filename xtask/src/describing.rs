@@ -1,4 +1,4 @@
-//! How long a check of device descriptions takes, and what an editor waits for.
+//! Measures checks of device descriptions, and response times in an editor.
 
 mod editor;
 
@@ -9,15 +9,15 @@ use editor::Editor;
 use std::fs;
 
 const FOLDER: &str = "target/bench/descriptions";
-/// So many files of so many objects.
+/// Number of files, and of objects in each.
 const CHECKED: (u32, u32) = (1_000, 500);
-/// In the editor.
+/// Number of objects of the file in the editor.
 const LARGE: u32 = 10_000;
 
-/// Checks many files, and edits a large one: as it should be, and one with thousands of findings.
+/// Checks many files, and edits a large one: without findings, and with thousands.
 ///
 /// # Errors
-/// If a program can't be run or the language server says something unexpected.
+/// If a program can't be run or the language server sends an unexpected message.
 pub fn describing() -> Result<()> {
     println!("\ndevice descriptions");
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-analyzer", "--example", "descriptions"])?;
@@ -39,7 +39,7 @@ pub fn describing() -> Result<()> {
     Ok(())
 }
 
-/// Makes the files anew; their bytes altogether.
+/// Makes the files anew; returns their total size.
 fn write(name: &str, files: u32, objects: u32, more: &str) -> Result<u64> {
     let folder = format!("{FOLDER}/{name}");
     fs::remove_dir_all(&folder).or_else(|error| match error.kind() {
@@ -55,7 +55,7 @@ fn write(name: &str, files: u32, objects: u32, more: &str) -> Result<u64> {
     sizes.sum::<Result<u64>>()
 }
 
-/// Prints what an editor waits for, from the question to the last byte of the answer.
+/// Prints response times, from the request to the last byte of the answer.
 fn edit(path: &str) -> Result<()> {
     let text = fs::read_to_string(path)?;
     let line_of = |text: &str, wanted: &str| text.lines().position(|line| line == wanted).unwrap_or(0);
@@ -73,7 +73,7 @@ fn edit(path: &str) -> Result<()> {
     editor.measured("all places of an object", |editor| editor.ask_references((middle, 2)))?;
     editor.measured("edits of a place", |editor| editor.ask_actions(middle))?;
     editor.measured("outline", Editor::ask_outline)?;
-    // A section that is being written.
+    // A section that is being typed.
     editor.write(middle, "[10")?;
     editor.measured("completion of an object", |editor| editor.ask_at("textDocument/completion", (middle, 3)))?;
     editor.end()

@@ -1,4 +1,4 @@
-//! How long a diagnosis takes: beside decoding the same frames, and of hours of a healthy bus.
+//! Measures diagnosis: beside decoding of the same frames, and for hours of a healthy bus.
 
 use crate::bench::capture;
 use crate::measure::{best, cost, release};
@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-/// Hours of a bus of eight nodes that is half full.
+/// Number of frames for hours of a half-full bus of eight nodes.
 const HEALTHY: &str = "10000000";
 const HEALTHY_CAPTURE: &str = "target/bench/machine.pcap";
 
@@ -32,7 +32,7 @@ pub fn diagnosing() -> Result<()> {
     healthy(&canvass)
 }
 
-/// The time of the processor that each takes at best: a machine that is shared is slow at times, for both.
+/// The best processor time of each: a shared machine is slow at times, for both.
 fn in_turns(one: &[&str], other: &[&str]) -> Result<(f64, f64)> {
     const TURNS: usize = 9;
     let mut best = (f64::MAX, f64::MAX);
@@ -48,7 +48,7 @@ fn healthy(canvass: &str) -> Result<()> {
         .args(["pcap", HEALTHY])
         .stdout(File::create(HEALTHY_CAPTURE)?)
         .status()?;
-    ensure!(written.success(), "the traffic of a healthy machine could not be made: {written}");
+    ensure!(written.success(), "making the traffic of a healthy machine failed: {written}");
     let output = Command::new(canvass).args(["diagnose", HEALTHY_CAPTURE]).output()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let nothing = text.lines().any(|line| line == "0 errors, 0 warnings, 0 hints");

@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: what is given away, in `target/dist`. A static program for Linux with its manual pages and completions,
-//! as an archive and as a Debian package; the program for Windows; the page; and the checksums of all.
+//! `cargo xtask dist`: the release files, in `target/dist`. A static program for Linux with its manual pages and
+//! completions, as an archive and as a Debian package; the program for Windows; the page; and all checksums.
 
 use crate::consent;
 use crate::packages::{self, Package};
@@ -10,26 +10,26 @@ use std::path::Path;
 use std::process::Command;
 
 const FOLDER: &str = "target/dist";
-/// No library of the machine is needed.
+/// The target of the static program.
 const TARGET: &str = "x86_64-unknown-linux-musl";
 const PROGRAM: &str = "target/x86_64-unknown-linux-musl/release/canvass";
 const ON_WINDOWS: &str = "target/x86_64-pc-windows-gnu/release/canvass.exe";
 /// The C parts (zstd, lz4) need a compiler for each target.
 const COMPILER: Package = Package { program: "musl-gcc", probe: &["--version"], package: "musl-tools" };
-/// The archives for Windows and of the page are ones that Windows itself opens.
+/// The archives for Windows and of the page are zip files, which Windows opens itself.
 const ZIP: Package = Package { program: "zip", probe: &["--version"], package: "zip" };
-/// Each shell, and what its file is called.
+/// Each shell, and the name of its file.
 const COMPLETIONS: [(&str, &str); 3] = [("bash", "canvass.bash"), ("zsh", "_canvass"), ("fish", "canvass.fish")];
 const POWERSHELL: (&str, &str) = ("powershell", "canvass.ps1");
-/// What lies beside the program in the archives.
+/// Further files in the archives.
 const BESIDE: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
-/// A part of what is given away.
+/// A part of the release.
 struct Part {
     name: &'static str,
-    /// Fetches what it is made with; fails where that can't be had here.
+    /// Fetches its tools; fails if they are not available here.
     prepare: fn() -> Result<()>,
-    /// Makes it; the names of its files.
+    /// Makes the part; returns the names of its files.
     make: fn() -> Result<Vec<String>>,
 }
 
@@ -40,10 +40,10 @@ const PARTS: [Part; 4] = [
     Part { name: "the page", prepare: prepare_page, make: page },
 ];
 
-/// Makes all of it. A part for which something can't be had is left out, and said so; the others are made.
+/// Makes all parts. A part with a missing tool is left out with a message; the others are made.
 ///
 /// # Errors
-/// If a part can't be made, or, at the end, if one was left out.
+/// If a part can't be made or was left out.
 pub fn dist() -> Result<()> {
     if Path::new(FOLDER).exists() {
         std::fs::remove_dir_all(FOLDER)?;
@@ -62,7 +62,7 @@ pub fn dist() -> Result<()> {
         std::fs::write(Path::new(FOLDER).join("SHA256SUMS"), &sums.stdout)?;
         print!("{}", String::from_utf8_lossy(&sums.stdout));
     }
-    ensure!(left_out.is_empty(), "not all of it was made: {}", left_out.join("; "));
+    ensure!(left_out.is_empty(), "parts are missing: {}", left_out.join("; "));
     Ok(())
 }
 
@@ -107,7 +107,7 @@ fn install_cargo_deb() -> Result<()> {
     run("cargo", &["install", "--locked", "cargo-deb"])
 }
 
-/// A program that asks for a library of the machine would not run on every one.
+/// A dynamic program would not run on every machine.
 fn ensure_static() -> Result<()> {
     let output = Command::new("ldd").arg(PROGRAM).output().context("ldd")?;
     let said = [output.stdout, output.stderr].concat();
@@ -117,7 +117,7 @@ fn ensure_static() -> Result<()> {
     Ok(())
 }
 
-/// Manual pages and completions, which the program itself writes.
+/// Writes the manual pages and completions with the program itself.
 fn lay_out() -> Result<()> {
     std::fs::create_dir_all(format!("{FOLDER}/man"))?;
     std::fs::create_dir_all(format!("{FOLDER}/completions"))?;
@@ -134,12 +134,12 @@ fn completions(shell: &str, file: &str) -> Result<()> {
     std::fs::write(file, script.stdout).with_context(|| file.to_owned())
 }
 
-/// What the products for that system are called, without their ending.
+/// The name of the products for a target, without extension.
 fn name(target: &str) -> String {
     format!("canvass-{}-{target}", env!("CARGO_PKG_VERSION"))
 }
 
-/// A folder with the program and what lies beside it.
+/// A folder with the program and the further files.
 fn folder(target: &str, program: &str) -> Result<String> {
     let root = format!("{FOLDER}/{}", name(target));
     std::fs::create_dir_all(&root)?;
@@ -155,7 +155,7 @@ fn archive() -> Result<String> {
     let root = folder(TARGET, PROGRAM)?;
     run("cp", &["-r", &format!("{FOLDER}/man"), &format!("{FOLDER}/completions"), &root])?;
     let file = format!("{}.tar.gz", name(TARGET));
-    // The same files make the same bytes.
+    // Equal files give equal bytes.
     let order = ["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0"];
     run("tar", &[&order[..], &["-C", FOLDER, "-czf", &format!("{FOLDER}/{file}"), &name(TARGET)]].concat())?;
     std::fs::remove_dir_all(root)?;
@@ -174,7 +174,7 @@ fn package() -> Result<Vec<String>> {
 /// The name of the archive for Windows.
 fn archive_for_windows() -> Result<String> {
     let root = folder(windows::TARGET, ON_WINDOWS)?;
-    // The program for Linux writes it, as this one does not run here.
+    // The program for Linux writes the pages, as the Windows program does not run here.
     if Path::new(PROGRAM).exists() {
         completions(POWERSHELL.0, &format!("{root}/{}", POWERSHELL.1))?;
     }
@@ -183,7 +183,7 @@ fn archive_for_windows() -> Result<String> {
     Ok(file)
 }
 
-/// The page: a folder for a server, and one file for a stick or a mail.
+/// The page: a folder for a server, and a single file.
 fn page() -> Result<Vec<String>> {
     web::build()?;
     let (folder, file) = (name("page"), format!("{}.html", name("page")));

@@ -1,9 +1,9 @@
-//! `cargo xtask flaky`: how many verdicts change when the tester's machine is busy.
+//! `cargo xtask flaky`: counts verdicts that change when the tester's machine is busy.
 //!
-//! The suite runs again and again against a simulated device in another process, over a real transport, while every
-//! processor of this machine has other work. What the verdicts have to be the simulated bus says, whose time is virtual.
-//! Only "inconclusive, because this machine was late" may take the place of a verdict, and seldom. With `--starve device` it is the
-//! device that gets no processor beside the other work; then "because the device was late as a whole" may, too.
+//! The suite runs repeatedly against a simulated device in another process, over a real transport, while every
+//! processor of this machine has other work. The simulated bus, whose time is virtual, gives the expected verdicts.
+//! Only "inconclusive, because this machine was late" may replace a verdict, and seldom. With `--starve device` the
+//! device gets no processor beside the other work; then "because the device was late as a whole" is allowed, too.
 
 mod load;
 mod options;
@@ -22,10 +22,10 @@ use std::sync::Mutex;
 use std::thread;
 use tally::{Run, Tally, Verdicts};
 
-/// How many of a hundred verdicts may be lost to a late machine.
+/// Maximum percentage of verdicts lost to a late machine.
 const MOST_LATE: f64 = 1.0;
 
-/// The same where the device gets no processor.
+/// The same if the device is starved.
 const MOST_LATE_DEVICE: f64 = 2.0;
 
 /// Repeats the suite and prints a row of the table in `docs/testing.md` for each model.
@@ -61,18 +61,18 @@ pub fn flaky(arguments: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// In as many machines with vcan as there are processors, each with its share of the runs and with other work of its own.
+/// Runs in as many machines with vcan as there are processors, each with its share of the runs and its own load.
 fn on_machines(options: &Options) -> Result<()> {
     let machines = thread::available_parallelism().map_or(1, |count| count.get() as u32).min(options.runs);
     let program = std::env::current_dir()?.join(release("canvass"));
     vcan::on_machines(program, machines, "flaky", &options.words(options.runs.div_ceil(machines)))
 }
 
-/// All repetitions of one model.
+/// All repetitions with one model.
 fn of_model(model: &str, options: &Options) -> Result<Tally> {
     let program = release("canvass");
-    // Over a real transport the same cases run on a machine that is at rest: what the transport itself changes (no
-    // echo, no bit rate to be asked for) is no work of the load.
+    // The same cases first run over the transport on an idle machine: effects of the transport itself (no echo, no
+    // known bit rate) are no effects of the load.
     let truth = pair::simulated(&program, model, options)?;
     let quiet = Pair::start(&program, model, options)?.test()?;
     let expected = Verdicts::expected(&truth, &quiet)?;

@@ -1,4 +1,4 @@
-//! `cargo xtask fleet`: the workspace in `fleet`: its format, its lints and its tests, and the examples of other programs that
+//! `cargo xtask fleet`: format, lints and tests of the workspace in `fleet`, and the examples of other programs that
 //! read a lake.
 
 pub mod bench;
@@ -10,36 +10,36 @@ use anyhow::{Context, Result, anyhow, ensure};
 
 /// Its manifest.
 const MANIFEST: &str = "fleet/Cargo.toml";
-/// Where its programs are built.
+/// The folder of its built programs.
 const TARGET: &str = "fleet/target";
 
 /// Builds and tests.
 ///
 /// # Errors
-/// If something is missing, is not as it should be or fails.
+/// If a program is missing, or a check fails.
 pub fn test() -> Result<()> {
-    // Answers are compared with those of the program. As CI builds it: the same crates.
+    // Its answers are compared with those of the program, built as in CI, so that the crates are shared.
     run("cargo", &["build", "--workspace", "--locked"])?;
     step()
 }
 
-/// The step of CI, beside the program that its tests have built.
+/// The step of CI, beside the program built for its tests.
 ///
 /// # Errors
 /// As [`test`].
 pub fn step() -> Result<()> {
     run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
-    // Slow downloads go on in the meantime.
+    // Slow downloads run meanwhile.
     std::thread::scope(|scope| {
         let installing = scope.spawn(readers::install_all);
         let tested = lints_and_tests();
-        let installed = installing.join().map_err(|_| anyhow!("installing has panicked"))?;
+        let installed = installing.join().map_err(|_| anyhow!("the installation panicked"))?;
         tested.and(installed)
     })?;
     readers::read()
 }
 
-/// Builds it as it is used.
+/// Builds the release profile.
 fn release() -> Result<()> {
     let words = ["build", "--release", "--locked", "--manifest-path", MANIFEST, "--target-dir", TARGET];
     eprintln!("$ cargo {}", words.join(" "));
@@ -48,8 +48,8 @@ fn release() -> Result<()> {
     Ok(())
 }
 
-/// The engine has five hundred crates: they are built once, without what debuggers need, and the lints look at the same build
-/// that the tests run from.
+/// The engine has five hundred crates: they are built once, without debug information, and lints and tests share that
+/// build.
 fn lints_and_tests() -> Result<()> {
     let root = std::env::current_dir()?;
     let program = root.join(target_folder()).join("debug/canvass");

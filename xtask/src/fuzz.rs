@@ -1,4 +1,4 @@
-//! Coverage-guided fuzzing of what reads bytes, for a fixed time.
+//! Coverage-guided fuzzing of all parsers, for a fixed time.
 
 use crate::consent;
 use crate::run::{is_there, run};
@@ -7,23 +7,23 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Mutex;
 
-/// How long each target runs, in seconds, unless CI says otherwise.
+/// Default duration of each target, in seconds.
 pub const USUAL: u32 = 15;
 
 /// Where the targets stand. `fuzz`, where cargo-fuzz looks without being told, would be taken for the fuzzer of devices.
 const FOLDER: &str = "fuzz-targets";
 
-/// A description has many more paths than the others: it runs twice as long.
+/// The target that runs twice as long, as descriptions have many more paths.
 const LONG: &str = "description";
 
-/// The largest piece of memory, in MiB, that any input may make a target ask for: a length that is believed before it is
-/// looked at asks for more. A container or chunk of a capture may have 32, in a buffer that grows to 64.
+/// Maximum size of a single allocation in MiB: a trusted length would allocate more. A container or chunk of a
+/// capture may have 32, in a buffer that grows to 64.
 const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 
-/// So many at the same time: the machines of CI have two processors.
+/// Number of targets at the same time: CI's machines have two processors.
 const AT_ONCE: usize = 2;
 
-/// Where real inputs lie that a target begins from.
+/// The folders with real inputs for a target.
 fn seeds(target: &str) -> &'static [&'static str] {
     match target {
         "description" | "model" => &["analyzer/tests/eds", "conformance/device/models"],
@@ -35,16 +35,16 @@ fn seeds(target: &str) -> &'static [&'static str] {
     }
 }
 
-/// Runs every target for that many seconds. Needs a nightly toolchain for its sanitizers; without one the property tests, which every run
-/// has, must do.
+/// Runs every target for that many seconds. The sanitizers need a nightly toolchain; without one only the property
+/// tests remain, which every test run includes.
 pub fn fuzz(seconds: u32) -> Result<()> {
     if !is_there("cargo", &["+nightly", "--version"]) {
-        eprintln!("no nightly toolchain: fuzzing is left out, the property tests are not");
+        eprintln!("no nightly toolchain: fuzzing is left out, the property tests still run");
         return Ok(());
     }
     if !is_there("cargo", &["fuzz", "--version"]) {
         consent::ask("cargo-fuzz", "cargo install cargo-fuzz --locked --debug")?;
-        // It only calls others: optimising it would take longer than it runs.
+        // cargo-fuzz only calls other programs: optimising it would take longer than it runs.
         run("cargo", &["install", "cargo-fuzz", "--locked", "--debug", "--quiet"])?;
     }
     run("cargo", &["+nightly", "fuzz", "build", "--fuzz-dir", FOLDER])?;
@@ -66,7 +66,7 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { bail!("{}", failed.join("\n")) }
 }
 
-/// The names of all targets, by what cargo-fuzz finds.
+/// The names of all targets, as cargo-fuzz lists them.
 fn targets() -> Result<Vec<String>> {
     let output = Command::new("cargo").args(["+nightly", "fuzz", "list", "--fuzz-dir", FOLDER]).output();
     let output = output.context("can't run cargo fuzz")?;
@@ -76,7 +76,7 @@ fn targets() -> Result<Vec<String>> {
 }
 
 fn run_target(target: &str, seconds: u32) -> Result<()> {
-    // The first folder takes what the fuzzer finds; the others it only reads.
+    // The fuzzer adds findings to the first folder, and only reads the others.
     let found = format!("{FOLDER}/corpus/{target}");
     std::fs::create_dir_all(&found)?;
     let folders = seeds(target).iter().filter(|folder| Path::new(folder).is_dir());

@@ -1,4 +1,4 @@
-//! Measuring other programs: their time by the kernel's own account, their memory by GNU time.
+//! Measures other programs: processor time by the kernel's count, memory by GNU time.
 
 use crate::packages::Package;
 use crate::run::target_folder;
@@ -11,20 +11,20 @@ use std::process::{Command, Stdio};
 pub const TIME: Package = Package { program: TIME_PATH, probe: &["--version"], package: "time" };
 pub const RUNS: usize = 3;
 
-/// Not the word of the shell, which tells no memory.
+/// GNU time, not the shell's builtin, which reports no memory.
 const TIME_PATH: &str = "/usr/bin/time";
 const RESULT: &str = "target/bench/time";
 
 /// What a run of a program cost.
 #[derive(Clone, Copy)]
 pub struct Cost {
-    /// Seconds of all processors. Other programs on the machine change it little.
+    /// Seconds on all processors; other programs on the machine affect it little.
     pub cpu: f64,
-    /// The most memory that was in use, in KiB.
+    /// Peak memory, in KiB.
     pub memory: u64,
 }
 
-/// Runs a program on that input; what it prints is thrown away.
+/// Runs a program on that input, and discards its output.
 pub fn cost(command: &[&str], input: Stdio) -> Result<Cost> {
     let before = of_children()?;
     let status = Command::new(TIME_PATH)
@@ -42,19 +42,19 @@ pub fn cost(command: &[&str], input: Stdio) -> Result<Cost> {
     Ok(Cost { cpu, memory })
 }
 
-/// Seconds of all processors that the programs have taken which have ended so far. GNU time cuts them to hundredths, and
-/// takes less than one itself.
+/// Seconds of all ended child programs on all processors. GNU time itself rounds to hundredths, and takes less than
+/// one.
 fn of_children() -> Result<f64> {
     let usage = getrusage(UsageWho::RUSAGE_CHILDREN)?;
     Ok((usage.user_time() + usage.system_time()).num_microseconds() as f64 / 1e6)
 }
 
-/// A program of the release profile.
+/// The path of a program of the release profile.
 pub fn release(name: &str) -> String {
     target_folder().join("release").join(name).to_string_lossy().into_owned()
 }
 
-/// The processor and how many of it there are.
+/// The processor, and the number of its cores.
 pub fn machine() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(" unknown processor");
@@ -62,7 +62,7 @@ pub fn machine() -> String {
     format!("{}, {cores} cores", model.trim_start_matches(['\t', ':', ' ']))
 }
 
-/// The cheapest of several runs.
+/// The best of several runs.
 pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
     best_of(RUNS, command, input)
 }

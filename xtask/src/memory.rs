@@ -1,4 +1,4 @@
-//! What canvass needs for captures of gigabytes. They are made and read through a pipe.
+//! Memory use for captures of gigabytes, which are generated and read through a pipe.
 
 use crate::bench::build;
 use crate::measure::{TIME, cost, machine, release};
@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use std::fs;
 use std::process::{Command, Stdio};
 
-/// In KiB.
+/// Limit in KiB.
 const MOST: u64 = 64 * 1024;
 
 /// A kind of capture.
@@ -25,7 +25,7 @@ const KINDS: [CaptureKind; 3] = [
     CaptureKind { format: "mcap", size: "1 GB", frames: "12100000", commands: &COMMANDS },
 ];
 
-/// All that keeps the state of the bus.
+/// Commands that keep the state of the bus.
 const DECODERS: [&[&str]; 6] = [
     &["decode", "--format", "text", "-"],
     &["decode", "--format", "json", "-"],
@@ -35,7 +35,7 @@ const DECODERS: [&[&str]; 6] = [
     &["diagnose", "--fail-on", "never", "-"],
 ];
 
-/// To a file, MCAP has chunks, an index and compression; to a pipe, it is written live.
+/// Files of MCAP have chunks, an index and compression; pipes are written live.
 const COMMANDS: [&[&str]; 5] = [
     &["decode", "-"],
     &["diagnose", "--fail-on", "never", "-"],
@@ -44,10 +44,11 @@ const COMMANDS: [&[&str]; 5] = [
     &["convert", "--to", "candump", "-", "/dev/null"],
 ];
 
-/// Decodes 10 million frames in every way, and decodes and converts a candump log of 2 GB and an MCAP file of 1 GB.
+/// Decodes 10 million frames with every command, and decodes and converts a candump log of 2 GB and an MCAP file of
+/// 1 GB.
 ///
 /// # Errors
-/// If one of these takes 64 MiB or more.
+/// If a command takes 64 MiB or more.
 pub fn memory() -> Result<()> {
     install(&[TIME])?;
     build()?;
@@ -60,7 +61,7 @@ pub fn memory() -> Result<()> {
             let Some(capture) = traffic.stdout.take() else { continue };
             let canvass = release("canvass");
             let cost = cost(&[&[&*canvass], *args].concat(), capture.into())?;
-            ensure!(traffic.wait()?.success(), "the traffic could not be made");
+            ensure!(traffic.wait()?.success(), "making the traffic failed");
             let (args, mib) = (args.join(" "), cost.memory as f64 / 1024.0);
             println!("{size} {format:8} canvass {args:38} {mib:>6.1} MiB at most, {:>6.1} s", cost.cpu);
             ensure!(cost.memory < MOST, "canvass {args} takes {mib:.1} MiB of a {format} capture of {size}");

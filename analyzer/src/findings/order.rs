@@ -49,6 +49,7 @@ impl InOrder {
             std::mem::swap(slot, record);
             self.waiting += 1;
         }
+        debug_assert!(self.ring.len().is_power_of_two() && self.waiting <= self.ring.len());
         if time >= self.newest {
             self.newest = time;
         } else {

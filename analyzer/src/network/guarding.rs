@@ -35,6 +35,7 @@ impl Guarding {
         let asked = self.asked.take().is_some_and(soon);
         let alternates = std::mem::replace(&mut self.toggle, toggle);
         self.beats = !(asked || toggle || alternates);
+        debug_assert!(!(self.beats && self.toggle), "a heartbeat has no toggle bit");
         !self.beats
     }
 }

@@ -29,6 +29,7 @@ impl<T> OpenErrors<T> {
             if !known && self.rows.len() < Self::MOST {
                 self.rows.push((code, what()));
             }
+            debug_assert!(self.rows.len() <= Self::MOST);
             return Vec::new();
         }
         let register = emcy.register().map_or(0, |register| register.0);

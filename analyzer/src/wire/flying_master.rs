@@ -9,7 +9,7 @@
 //! 076h  forces a new negotiation              no data
 //! ```
 
-use super::{Malformed, named};
+use super::{Malformed, data_frame, named};
 use canvass_traces::{CanId, Frame};
 use nom::{Parser, number::complete::u8};
 use std::fmt;
@@ -71,13 +71,10 @@ impl FlyingMaster {
     /// The message as a frame.
     pub fn to_frame(self) -> Frame {
         let id = CanId::standard_masked(u32::from(self.can_id()));
-        let pair = match self {
-            Self::ActiveMaster { priority, node } => [priority, node],
-            _ => [0; 2],
-        };
-        let payload: &[u8] = if matches!(self, Self::ActiveMaster { .. }) { &pair } else { &[] };
-        // A message of at most two bytes always fits a classical frame.
-        Frame::new(id, payload).unwrap_or_else(|| Frame::full(id, [0; 8]))
+        match self {
+            Self::ActiveMaster { priority, node } => data_frame(id, &[priority, node]),
+            _ => data_frame(id, &[]),
+        }
     }
 }
 

@@ -66,11 +66,17 @@ pub trait Wire: Sized {
     /// The message as a data frame with an 11-bit CAN-ID.
     fn to_frame(&self, cob_id: u16) -> Frame {
         let mut buffer = [0; 8];
-        let len = self.emit(&mut buffer).min(8);
-        let id = CanId::standard_masked(u32::from(cob_id));
-        // A message of at most eight bytes always fits a classical frame.
-        Frame::new(id, &buffer[..len]).unwrap_or_else(|| Frame::full(id, buffer))
+        let len = self.emit(&mut buffer);
+        debug_assert!(len <= 8, "a message has at most 8 bytes, found {len}");
+        data_frame(CanId::standard_masked(u32::from(cob_id)), &buffer[..len.min(8)])
     }
+}
+
+/// A data frame with a payload of at most eight bytes.
+fn data_frame(id: CanId, payload: &[u8]) -> Frame {
+    let frame = Frame::new(id, payload);
+    debug_assert!(frame.is_some(), "a classical frame has at most 8 bytes, found {}", payload.len());
+    frame.unwrap_or_else(|| Frame::full(id, [0; 8]))
 }
 
 /// Why a payload has no meaning: it is too short for the form that its first bytes announce.

@@ -161,7 +161,7 @@ fn life_guarding_is_lost() {
     let mut ended = guarded();
     ended.silence(0x706, 15_000, END);
     let finding = ended.finds("nodes/life-guarding", Some(6), 15_400);
-    assert!(finding.message.contains("any more"), "{}", finding.message);
+    assert!(finding.message.contains("no longer asked for its state"), "{}", finding.message);
 }
 
 #[test]

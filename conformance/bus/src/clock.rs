@@ -1,9 +1,9 @@
-//! The clock of live buses: steady as the monotonic clock, counted from 1970 as the kernel's timestamps are.
+//! The clock of live buses: steady as the monotonic clock, counted from 1970 like the kernel's timestamps.
 
 use canvass_traces::{Duration, Timestamp};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-/// A clock that starts at the system's time and does not jump when that is set.
+/// A clock that starts at the system's time and does not jump when the system's clock is set.
 #[derive(Clone, Debug)]
 pub(super) struct SteadyClock {
     started: Instant,
@@ -28,9 +28,9 @@ pub(super) fn duration(span: std::time::Duration) -> Duration {
     Duration(u64::try_from(span.as_nanos()).unwrap_or(u64::MAX))
 }
 
-/// Of the clock that can be set.
+/// The time of the system's clock, which can be set.
 pub(super) fn system_time() -> Timestamp {
-    // Before 1970 the clock was never set: time counts from there.
+    // A clock before 1970 was never set; time then counts from 1970.
     Timestamp::ZERO + duration(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default())
 }
 

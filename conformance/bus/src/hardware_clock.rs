@@ -1,9 +1,9 @@
-//! The controller's own clock, brought to the system's.
+//! Converts times of the controller's own clock to the system's clock.
 
 use canvass_traces::Timestamp;
 
-/// Learns by how much a controller's clock differs from the system's. A frame reaches the kernel some time after its
-/// end on the bus, never before: the least difference seen is the true one.
+/// Learns the difference between a controller's clock and the system's. A frame reaches the kernel some time after
+/// its end on the bus, never before; so the smallest difference seen is the true one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HardwareClock {
     best: Option<Best>,
@@ -11,20 +11,20 @@ pub(super) struct HardwareClock {
 
 #[derive(Clone, Copy, Debug)]
 struct Best {
-    /// System minus hardware, in nanoseconds.
+    /// System time minus hardware time, in nanoseconds.
     difference: i128,
-    /// When it was seen, by the hardware.
+    /// The hardware time at which it was seen.
     at: Timestamp,
 }
 
-/// Quartzes differ by up to this, in parts per million; the difference may have grown by it.
+/// Maximum drift between quartzes in parts per million; the difference may have grown by it.
 const DRIFT_PPM: i128 = 100;
 
-/// A clock that was reset, or another adapter.
+/// A larger difference means a reset clock, or another adapter.
 const JUMP: i128 = 1_000_000_000;
 
 impl HardwareClock {
-    /// The time of the system's clock at which the hardware saw the frame; the kernel took it at `software`.
+    /// The system time at which the hardware saw the frame; the kernel received it at `software`.
     pub fn system_time(&mut self, hardware: Timestamp, software: Timestamp) -> Timestamp {
         let seen = i128::from(software.0) - i128::from(hardware.0);
         let difference = match self.best {
@@ -36,7 +36,7 @@ impl HardwareClock {
         };
         self.best = Some(Best { difference, at: hardware });
         let time = i128::from(hardware.0) + difference;
-        // Not later than the kernel saw it.
+        // The time is not after that of the kernel.
         Timestamp(u64::try_from(time).unwrap_or(0)).min(software)
     }
 }

@@ -1,37 +1,37 @@
-//! How well a bus and the tester's own machine work: what a verdict on a device must not be blamed on.
+//! The health of a bus and of the tester's own machine: their defects must not be blamed on a device.
 
 use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
-/// Counts since the bus was opened. The difference of two says what happened between them.
+/// Counters since the bus was opened. The difference of two tells the events between them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Health {
-    /// Frames that were on the bus and did not reach the tester: the controller had no room for them, or a queue of the
-    /// kernel or of the tester was full.
+    /// Number of frames of the bus that did not reach the tester: the controller had no room for them, or a queue of
+    /// the kernel or of the tester was full.
     pub lost: u64,
-    /// How often the way to the bus was interrupted: the interface went down, the adapter was unplugged, bus-off.
+    /// Number of interruptions of the bus: the interface went down, the adapter was unplugged, bus-off.
     pub interruptions: u64,
-    /// How long the interruptions lasted that are over.
+    /// Duration of all interruptions that are over.
     pub interrupted_for: Duration,
-    /// When the way to the bus was interrupted that is not back yet.
+    /// Begin of the current interruption.
     pub interrupted_since: Option<Timestamp>,
-    /// What the last interruption was, and the state of the controller as far as it is known.
+    /// The cause of the last interruption, with the state of the controller if known.
     pub trouble: Option<String>,
     pub error_frames: u64,
-    /// How often a full transmit queue was waited for.
+    /// Number of waits for a full transmit queue.
     pub waits: u64,
-    /// From a frame's time on the bus to the tester's seeing it, while it waited for one; and from the end of a wait in vain
-    /// to its seeing that.
+    /// Delay from a frame's time on the bus until the tester saw it, if the tester was waiting; and from the end of a
+    /// wait without frame until the tester noticed it.
     pub receive: Latencies,
-    /// From the tester's handing over a frame to its time on the bus.
+    /// Delay from the tester's sending of a frame to its time on the bus.
     pub transmit: Latencies,
-    /// By how much the time that a frame was given may be later than its arrival, where frames bring none of their own.
+    /// Uncertainty of the time of a frame, if frames have no timestamps of their own.
     pub stamping: Latencies,
-    /// What is wrong with the time stamps of the adapter: those since are not used, and the ones before may be wrong. It stays.
+    /// The fault of the adapter's time stamps: later ones are not used, and earlier ones may be wrong. It stays.
     pub stamps: Option<StampTrouble>,
 }
 
-/// What is wrong with the time stamps of an adapter.
+/// A fault of an adapter's time stamps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StampTrouble {
     /// All frames get the same time.
@@ -45,7 +45,7 @@ pub enum StampTrouble {
 impl StampTrouble {
     const ALL: [Self; 3] = [Self::Still, Self::Jump, Self::Range];
 
-    /// The word for it in JSON and in transcripts.
+    /// The name in JSON and in transcripts.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Still => "still",
@@ -54,13 +54,13 @@ impl StampTrouble {
         }
     }
 
-    /// The trouble of that name.
+    /// The fault of that name.
     pub(crate) fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|trouble| trouble.name() == name)
     }
 }
 
-/// What the time stamps do: `stand still`.
+/// The behaviour of the time stamps: `stand still`.
 impl fmt::Display for StampTrouble {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -72,31 +72,31 @@ impl fmt::Display for StampTrouble {
 }
 
 impl Health {
-    /// The longest that this machine was late, of everything that is counted here.
+    /// The longest delay of this machine among those counted here.
     pub fn latest(&self) -> Option<Duration> {
         [&self.receive, &self.transmit, &self.stamping].into_iter().filter_map(Latencies::longest).max()
     }
 
-    /// The way to the bus is interrupted from now on.
+    /// Begins an interruption.
     pub(crate) fn went_away(&mut self, now: Timestamp, trouble: String) {
         self.was_interrupted(trouble);
         self.interrupted_since.get_or_insert(now);
     }
 
-    /// The way to the bus was interrupted, and is there again already.
+    /// Counts an interruption that is over already.
     pub(crate) fn was_interrupted(&mut self, trouble: String) {
         self.interruptions += 1;
         self.trouble = Some(trouble);
     }
 
-    /// The way to the bus is there.
+    /// Ends the interruption.
     pub(crate) fn came_back(&mut self, now: Timestamp) {
         if let Some(since) = self.interrupted_since.take() {
             self.interrupted_for = self.interrupted_for + now.since(since);
         }
     }
 
-    /// The interruptions until now; `None` if there was none.
+    /// The interruptions so far; `None` if there was none.
     pub fn interruptions(&self, now: Timestamp) -> Option<Interruptions> {
         let lasting = self.interrupted_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.interruptions > 0).then(|| Interruptions {
@@ -107,8 +107,8 @@ impl Health {
         })
     }
 
-    /// A wait that had to end at `due` was seen to have ended at `now`. Every wait ends a little late; more than that is
-    /// this machine's being busy.
+    /// Counts the delay of a wait that should have ended at `due` and was noticed at `now`. Every wait ends slightly
+    /// late; a longer delay shows that this machine is busy.
     pub(crate) fn note_late_end(&mut self, due: Timestamp, now: Timestamp) {
         const USUAL: Duration = Duration::from_millis(1);
         let late = now.since(due);
@@ -117,7 +117,7 @@ impl Health {
         }
     }
 
-    /// What happened since `before`.
+    /// The difference since `before`.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             lost: self.lost.saturating_sub(before.lost),
@@ -135,15 +135,15 @@ impl Health {
     }
 }
 
-/// How often, and for how long, the way to a bus was interrupted.
+/// Number and duration of a bus's interruptions.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Interruptions {
     pub count: u64,
-    /// How long, all of them together.
+    /// Duration of all together.
     pub lasted: Duration,
-    /// What the last one was.
+    /// The cause of the last one.
     pub last: Option<String>,
-    /// Whether the way is there again.
+    /// Whether the bus is back.
     pub is_over: bool,
 }
 
@@ -161,15 +161,15 @@ impl fmt::Display for Interruptions {
     }
 }
 
-/// How long something took, many times: counted by powers of two of nanoseconds.
+/// A histogram of durations, in powers of two of nanoseconds.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Latencies([u64; Self::BUCKETS]);
 
 impl Latencies {
-    /// The last one holds everything from about 4.6 minutes on.
+    /// The last bucket holds all durations from about 4.6 minutes on.
     const BUCKETS: usize = 40;
 
-    /// Counts one.
+    /// Counts a duration.
     pub fn add(&mut self, span: Duration) {
         let bucket = (u64::BITS - span.0.leading_zeros()) as usize;
         if let Some(count) = self.0.get_mut(bucket.min(Self::BUCKETS - 1)) {
@@ -177,13 +177,12 @@ impl Latencies {
         }
     }
 
-    /// How many were counted.
+    /// Number of durations.
     pub fn count(&self) -> u64 {
         self.0.iter().sum()
     }
 
-    /// A span that so many in a thousand did not exceed, at most twice as long as the shortest such; `None` if none was
-    /// counted.
+    /// A duration that this share of all does not exceed, at most twice the exact quantile; `None` if there is none.
     pub fn quantile(&self, per_mille: u64) -> Option<Duration> {
         let total = self.count();
         let rank = (total * per_mille).div_ceil(1_000).max(1);
@@ -195,17 +194,17 @@ impl Latencies {
         Some(Duration((1 << bucket) - 1))
     }
 
-    /// A span that none exceeded, at most twice as long as the longest.
+    /// A duration that none exceeds, at most twice the longest.
     pub fn longest(&self) -> Option<Duration> {
         self.quantile(1_000)
     }
 
-    /// How many were counted in each bucket.
+    /// The number of durations in each bucket.
     pub(crate) const fn buckets(&self) -> &[u64; Self::BUCKETS] {
         &self.0
     }
 
-    /// Sets what was counted in a bucket, if there is such a bucket.
+    /// Sets the count of a bucket; `None` if the bucket does not exist.
     pub(crate) fn set(&mut self, bucket: usize, count: u64) -> Option<()> {
         *self.0.get_mut(bucket)? = count;
         Some(())

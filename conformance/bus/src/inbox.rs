@@ -1,4 +1,4 @@
-//! Between the thread that receives and the reader of the frames: receiving does not wait for the reader.
+//! The queue between the receiving thread and the reader of the frames: receiving does not wait for the reader.
 
 use super::Health;
 use super::clock::SteadyClock;
@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Frames that were received and not yet taken, bounded, and what is known of the bus.
+/// A limited queue of received frames, with the health of the bus.
 pub(super) struct Inbox {
     state: Mutex<InboxState>,
     arrived: Condvar,
-    /// The receiving thread holds frames that are not in the inbox yet.
+    /// Whether the receiving thread holds frames that are not in the queue yet.
     delivering: AtomicBool,
-    /// Frames can be received, and none can be sent: the transmit queue is full, and stays so.
+    /// Whether no frame can be sent because the transmit queue stays full, while receiving works.
     stuck: AtomicBool,
     closed: AtomicBool,
 }
@@ -23,11 +23,11 @@ struct InboxState {
     records: VecDeque<Record>,
     capacity: usize,
     health: Health,
-    /// The time of the last frame that was taken: time does not go back.
+    /// The time of the last frame that was taken: times never decrease.
     last: Timestamp,
 }
 
-/// Twelve seconds of a full bus at 1 Mbit/s; 16 MiB.
+/// Capacity of the queue: twelve seconds of a full bus at 1 Mbit/s; 16 MiB.
 const CAPACITY: usize = 1 << 18;
 
 /// How long the end of a wait waits for the receiving thread, which the system may have suspended.
@@ -50,8 +50,8 @@ impl Inbox {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts in what has arrived. When there are too many, the oldest are lost and counted: a slow reader must not
-    /// stay behind.
+    /// Adds received frames. If there are too many, the oldest are dropped and counted, so that a slow reader does
+    /// not stay behind.
     pub fn deliver(&self, records: &mut Vec<Record>) {
         let mut state = self.state();
         state.records.extend(records.drain(..));
@@ -62,7 +62,7 @@ impl Inbox {
         self.arrived.notify_all();
     }
 
-    /// Takes back an own frame that could not be sent after all, unless it was taken already.
+    /// Removes an own frame that could not be sent after all, unless the reader has taken it.
     pub fn retract(&self, record: &Record) {
         let mut state = self.state();
         if let Some(at) = state.records.iter().rposition(|delivered| delivered == record) {
@@ -70,42 +70,42 @@ impl Inbox {
         }
     }
 
-    /// Keeps no more frames than that.
+    /// Limits the queue to this number of frames.
     pub fn limit(&self, frames: usize) {
         self.state().capacity = frames.clamp(1, CAPACITY);
     }
 
-    /// Says whether the receiving thread has taken something from the system that is not delivered yet.
+    /// Sets whether the receiving thread holds frames of the system that are not in the queue yet.
     pub fn set_delivering(&self, delivering: bool) {
         self.delivering.store(delivering, Ordering::SeqCst);
     }
 
-    /// Changes what is known of the bus.
+    /// Changes the health of the bus.
     pub fn note(&self, note: impl FnOnce(&mut Health)) {
         note(&mut self.state().health);
     }
 
-    /// What is known of the bus.
+    /// The health of the bus.
     pub fn health(&self) -> Health {
         self.state().health.clone()
     }
 
-    /// The transmit queue has no room and gets none: until a frame is taken, the way to the bus is interrupted.
+    /// Begins an interruption because the transmit queue stays full; it ends when a frame is taken.
     pub fn note_stuck(&self, now: Timestamp, trouble: String) {
         if !self.stuck.swap(true, Ordering::SeqCst) {
             self.note(|health| health.went_away(now, trouble));
         }
     }
 
-    /// The transmit queue has taken a frame.
+    /// Notes that the transmit queue has taken a frame.
     pub fn note_taken(&self, now: Timestamp) {
         if self.stuck.swap(false, Ordering::SeqCst) {
             self.note(|health| health.came_back(now));
         }
     }
 
-    /// Whether the way to the bus is interrupted now, so that sending is in vain. Whether a full queue has room again, only
-    /// sending tells.
+    /// Whether the bus is interrupted now, so that sending would fail. For a full queue only a try to send tells
+    /// whether it has room again.
     pub fn is_interrupted(&self) -> bool {
         !self.stuck.load(Ordering::SeqCst) && self.state().health.interrupted_since.is_some()
     }
@@ -119,11 +119,12 @@ impl Inbox {
         self.closed.load(Ordering::SeqCst)
     }
 
-    /// The next record, or `None` if there was none until `deadline`: what came after it waits for the next call, so that
-    /// on a bus that never falls silent every wait ends all the same. `pending` says whether the system holds something
-    /// that the receiving thread has not fetched yet: what came in time is not too late because that thread is.
+    /// The next record, or `None` if there was none before `deadline`; later records wait for the next call, so that
+    /// every wait ends even on a bus that never falls silent. `pending` tells whether the system holds frames that
+    /// the receiving thread has not fetched yet: a frame that arrived in time must not be missed because of that
+    /// thread.
     pub fn take(&self, clock: &SteadyClock, deadline: Timestamp, pending: impl Fn() -> bool) -> Option<Record> {
-        // What came while nobody waited for it has not waited for this machine.
+        // A frame that arrived before this call did not wait for this machine.
         let asked = clock.now();
         let mut state = self.state();
         let mut stalled = None;
@@ -143,8 +144,8 @@ impl Inbox {
             let wait = if now < deadline {
                 deadline.since(now).into()
             } else {
-                // In this order: what is fetched meanwhile shows as being delivered, and can't be delivered while the
-                // lock is held.
+                // The order matters: fetched frames show as being delivered, and can't be delivered while the lock is
+                // held.
                 let behind = pending() || self.delivering.load(Ordering::SeqCst);
                 let since = *stalled.get_or_insert(now);
                 if !behind || Duration::from(now.since(since)) > STALL {
@@ -159,11 +160,11 @@ impl Inbox {
 }
 
 impl InboxState {
-    /// The time of a frame that is taken now. One of the tester's own may have been delivered while an older one was still
-    /// being fetched.
+    /// The time of a frame that is taken now. One of the tester's own frames may have been delivered while an older
+    /// frame was still being fetched.
     fn in_order(&mut self, time: Timestamp, now: Timestamp) -> Timestamp {
         if time > now {
-            // Wrong; it must not spoil those that follow.
+            // The time is wrong; it must not affect later ones.
             return time;
         }
         self.last = self.last.max(time);
@@ -171,7 +172,7 @@ impl InboxState {
     }
 }
 
-/// Whether something came after the deadline. What seems to come from the future has a wrong time, which says nothing.
+/// Whether the time is after the deadline. A time in the future is wrong and proves nothing.
 fn is_between(time: Timestamp, deadline: Timestamp, now: Timestamp) -> bool {
     deadline < time && time <= now
 }

@@ -1,11 +1,11 @@
-//! The bus that a test runs on: live or simulated, a case can't tell which; and the tester's side of the protocols.
+//! The bus of a test, live or simulated, which a case can't distinguish; and the tester's side of the protocols.
 //!
-//! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
-//! - [`PatientBus`]: a bus that is waited for while the way to it is interrupted;
-//! - [`Machine`]: what takes part in a bus without I/O and clock of its own; [`participate`] lets it do so;
+//! - [`Bus`]: the interface of every bus; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
+//! - [`PatientBus`]: a bus that waits while it is interrupted;
+//! - [`Machine`]: a participant of a bus without I/O and clock; [`participate`] connects it to a live bus;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
-//! - [`observation`]: what a device did, as data;
-//! - [`transcript`]: a run that can be done again on its recording.
+//! - [`observation`]: behaviour of a device, as data;
+//! - [`transcript`]: data for repeating a run on its recording.
 
 #![warn(clippy::disallowed_methods)]
 #![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]
@@ -40,10 +40,10 @@ pub trait Bus {
     /// The time on this bus.
     fn now(&self) -> Timestamp;
 
-    /// Hands over a frame for sending. It goes out as soon as the bus is free and no lower identifier wants it.
+    /// Queues a frame for sending. It is sent as soon as the bus is free and no lower identifier waits.
     ///
     /// # Errors
-    /// [`BusError`] if the bus can't take it.
+    /// [`BusError`] if the bus can't take the frame.
     fn send(&mut self, frame: &Frame) -> Result<(), BusError>;
 
     /// The next frame that was on the bus, or `None` if there was none until `deadline`; on the simulated bus
@@ -56,64 +56,64 @@ pub trait Bus {
     /// [`BusError`] if the bus fails.
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError>;
 
-    /// The bit rate in bit/s, where it is known.
+    /// The bit rate in bit/s, if it is known.
     fn bit_rate(&self) -> Option<u32>;
 
-    /// Whether time goes by on it as it does for people.
+    /// Whether its time is real, not virtual.
     fn is_live(&self) -> bool {
         false
     }
 
-    /// Where somebody has to connect to this end first: waits for that, at most so long.
+    /// Waits for a client, on a bus to which another program must connect; at most for `patience`.
     ///
     /// # Errors
-    /// [`BusError`] if nobody has connected.
+    /// [`BusError`] if no client has connected.
     fn wait_for_client(&mut self, patience: Duration) -> Result<(), BusError> {
         let _ = patience;
         Ok(())
     }
 
-    /// From now on those bytes of the frames that are handed over that carry nothing are not zero, as of programs that
-    /// don't clear `struct can_frame`: readers must not look at them. Only SocketCAN has such bytes.
+    /// Fills the unused bytes of sent frames with non-zero values from now on, as programs do that don't clear
+    /// `struct can_frame`: readers must ignore these bytes. Only SocketCAN has them.
     fn dirty_padding(&mut self) {}
 
-    /// How well it works. A simulated bus always works well.
+    /// The health of the bus. A simulated bus is always healthy.
     fn health(&self) -> Health {
         Health::default()
     }
 
-    /// Whether the way to it is interrupted now: nothing can be sent, and nothing comes, until it is back.
+    /// Whether the bus is interrupted now: until it is back, it neither sends nor receives.
     fn is_interrupted(&self) -> bool {
         false
     }
 
-    /// Waits while the way to it is interrupted, where it is waited for: see [`PatientBus`].
+    /// Waits for the end of an interruption, on a bus that waits: see [`PatientBus`].
     ///
     /// # Errors
-    /// [`BusError::Interrupted`] if it does not come back in time.
+    /// [`BusError::Interrupted`] if the bus does not come back in time.
     fn wait_until_back(&mut self) -> Result<(), BusError> {
         Ok(())
     }
 
-    /// Limits how many frames wait for a slow reader: beyond that number the oldest are lost.
+    /// Limits the number of frames that wait for a slow reader: beyond it the oldest are dropped.
     fn limit_backlog(&mut self, frames: usize) {
         let _ = frames;
     }
 
-    /// Says that only frames of 11 bits are wanted whose identifier equals one of these where its mask has ones, so
-    /// that the others need not be fetched. More may come all the same.
+    /// Requests only frames of 11 bits whose identifier equals one of these in the bits of its mask. The bus may
+    /// deliver other frames all the same.
     ///
     /// # Errors
-    /// [`BusError`] if the bus does not take it.
+    /// [`BusError`] if the bus does not accept the filter.
     fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
         let _ = cob_ids;
         Ok(())
     }
 
-    /// Goes on at another bit rate in bit/s.
+    /// Changes the bit rate, in bit/s.
     ///
     /// # Errors
-    /// [`BusError::FixedBitRate`] where this end of the bus can't change it.
+    /// [`BusError::FixedBitRate`] if this end of the bus can't change it.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         Err(BusError::FixedBitRate { bit_rate })
     }
@@ -126,28 +126,28 @@ pub enum BusError {
     /// The address does not name a bus.
     #[error("{address}: {reason}")]
     Address {
-        /// As it was given.
+        /// The address as typed.
         address: String,
-        /// What is wrong and what would be right.
+        /// The error, and the expected form.
         reason: String,
     },
     /// The bus cannot carry that frame.
     #[error("{frame} cannot be sent: {reason}")]
     Unsendable {
         frame: Frame,
-        /// What the bus can carry.
+        /// The frames that the bus can carry.
         reason: &'static str,
     },
     /// The bit rate can't be changed from here.
     #[error("the bit rate of this bus is set outside of the program: change it to {bit_rate} bit/s there")]
     FixedBitRate {
-        /// What was asked for, in bit/s.
+        /// The requested bit rate in bit/s.
         bit_rate: u32,
     },
-    /// This build of the program has no such interface.
+    /// This build lacks the interface.
     #[error("{address}: {interface} is not available in this build")]
     Unavailable {
-        /// As it was given.
+        /// The address as typed.
         address: String,
         /// The kind of interface.
         interface: &'static str,
@@ -162,16 +162,16 @@ pub enum BusError {
     /// The adapter of PEAK does not work.
     #[error(transparent)]
     Pcan(#[from] pcan::PcanError),
-    /// The way to the bus was interrupted, and was not back in time.
+    /// The bus was interrupted and did not come back in time.
     #[error("{trouble}; the bus was not back within {waited}")]
     Interrupted {
-        /// What the interruption was.
+        /// The cause of the interruption.
         trouble: String,
-        /// How long it was waited for.
+        /// The time waited.
         waited: Duration,
     },
-    /// A recording does not go on as the tester does.
-    #[error("the recording goes another way {0}")]
+    /// The tester diverges from the recording.
+    #[error("the recording diverges {0}")]
     Replay(#[from] transcript::Divergence),
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]
@@ -179,7 +179,7 @@ pub enum BusError {
 }
 
 impl BusError {
-    /// Whether it lasts until the way to the bus is back, and no longer.
+    /// Whether the error ends when the bus is back.
     pub const fn is_interruption(&self) -> bool {
         match self {
             #[cfg(target_os = "linux")]
@@ -191,7 +191,7 @@ impl BusError {
         }
     }
 
-    /// Whether the transmit queue was full all the time: nobody has acknowledged, or the bus had no room.
+    /// Whether the transmit queue stayed full: no node acknowledges, or the bus has no room.
     pub const fn is_full(&self) -> bool {
         match self {
             #[cfg(target_os = "linux")]

@@ -1,47 +1,48 @@
-//! What every protocol state machine does.
+//! The interface of every protocol state machine.
 
 use canvass_traces::{Frame, Timestamp};
 
 /// A participant of a bus that does no I/O and reads no clock: time and frames come in by call, frames go out by
-/// call. A simulated device is one, and so is everything else that a simulated bus connects.
+/// call. Simulated devices and all other participants of a simulated bus implement it.
 pub trait Machine: Send {
-    /// A frame of another participant was on the bus; it ended at `now`.
+    /// Handles a frame of another participant, which ended at `now`.
     fn handle(&mut self, now: Timestamp, frame: &Frame);
 
-    /// Whether [`Machine::handle`] would do nothing with this frame, as with most of a bus: it need not be called then.
+    /// Whether [`Machine::handle`] would ignore this frame, as most frames of a bus; the call can then be saved.
     fn ignores(&self, frame: &Frame) -> bool {
         let _ = frame;
         false
     }
 
-    /// The next frame to send, if there is one. The bus asks whenever it can take a frame, until there is none, and
-    /// sends each as arbitration allows.
+    /// The next frame to send, if there is one. The bus calls this whenever it can take a frame, until there is none,
+    /// and sends each frame by arbitration.
     fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame>;
 
-    /// When [`Machine::handle_timeout`] wants to be called next, if ever.
+    /// The time of the next call of [`Machine::handle_timeout`], if there is one.
     fn poll_timeout(&self) -> Option<Timestamp>;
 
-    /// The time that [`Machine::poll_timeout`] named has come.
+    /// Handles the time that [`Machine::poll_timeout`] named.
     fn handle_timeout(&mut self, now: Timestamp);
 
-    /// The bit rate in bit/s at which it takes part, where it is not that of the bus: it then understands nothing that
-    /// is sent at another one, and nobody else understands it.
+    /// The bit rate in bit/s of the participant, if it differs from that of the bus: participants of different bit
+    /// rates do not understand each other.
     fn bit_rate(&self) -> Option<u32> {
         None
     }
 
-    /// Off and on again; nothing happens to what has no supply of its own.
+    /// Switches the supply off and on; a participant without a supply of its own ignores it.
     fn power_cycle(&mut self, now: Timestamp) {
         let _ = now;
     }
 
-    /// Another one in the same state, if it can be had: a bus that has one can go back to what it was.
+    /// A copy in the same state, if the machine can be copied: a bus of copyable machines can return to an earlier
+    /// state.
     fn duplicate(&self) -> Option<Box<dyn Machine>> {
         None
     }
 
-    /// Whether a frame that the bus took but has not begun to send shall not be sent any more: a reset, for example,
-    /// empties the mailboxes of a CAN controller.
+    /// Whether a frame that waits in the bus must not be sent any more: a reset, for example, empties the mailboxes
+    /// of a CAN controller.
     fn withdraws(&self, pending: &Frame) -> bool {
         let _ = pending;
         false

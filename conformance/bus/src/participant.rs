@@ -1,31 +1,31 @@
-//! A machine as a participant of a live bus: its time is the bus's, counted from the moment it was switched on.
+//! A machine as a participant of a live bus: its time is that of the bus, counted from its power-on.
 
 use crate::Bus;
 use crate::Machine;
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 
-/// What becomes of a machine on a bus.
+/// Statistics of a machine on a bus.
 #[derive(Debug, Default)]
 pub struct Participation {
-    /// Frames that it sent.
+    /// Number of frames sent.
     pub sent: u64,
-    /// Frames that it wanted to send and the bus did not take.
+    /// Number of frames that the bus did not take.
     pub unsent: u64,
-    /// Why not, the last time.
+    /// The last reason.
     pub trouble: Option<String>,
 }
 
-/// How long a wait lasts at most, so that the wish to stop is seen.
+/// Maximum duration of a wait, after which `goes_on` is asked.
 const SLICE: Duration = Duration::from_millis(200);
 
-/// Lets a machine take part in a bus from now on, until `goes_on` says no; that is asked about five times a second. `observe`
-/// sees every frame, own ones too.
+/// Connects a machine to a bus until `goes_on`, which is called about five times a second, returns false. `observe`
+/// sees every frame, including own ones.
 ///
-/// A bus that does not take a frame is no reason to stop: the interface may come back, as it does for a real device. When
-/// the machine changes its bit rate, the bus goes with it, where it can.
+/// A frame that the bus does not take ends nothing: the interface may come back, as for a real device. When the
+/// machine changes its bit rate, the bus changes its own, if it can.
 ///
 /// # Errors
-/// [`super::BusError`] if the bus can't be listened to any more.
+/// [`super::BusError`] if the bus can't receive any more.
 pub fn participate(
     bus: &mut dyn Bus,
     machine: &mut dyn Machine,
@@ -47,7 +47,7 @@ pub fn participate(
         if let Some(record) = bus.receive(deadline)? {
             observe(&record);
             if record.direction != Direction::Tx && !record.frame.is_error() {
-                // Reactions count from the frame's end on the bus, not from when this machine saw it.
+                // Reactions count from the frame's end on the bus, not from the time at which this machine saw it.
                 let at = clock.at(record.timestamp);
                 machine.handle(at, &record.frame);
                 send_all(bus, machine, at, &mut done);
@@ -69,9 +69,9 @@ fn send_all(bus: &mut dyn Bus, machine: &mut dyn Machine, now: Timestamp, done: 
     }
 }
 
-/// The bit rate that the machine has.
+/// The bit rate of the machine, which the bus follows.
 struct FollowedBitRate {
-    /// That of the bus, where it is known: a machine that has none of its own is there.
+    /// The bit rate of the bus, if known, for a machine without one of its own.
     of_bus: Option<u32>,
     now: Option<u32>,
 }
@@ -83,7 +83,7 @@ impl FollowedBitRate {
             return;
         }
         self.now = wanted;
-        // A bus without wires has none, and carries everything.
+        // A bus without wires has no bit rate and carries all frames.
         let Some(wanted) = wanted.or(self.of_bus).filter(|_| bus.bit_rate().is_some_and(|rate| Some(rate) != wanted))
         else {
             return;
@@ -94,7 +94,7 @@ impl FollowedBitRate {
     }
 }
 
-/// Between the time of the bus and that of the machine, which never steps back.
+/// Converts the time of the bus to that of the machine, which never steps back.
 struct MachineClock {
     switched_on: Timestamp,
     last: Timestamp,

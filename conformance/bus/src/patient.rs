@@ -1,5 +1,5 @@
-//! A bus that is waited for while the way to it is interrupted: an adapter is unplugged and plugged in again, a connection
-//! breaks and is made anew, an interface goes down and comes up.
+//! A bus that waits while it is interrupted: an adapter is unplugged and plugged in again, a connection breaks and is
+//! made again, an interface goes down and comes up.
 
 use super::{Bus, BusError, Health};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
@@ -7,34 +7,34 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// How long an interruption is waited for.
+/// Limits of waiting for an interrupted bus.
 #[derive(Clone, Debug)]
 pub struct Endurance {
-    /// Each of them.
+    /// Maximum duration of one interruption.
     pub patience: Duration,
-    /// The end of what the bus is used for; `None`: there is none. What is done after it, such as putting a device back, is
-    /// waited for five seconds more.
+    /// The end of the bus's use; `None` if there is none. Actions after it, such as restoring a device, wait for five
+    /// seconds more.
     pub ends: Option<Instant>,
-    /// Whether the user has ended it. The same holds from then on.
+    /// Whether the user has ended the use, with the same consequence.
     pub cancelled: Arc<AtomicBool>,
 }
 
-/// Interruptions after the end are waited for this long, all of them together.
+/// Maximum duration of all interruptions after the end.
 const LAST: std::time::Duration = std::time::Duration::from_secs(5);
 
-/// How often it is looked whether the bus is back.
+/// Interval between two checks whether the bus is back.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(10);
 
-/// A bus whose sender waits while the way to it is interrupted. What was sent before, and what came meanwhile, may be lost:
-/// [`Health`] tells of each interruption.
+/// A bus whose sender waits during interruptions. Frames sent before, and frames during the interruption, may be
+/// lost: [`Health`] tells of each interruption.
 pub struct PatientBus<'a> {
     bus: &'a mut dyn Bus,
     endurance: Endurance,
-    /// When a frame was to be sent first in the interruption under way.
+    /// Time of the first attempt to send during the current interruption.
     waits_since: Option<Instant>,
-    /// When it was seen that the user has ended it.
+    /// Time at which the user's end was noticed.
     cancelled_at: Option<Instant>,
-    /// Whether anybody else has sent something.
+    /// Whether any other node has sent a frame.
     has_heard: bool,
 }
 
@@ -43,12 +43,12 @@ impl<'a> PatientBus<'a> {
         Self { bus, endurance, waits_since: None, cancelled_at: None, has_heard: false }
     }
 
-    /// Whether waiting may help: where nobody was heard yet, and nobody takes what is sent, there is nobody.
+    /// Whether waiting may help: if no node was ever heard and none acknowledges, there is none.
     const fn may_end(&self, refused: &BusError) -> bool {
         refused.is_interruption() && (self.has_heard || !refused.is_full())
     }
 
-    /// Waits a moment. `refused`: what a frame was refused with.
+    /// Waits a moment. `refused` is the error of the refused frame.
     fn wait(&mut self, refused: Option<&BusError>) -> Result<(), BusError> {
         let since = *self.waits_since.get_or_insert_with(Instant::now);
         if self.is_over(since) {
@@ -58,7 +58,7 @@ impl<'a> PatientBus<'a> {
         Ok(())
     }
 
-    /// Whether an interruption is not waited for any more, in which waiting has begun then.
+    /// Whether an interruption in which waiting began at `since` is given up.
     fn is_over(&mut self, since: Instant) -> bool {
         let now = Instant::now();
         if self.endurance.cancelled.load(Ordering::Relaxed) {
@@ -68,7 +68,7 @@ impl<'a> PatientBus<'a> {
         ends.is_some_and(|ends| now >= ends + LAST) || now.duration_since(since) >= self.endurance.patience.into()
     }
 
-    /// When waiting has begun for the interruption that is not waited for any more, if there is one.
+    /// The begin of waiting in the interruption that was given up, if there is one.
     fn given_up(&mut self) -> Option<Instant> {
         let since = self.waits_since.filter(|_| self.bus.is_interrupted())?;
         self.is_over(since).then_some(since)
@@ -76,7 +76,7 @@ impl<'a> PatientBus<'a> {
 
     fn not_back(&self, since: Instant, refused: Option<&BusError>) -> BusError {
         let trouble = self.bus.health().trouble.or_else(|| refused.map(ToString::to_string));
-        let trouble = trouble.unwrap_or_else(|| "the way to the bus was interrupted".to_owned());
+        let trouble = trouble.unwrap_or_else(|| "the bus was interrupted".to_owned());
         let waited = Duration::from_millis(u64::try_from(since.elapsed().as_millis()).unwrap_or(u64::MAX));
         BusError::Interrupted { trouble, waited }
     }

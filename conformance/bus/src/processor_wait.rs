@@ -1,14 +1,14 @@
-//! How long a thread that could go on had to wait for a processor, because others had it.
+//! The time for which a ready thread had to wait for a processor.
 //!
-//! What arrives without a time of its own gets the time at which the thread that reads it woke. On a busy machine that is too
-//! late by the time that it waited for a processor, and the kernel counts that: the second number of `schedstat`, in
-//! nanoseconds (Documentation/scheduler/sched-stats.rst of Linux).
+//! A frame without a time stamp gets the time at which the reading thread woke. On a busy machine that is late by the
+//! wait for a processor, which the kernel counts: the second number of `schedstat`, in nanoseconds
+//! (Documentation/scheduler/sched-stats.rst of Linux).
 
 use canvass_traces::Duration;
 #[cfg(target_os = "linux")]
 use std::{fs::File, os::unix::fs::FileExt};
 
-/// The wait of the thread that has made it. Other systems don't tell: there it is always zero.
+/// The wait of the thread that created it. Always zero on other systems, which do not report it.
 #[derive(Debug)]
 pub(crate) struct ProcessorWait {
     #[cfg(target_os = "linux")]
@@ -17,7 +17,7 @@ pub(crate) struct ProcessorWait {
 }
 
 impl ProcessorWait {
-    /// Of the calling thread, from now on.
+    /// Counts the wait of the calling thread from now on.
     pub fn of_this_thread() -> Self {
         let mut wait = Self {
             #[cfg(target_os = "linux")]
@@ -28,7 +28,7 @@ impl ProcessorWait {
         wait
     }
 
-    /// How long the thread has waited since this was asked last.
+    /// The wait since the last call.
     pub fn since_last(&mut self) -> Duration {
         let before = self.waited;
         self.waited = self.counted().unwrap_or(before);

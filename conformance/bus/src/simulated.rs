@@ -1,26 +1,26 @@
-//! A bus in the computer's memory, with a clock of its own.
+//! A bus in memory with a clock of its own.
 //!
-//! Time is virtual: it goes on from one event to the next, so a wait of five seconds takes no longer than what happens
-//! in it, and every run is the same. Frames take the time that their bits take. Whenever the bus is free, the lowest
-//! identifier among the participants' next frames goes out; each participant has one frame in arbitration at a time,
-//! as a CAN controller with a FIFO has. A participant at another bit rate than a frame's does not understand the frame.
+//! Time is virtual: it advances from one event to the next, so a wait of five seconds takes only the computing time
+//! of its events, and every run is the same. Frames last as long as their bits take. When the bus is free, the lowest
+//! identifier among the participants' next frames is sent; each participant has one frame in arbitration at a time,
+//! like a CAN controller with a FIFO. A participant does not understand frames of another bit rate.
 
 use super::{Bus, BusError};
 use crate::Machine;
 use canvass_traces::{ChannelId, Direction, Duration, Frame, INTERMISSION, Record, Timestamp, bit_length};
 use std::collections::VecDeque;
 
-/// A machine that asks to be woken at once, again and again, is woken so often: no controller's main loop is faster.
+/// Shortest interval between two timeouts of a machine: no controller's main loop is faster.
 const SOONEST: Duration = Duration::from_micros(100);
 
 /// Simulated participants, the tester, and the wire between them.
 pub struct SimulatedBus {
     now: Timestamp,
     bit_rate: u32,
-    /// When the next frame may begin.
+    /// The time from which the next frame may begin.
     free_from: Timestamp,
     participants: Vec<Participant>,
-    /// What the tester wants to send, oldest first.
+    /// The tester's waiting frames, oldest first.
     outgoing: VecDeque<Frame>,
     on_wire: Option<OnWire>,
     /// The earliest timeout of all participants.
@@ -31,13 +31,13 @@ pub struct SimulatedBus {
 
 struct Participant {
     machine: Box<dyn Machine>,
-    /// In arbitration.
+    /// The frame in arbitration.
     pending: Option<Frame>,
-    /// [`Timestamp::MAX`]: none.
+    /// The next timeout; [`Timestamp::MAX`] if there is none.
     timeout: Timestamp,
-    /// Its own, in bit/s, if it has one.
+    /// The participant's own bit rate in bit/s, if it has one.
     own_bit_rate: Option<u32>,
-    /// That of the bus before the tester changed it.
+    /// The bit rate of the bus before the tester changed it.
     adopted: Option<u32>,
 }
 
@@ -46,7 +46,7 @@ struct OnWire {
     frame: Frame,
     sender: Sender,
     end: Timestamp,
-    /// In bit/s.
+    /// The bit rate in bit/s.
     bit_rate: u32,
 }
 
@@ -57,7 +57,7 @@ enum Sender {
 }
 
 impl SimulatedBus {
-    /// An empty bus of that bit rate in bit/s (at least 1), switched on at time 0.
+    /// An empty bus with this bit rate in bit/s (at least 1), switched on at time 0.
     pub fn new(bit_rate: u32) -> Self {
         Self {
             now: Timestamp::ZERO,
@@ -71,14 +71,14 @@ impl SimulatedBus {
         }
     }
 
-    /// Another bus in the same state, if each participant can be had again ([`Machine::duplicate`]).
+    /// A copy in the same state, if each participant can be copied ([`Machine::duplicate`]).
     pub fn duplicate(&self) -> Option<Self> {
         let participants = self.participants.iter().map(Participant::duplicate).collect::<Option<_>>()?;
         let (outgoing, on_wire) = (self.outgoing.clone(), self.on_wire);
         Some(Self { participants, outgoing, on_wire, ..*self })
     }
 
-    /// Connects one more participant. Of equal identifiers in arbitration, that of the earlier participant wins.
+    /// Connects a participant. Of equal identifiers in arbitration, that of the earlier participant wins.
     pub fn attach(&mut self, machine: Box<dyn Machine>) {
         let timeout = machine.poll_timeout().unwrap_or(Timestamp::MAX);
         let bit_rate = machine.bit_rate();
@@ -86,7 +86,7 @@ impl SimulatedBus {
         self.next_timeout = self.next_timeout.min(timeout);
     }
 
-    /// Switches a participant off and on again, by its position from 0; a frame that it is sending still ends.
+    /// Switches a participant off and on, by its index; a frame that it is sending is completed.
     pub fn power_cycle(&mut self, participant: usize) {
         if let Some(participant) = self.participants.get_mut(participant) {
             participant.machine.power_cycle(self.now);
@@ -95,25 +95,25 @@ impl SimulatedBus {
         self.survey();
     }
 
-    /// The time that so many bits take.
+    /// The duration of this number of bits.
     fn bits(n: u32, bit_rate: u32) -> Duration {
         Duration(u64::from(n) * 1_000_000_000 / u64::from(bit_rate.max(1)))
     }
 
-    /// Lets every participant whose time has come act at `self.now`.
+    /// Calls every participant whose timeout is due at `self.now`.
     fn fire_timeouts(&mut self) {
         for participant in &mut self.participants {
             if participant.timeout <= self.now {
                 participant.machine.handle_timeout(self.now);
                 participant.settle(self.now);
-                // Time goes on, whatever a machine asks for.
+                // Time must advance even if a machine always wants to be called at once.
                 participant.timeout = participant.timeout.max(self.now + SOONEST);
             }
         }
         self.survey();
     }
 
-    /// What the participants wait for, so that not each step has to ask them all.
+    /// Updates the cached timeouts and pending frames, so that not every step has to check all participants.
     fn survey(&mut self) {
         (self.next_timeout, self.contended) = (Timestamp::MAX, false);
         for participant in &self.participants {
@@ -122,7 +122,7 @@ impl SimulatedBus {
         }
     }
 
-    /// The sender whose identifier wins the bus now, if any wants it.
+    /// The sender of the identifier that wins arbitration now, if there is one.
     fn arbitrate(&self) -> Option<Sender> {
         let mut winner = self.outgoing.front().map(|frame| (priority(frame), Sender::Tester));
         for (n, participant) in self.participants.iter().enumerate() {
@@ -142,6 +142,10 @@ impl SimulatedBus {
             Sender::Tester => self.outgoing.pop_front(),
             Sender::Participant(n) => self.participants.get_mut(n).and_then(|p| p.take_pending(self.now)),
         };
+        debug_assert!(
+            frame.is_some() && self.on_wire.is_none(),
+            "the winner of arbitration has a frame for the free bus"
+        );
         if let Some(frame) = frame {
             let bit_rate = self.bit_rate_of(sender);
             let end = self.now + Self::bits(bit_length(&frame).unwrap_or(0), bit_rate);
@@ -152,8 +156,9 @@ impl SimulatedBus {
         }
     }
 
-    /// Gives a frame that has ended to everyone but its sender.
+    /// Delivers a completed frame to everyone but its sender.
     fn deliver(&mut self, sent: OnWire) -> Option<Record> {
+        debug_assert!(self.now <= sent.end, "a frame ends before later events");
         self.now = sent.end;
         self.free_from = sent.end + Self::bits(INTERMISSION, sent.bit_rate);
         let usual = self.bit_rate;
@@ -178,7 +183,7 @@ impl SimulatedBus {
         own.unwrap_or(self.bit_rate)
     }
 
-    /// Goes on to the next event, at most to `deadline`; the record if that was the end of a frame.
+    /// Advances to the next event, at most to `deadline`; returns the record of a completed frame.
     fn step(&mut self, deadline: Timestamp) -> BusStep {
         let Some(next) = self.next_event() else { return BusStep::Idle };
         let at = next.time().max(self.now);
@@ -201,7 +206,7 @@ impl SimulatedBus {
         BusStep::Quiet
     }
 
-    /// What happens next. Timeouts come before frames of the same instant.
+    /// The next event. Timeouts precede frames of the same instant.
     fn next_event(&self) -> Option<Next> {
         let timeout = (self.next_timeout < Timestamp::MAX).then_some(Next::Timeout(self.next_timeout));
         let wire = match self.on_wire {
@@ -237,7 +242,7 @@ impl Next {
 enum BusStep {
     Frame(Record),
     Quiet,
-    /// Nothing happens until the deadline.
+    /// There is no event before the deadline.
     Idle,
 }
 
@@ -246,12 +251,12 @@ impl Participant {
         Some(Self { machine: self.machine.duplicate()?, ..*self })
     }
 
-    /// In bit/s; `None`: that of the bus.
+    /// The bit rate in bit/s; `None` for that of the bus.
     fn bit_rate(&self) -> Option<u32> {
         self.own_bit_rate.or(self.adopted)
     }
 
-    /// After every call: takes what the machine wants to send, and when it wants to be woken.
+    /// Takes the machine's next frame and timeout; to be called after every call of the machine.
     fn settle(&mut self, now: Timestamp) {
         if self.pending.is_some_and(|frame| self.machine.withdraws(&frame)) {
             self.pending = None;
@@ -263,7 +268,7 @@ impl Participant {
         self.own_bit_rate = self.machine.bit_rate();
     }
 
-    /// Hands over the frame in arbitration and takes the next one.
+    /// Returns the frame in arbitration, and takes the machine's next one.
     fn take_pending(&mut self, now: Timestamp) -> Option<Frame> {
         let frame = self.pending.take();
         self.settle(now);
@@ -271,7 +276,7 @@ impl Participant {
     }
 }
 
-/// As arbitration decides: the identifier, then data before remote frames.
+/// The order of arbitration: the identifier, then data before remote frames.
 const fn priority(frame: &Frame) -> (canvass_traces::CanId, bool) {
     (frame.id(), frame.is_remote())
 }
@@ -296,7 +301,7 @@ impl Bus for SimulatedBus {
                 BusStep::Frame(record) => return Ok(Some(record)),
                 BusStep::Quiet => {}
                 BusStep::Idle => {
-                    // A wait without end on a bus where nothing will ever happen must not end the time.
+                    // A wait without end on a bus without events must not advance time to its end.
                     if deadline < Timestamp::MAX {
                         self.now = self.now.max(deadline);
                     }
@@ -310,7 +315,7 @@ impl Bus for SimulatedBus {
         Some(self.bit_rate)
     }
 
-    /// The tester goes on at another bit rate; participants without one of their own stay at the one before.
+    /// Changes the tester's bit rate; participants without one of their own keep the old one.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         for participant in &mut self.participants {
             participant.adopted.get_or_insert(self.bit_rate);

@@ -98,7 +98,7 @@ fn a_connection_without_a_sign_of_life_is_made_anew() {
     let mut bus = SlCan::open(&place, None).unwrap();
     until(&mut bus, "it is interrupted", |bus| bus.health().interruptions == 1);
     let trouble = bus.health().trouble.unwrap();
-    assert!(trouble.contains("it does not answer any more"), "{trouble}");
+    assert!(trouble.contains("the adapter no longer answers"), "{trouble}");
     until(&mut bus, "it is back", |bus| !bus.is_interrupted());
     bus.send(&frame()).unwrap();
     drop(bus);

@@ -1,11 +1,10 @@
-//! Descriptions that differ from the right one: what a maker of devices can get wrong in an EDS, and what makers are free to
-//! do in it. The device itself is as it should be.
+//! Altered descriptions: errors and liberties of a device's maker in an EDS. The device itself is unaltered.
 
 use crate::models::Model;
 use crate::{Fault, Firmware, liberty};
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 
-/// What stands in the EDS of `reference-301`, and what a faulty one has instead.
+/// Texts in the EDS of `reference-301`, and their faulty replacements.
 const DAMAGES: [(Fault, &str, &str); 18] = [
     (Fault::EdsLineWithoutSense, "[DummyUsage]\n", "[DummyUsage]\nthe last update was on Monday\n"),
     (Fault::EdsSectionTwice, "[DummyUsage]\n", "[DeviceInfo]\nVendorName=other\n\n[DummyUsage]\n"),
@@ -44,15 +43,15 @@ const DAMAGES: [(Fault, &str, &str); 18] = [
 ];
 
 impl Fault {
-    /// Whether the fault is in the description; the device itself is as it should be.
+    /// Whether the fault is in the description; the device itself then has none.
     pub fn is_in_description(self) -> bool {
         DAMAGES.iter().any(|(fault, ..)| *fault == self)
     }
 }
 
 impl Model {
-    /// The description that a maker of that firmware delivers with the device: with the faults and the liberties that are
-    /// in descriptions.
+    /// The description that the maker of that firmware delivers with the device: with the faults and liberties of
+    /// descriptions.
     pub fn description_with(&self, firmware: impl Into<Firmware>) -> DeviceDescription {
         let firmware = firmware.into();
         let mut description = self.rewritten(&firmware).unwrap_or_else(|| self.description().clone());
@@ -62,7 +61,7 @@ impl Model {
         description
     }
 
-    /// The description of the EDS as that maker has written it; `None`: as it is, or it can't be read.
+    /// The rewritten description; `None` if it is unaltered, or can't be read.
     fn rewritten(&self, firmware: &Firmware) -> Option<DeviceDescription> {
         let damages: Vec<_> = DAMAGES.iter().filter(|(fault, ..)| firmware.has(*fault)).collect();
         if damages.is_empty() && !liberty::changes_text(firmware.liberties) {

@@ -183,7 +183,7 @@ pub struct Interrupted {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line} of the journal: expected {expected}, found \"{found}\"")]
 pub struct BadJournal {
-    /// From 1.
+    /// The line, counted from 1.
     pub line: usize,
     /// What would be right.
     pub expected: &'static str,

@@ -26,7 +26,7 @@ pub struct Quarantine {
     pub case: String,
     /// Who looks into it.
     pub owner: String,
-    /// Why.
+    /// Why the case is quarantined.
     pub reason: String,
     /// The last day on which it holds, `YYYY-MM-DD`.
     pub until: String,

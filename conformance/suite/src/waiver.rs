@@ -58,7 +58,7 @@ pub struct Waiver {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line}: {problem}")]
 pub struct BadWaiver {
-    /// From 1.
+    /// The line, counted from 1.
     pub line: usize,
     /// What was expected and what was found.
     pub problem: String,

@@ -62,9 +62,9 @@ pub fn finding(report: &CaseReport, depth: Depth) -> Finding {
 
 /// The worst breach, as many more as there is room for, the foremost remarks, and frames in the rest of the room.
 fn on_a_screen(report: &CaseReport) -> Vec<Block> {
-    let all: Vec<Vec<Fact>> = Told::all(report).iter().map(facts).collect();
+    let all = Told::all(report);
     let (mut blocks, mut used) = (Vec::new(), 0);
-    for (at, facts) in all.iter().enumerate() {
+    for (at, facts) in all.iter().map(facts).enumerate() {
         // The last line may have to say how many are left out.
         let room = if at + 1 == all.len() { BREACHES } else { BREACHES - 1 };
         if at > 0 && used + facts.len() > room {
@@ -74,13 +74,13 @@ fn on_a_screen(report: &CaseReport) -> Vec<Block> {
             break;
         }
         used += facts.len();
-        blocks.push(Block::Facts(facts.clone()));
+        blocks.push(Block::Facts(facts));
     }
     let mut remarks = remarks(report);
     if remarks.len() > REMARKS {
         let hidden = remarks.len() - (REMARKS - 1);
         remarks.truncate(REMARKS - 1);
-        remarks.push(fact("…", format!("{hidden} more notes")));
+        remarks.push(fact("…", &format!("{hidden} more notes")));
     }
     used += remarks.len();
     blocks.push(Block::Facts(remarks));
@@ -103,18 +103,18 @@ fn seen(Exhibit { record, text }: &Exhibit) -> Row {
 fn facts(told: &Told) -> Vec<Fact> {
     let mut facts = vec![fact("duty", &told.duty), fact("expected", &told.expected), fact("found", &told.found)];
     facts.extend(told.excuse.iter().map(|excuse| fact(&told.authority().to_lowercase(), &excuse.documented)));
-    facts.extend(told.waiver().map(|waiver| fact("as data", waiver)));
+    facts.extend(told.waiver().map(|waiver| fact("as data", &waiver)));
     facts
 }
 
 /// What else was noticed.
 fn remarks(report: &CaseReport) -> Vec<Fact> {
-    let mut remarks: Vec<Fact> = quarantined(report).map(|told| fact("quarantine", told)).into_iter().collect();
+    let mut remarks: Vec<Fact> = quarantined(report).map(|told| fact("quarantine", &told)).into_iter().collect();
     if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
-        remarks.push(fact("forecast", format!("case {number} of CiA's test tool would {forecast}")));
+        remarks.push(fact("forecast", &format!("case {number} of CiA's test tool would {forecast}")));
     }
-    remarks.extend(repetitions(report).map(|told| fact("repeated", told)));
-    remarks.extend(uses(report).map(|uses| fact("used", uses)));
+    remarks.extend(repetitions(report).map(|told| fact("repeated", &told)));
+    remarks.extend(uses(report).map(|uses| fact("used", &uses)));
     remarks.extend(report.measurements.iter().map(|measurement| fact("measured", measurement)));
     remarks.extend(report.notes.iter().map(|note| fact("note", note)));
     remarks
@@ -124,8 +124,12 @@ fn in_full(report: &CaseReport, depth: Depth) -> Vec<Block> {
     let mut blocks = vec![Block::Text(report.case.requirement.to_owned())];
     blocks.extend(Told::all(report).iter().map(|told| Block::Facts(facts(told))));
     let mut remarks = remarks(report);
-    remarks
-        .extend([fact("level", report.case.level.name()), fact("duration", format!("{} on the bus", report.duration))]);
+    let comparable = report.case.cct.filter(|_| cct_forecast(report).is_none());
+    remarks.extend(comparable.map(|number| fact("comparable", &format!("with case {number} of CiA's test tool"))));
+    remarks.extend([
+        fact("level", report.case.level.name()),
+        fact("duration", &format!("{} on the bus", report.duration)),
+    ]);
     blocks.push(Block::Facts(remarks));
     blocks.extend(evidence(report, depth));
     blocks

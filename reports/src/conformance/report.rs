@@ -52,10 +52,10 @@ fn facts(run: &Run) -> Vec<Fact> {
     let info = &run.info;
     let rate = info.bit_rate.map(|rate| format!(", {} kbit/s", rate / 1_000)).unwrap_or_default();
     let of_run = [
-        fact("node", info.node),
-        fact("bus", format!("{}{rate}", info.bus)),
+        fact("node", &info.node),
+        fact("bus", &format!("{}{rate}", info.bus)),
         fact("description", &info.model),
-        fact("other clients", foreign::told(&run.other_clients)),
+        fact("other clients", &foreign::told(&run.other_clients)),
     ];
     let of_device =
         identity_facts(&info.device).map(|(name, value)| fact(name, value.as_deref().unwrap_or("not given")));

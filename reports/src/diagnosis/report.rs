@@ -83,11 +83,11 @@ fn facts(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Fact> {
     let diagnosed = report.diagnosed;
     let advice = if depth == Depth::Screen { report.advice } else { Advice::default() };
     let captures = diagnosed.captures.iter().filter(|_| depth > Depth::Screen);
-    let captures = captures.map(|capture| fact("capture", format!("{} ({})", capture.name, capture.format)));
+    let captures = captures.map(|capture| fact("capture", &format!("{} ({})", capture.name, capture.format)));
     let buses = diagnosed.results.buses.iter();
     let buses = buses.map(|(id, bus)| (diagnosed.channel(*id), of_bus(bus, advice)));
     let unwatched = (diagnosed.results.unwatched > 0).then(|| {
-        fact("others", format!("{} frames of further channels were not looked at", diagnosed.results.unwatched))
+        fact("others", &format!("{} frames of further channels were not looked at", diagnosed.results.unwatched))
     });
     captures.chain(buses).chain(unwatched).collect()
 }

@@ -82,7 +82,7 @@ fn named_values(facts: &[Fact]) -> Markup {
 fn table(table: &Table) -> Markup {
     let has_head = table.columns.iter().any(|column| !column.name.is_empty());
     html! {
-        div.card.scroll { table.(table.class) {
+        div.card.scroll.sheet { table.(table.class) {
             @if has_head {
                 thead { tr { @for column in &table.columns {
                     th.number[column.align == Align::Right] scope="col" { (printable(&column.name)) }

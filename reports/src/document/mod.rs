@@ -319,7 +319,7 @@ impl Block {
 }
 
 /// A fact with a value of any type.
-pub fn fact(name: &str, value: impl ToString) -> Fact {
+pub fn fact<T: ToString + ?Sized>(name: &str, value: &T) -> Fact {
     (name.to_owned(), value.to_string())
 }
 

@@ -26,7 +26,7 @@ impl Report for Example {
             command: "example",
             title: HOSTILE.to_owned(),
             outcome: "1 violation".to_owned(),
-            facts: vec![fact("seed", 7), fact("bus", HOSTILE)],
+            facts: vec![fact("seed", &7), fact("bus", HOSTILE)],
             sections: vec![Section { id: "all", title: HOSTILE.to_owned(), blocks }],
             ..Document::default()
         }

@@ -20,6 +20,8 @@ impl Report for Run {
         let model = if self.model.is_empty() { String::new() } else { format!(": {}", self.model) };
         let is_good = self.outcome.violations.is_empty() && self.outcome.ended_by.is_none();
         let findings = self.violations().map(|(found, words)| Block::Finding(finding(self, found, words, depth)));
+        let none = depth > Depth::Screen && self.outcome.violations.is_empty();
+        let findings = findings.chain(none.then(|| Block::Text("None.".to_owned())));
         let violations = section("violations", "Violations", findings.collect());
         let coverage = (depth == Depth::Page).then(|| section("coverage", "Coverage", coverage(self)));
         Document {
@@ -50,19 +52,25 @@ fn section(id: &'static str, title: &str, blocks: Vec<Block>) -> Section {
 fn facts(run: &Run, depth: Depth) -> Vec<Fact> {
     let facts = [
         fact("bus", &run.bus),
-        fact("target", run.targets),
-        fact("not allowed", run.forbidden()),
-        fact("seed", run.seed),
-        fact("exchanges", run.outcome.executions),
-        fact("frames sent", run.outcome.frames),
-        fact("sequences", run.outcome.sequences),
-        fact("SDO coverage", format!("{} of state × command", run.sdo_share())),
-        fact("LSS coverage", format!("{} of state × command", run.lss_share())),
-        fact("the bus", trouble(run)),
-        fact("at the end", left(run)),
+        fact("target", &run.targets),
+        fact("never done", &never_done(run)),
+        fact("seed", &run.seed),
+        fact("exchanges", &run.outcome.executions),
+        fact("frames sent", &run.outcome.frames),
+        fact("sequences", &run.outcome.sequences),
+        fact("SDO coverage", &format!("{} of state × command", run.sdo_share())),
+        fact("LSS coverage", &format!("{} of state × command", run.lss_share())),
+        fact("the bus", &trouble(run)),
+        fact("at the end", &left(run)),
     ];
     let repeat = (depth != Depth::Paper).then(|| fact("repeat with", &run.repeat));
     facts.into_iter().filter(|(_, value)| !value.is_empty()).chain(repeat).collect()
+}
+
+/// What the sequences never did, because nobody allowed it; empty if all was allowed.
+fn never_done(run: &Run) -> String {
+    let forbidden = run.forbidden();
+    if forbidden.is_empty() { forbidden } else { forbidden + " (not allowed)" }
 }
 
 /// The command that repeats the run, as something to copy: in a table of Markdown its signs are escaped.
@@ -76,7 +84,7 @@ fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {
     let facts = [
         fact("expected", &violation.expected),
         fact("found", &violation.actual),
-        fact("this", reliability(found, run.outcome.dead)),
+        fact("this", &reliability(found, run.outcome.dead)),
     ];
     let sequence = match found.sequence.stimuli.is_empty() {
         true => "none: it shows without any frame".to_owned(),
@@ -84,7 +92,7 @@ fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {
     };
     let mut body = vec![
         Block::Text(violation.property.title().to_owned()),
-        Block::Facts(facts.to_vec()),
+        Block::Facts(facts.into()),
         code("sequence", "text", sequence),
         Block::fold("on the bus, times in ms", vec![frames(found, words, depth)]),
         code("log for canplayer and canvass fuzz --replay", "text", reproducer::candump(&found.sequence)),

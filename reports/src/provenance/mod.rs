@@ -231,10 +231,10 @@ pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Optio
     ]
 }
 
-/// The same in a line.
+/// The same in a line, which begins with the name.
 fn identity_text(identity: &DeviceIdentity) -> String {
     let told = identity_facts(identity).map(|(name, value)| format!("{name} {}", value.as_deref().unwrap_or("-")));
-    told.join(", ")
+    told.join(", ").replacen("name ", "", 1)
 }
 
 #[cfg(test)]

@@ -235,9 +235,10 @@ fn number(digits: &[u8], radix: Radix) -> Option<u32> {
 /// One hex digit.
 fn dlc(input: &[u8]) -> Parsed<'_, u8> {
     let (rest, word) = next_word(input, "a DLC of one hex digit")?;
-    match word {
-        [digit] if nibble(*digit).is_some() => Ok((rest, nibble(*digit).unwrap_or(0))),
-        _ => Expected::fail(word, "a DLC of one hex digit"),
+    let code = if let [digit] = word { nibble(*digit) } else { None };
+    match code {
+        Some(code) => Ok((rest, code)),
+        None => Expected::fail(word, "a DLC of one hex digit"),
     }
 }
 

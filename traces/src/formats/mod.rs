@@ -90,8 +90,9 @@ impl Format {
     }
 
     fn row(self) -> &'static FormatEntry {
-        // Every variant has its row: a test checks it.
-        FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
+        let row = FORMATS.iter().find(|row| row.format == self);
+        debug_assert!(row.is_some(), "{self} has no row in FORMATS");
+        row.unwrap_or(&FORMATS[0])
     }
 
     /// Whether canvass writes this format.

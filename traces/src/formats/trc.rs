@@ -91,15 +91,15 @@ enum Version {
 
 impl Version {
     fn columns(&self) -> Vec<Column> {
-        use Column::{Bus, Data, Dlc, Id, Number, Offset, Reserved};
+        use Column::{Bus, Data, Direction, Dlc, Id, Kind, Length, Number, Offset, Reserved};
         let direction = Column::DirectionOrKind;
         match self {
             Self::V1_0 => vec![Number, Offset, Id, Dlc, Data],
             Self::V1_1 => vec![Number, Offset, direction, Id, Dlc, Data],
             Self::V1_2 => vec![Number, Offset, Bus, direction, Id, Dlc, Data],
             Self::V1_3 => vec![Number, Offset, Bus, direction, Id, Reserved, Dlc, Data],
-            Self::V2_0 => columns(b"N,O,T,I,d,l,D").unwrap_or_default(),
-            Self::V2_1 => columns(b"N,O,T,B,I,d,R,L,D").unwrap_or_default(),
+            Self::V2_0 => vec![Number, Offset, Kind, Id, Direction, Length, Data],
+            Self::V2_1 => vec![Number, Offset, Kind, Bus, Id, Direction, Reserved, Dlc, Data],
         }
     }
 }

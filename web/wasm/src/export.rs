@@ -45,12 +45,12 @@ pub enum ExportError {
     /// The capture can't be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Nobody prints that.
+    /// No such export, or not in this format.
     #[error("no export: {what} as {format}")]
     Unknown {
-        /// What.
+        /// What was to be exported.
         what: String,
-        /// In which form.
+        /// The format asked for.
         format: String,
     },
     /// Something else.

@@ -1,8 +1,8 @@
-//! Frames in against frames out: what was there and did not come out must have been reported.
+//! Compares the frames read and written: every missing frame must have been reported.
 //!
-//! What a capture holds is written out again, as a log of which each line is a frame, and counted; what the log can't hold
-//! is reported. Where a format has a row for each frame, the rows are counted, too: a row that was one, whatever became of it
-//! by the change, is a frame, a damage that was reported, or no such row any more.
+//! The frames of a changed capture are written out as a log with one frame per line, and counted; frames that the log
+//! can't hold are reported. In formats with one row per frame the rows are counted, too: each original row must be a
+//! frame, a reported damage, or a different kind of row after the change.
 
 use super::FOLDER;
 use super::limited::Program;
@@ -13,14 +13,14 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What became of the frames of a capture.
+/// The account of a capture's frames.
 #[derive(Default)]
 pub struct Accounted {
-    /// Rows that were counted.
+    /// Number of counted rows.
     pub rows: u64,
-    /// Rows that are no frame any more, and nothing that had to be reported.
+    /// Number of rows that the change made another known kind, which need no report.
     pub became_others: u64,
-    /// Frames that are missing, of which nothing was said.
+    /// Missing frames without a report.
     pub silent_loss: Option<String>,
 }
 
@@ -38,11 +38,11 @@ pub fn account(
     let _ = std::fs::remove_file(&out);
     let args = ["convert", path, &out, "--force", "--to", "candump", "--quality=json", "--quality-out", &quality];
     let run = program.run(&args.map(str::to_owned));
-    // A capture that can't be opened has told that.
+    // A capture that can't be opened has reported that.
     let Ok(text) = std::fs::read_to_string(&quality) else {
         let silent = run.status == Some(0) || run.stderr.is_empty();
         return Ok(Accounted {
-            silent_loss: silent.then(|| "nothing was read and nothing told".to_owned()),
+            silent_loss: silent.then(|| "nothing was read and nothing reported".to_owned()),
             ..Accounted::default()
         });
     };
@@ -53,7 +53,7 @@ pub fn account(
     let mut accounted = Accounted::default();
     if written + left_out < frames {
         accounted.silent_loss =
-            Some(format!("{frames} frames were read, {written} written and {left_out} said to be left out"));
+            Some(format!("{frames} frames were read, {written} written and {left_out} reported as left out"));
     }
     if let Some(is_frame) = seed.is_frame.filter(|_| mutation.keeps_rows()) {
         let rows = Rows::of(&seed.bytes, bytes, is_frame);
@@ -95,7 +95,7 @@ impl Rows {
     }
 }
 
-/// Frames, and damages with the frames that are said to be lost.
+/// Number of frames, and of damages including the frames reported as lost.
 fn counts(quality: &Value) -> Option<(u64, u64)> {
     let captures = quality["sources"].as_array()?;
     let frames = captures.iter().map(|capture| capture["frames"].as_u64()).sum::<Option<u64>>()?;

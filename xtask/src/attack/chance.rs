@@ -1,4 +1,4 @@
-//! Chance that comes again: the same seed and number give the same attack.
+//! Repeatable chance: the same seed and number give the same attack.
 
 /// SplitMix64.
 pub struct Chance(u64);

@@ -1,4 +1,4 @@
-//! Runs of the program with limits of memory and time.
+//! Runs the program with limits of memory and time.
 
 use crate::run::target_folder;
 use anyhow::{Context, Result, ensure};
@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// All memory that the program may ask for, in KiB; what is in use of it is less. That of a build without optimisation.
+/// Limit of the allocated memory in KiB, more than the memory in use, for a build without optimisation.
 const MEMORY: u64 = 400_000;
-/// Seconds of a processor.
+/// Limit of processor time in seconds.
 const CPU: u64 = 20;
 
 /// The program under attack.
 pub struct Program(PathBuf);
 
-/// How a run ended.
+/// The end of a run.
 pub struct Limited {
-    /// `None`: by a signal.
+    /// The exit status; `None` for a signal.
     pub status: Option<i32>,
     pub stdout: Vec<u8>,
     pub stderr: String,
@@ -26,7 +26,7 @@ pub struct Limited {
 impl Program {
     pub fn built() -> Result<Self> {
         let program = target_folder().join("debug/canvass");
-        ensure!(program.exists(), "{} is not there", program.display());
+        ensure!(program.exists(), "{} does not exist", program.display());
         Ok(Self(program))
     }
 
@@ -37,7 +37,7 @@ impl Program {
             .args(["-c", &shell])
             .arg(&self.0)
             .args(args)
-            // Each thread would reserve 64 MiB of addresses beforehand.
+            // Each thread would reserve 64 MiB of addresses.
             .env("MALLOC_ARENA_MAX", "1")
             .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::null())
@@ -54,7 +54,7 @@ impl Program {
         }
     }
 
-    /// Runs it to a good end.
+    /// Runs the program and requires success.
     pub fn good(&self, args: &[&str]) -> Result<Vec<u8>> {
         let args: Vec<String> = args.iter().map(|&arg| arg.to_owned()).collect();
         let run = self.run(&args);
@@ -64,7 +64,7 @@ impl Program {
 }
 
 impl Limited {
-    /// What must not happen, whatever the program was given.
+    /// A behaviour that must not occur on any input.
     pub fn breach(&self) -> Option<String> {
         let first = self.stderr.lines().find(|line| line.contains("panicked") || line.contains("memory allocation"));
         match (first, self.status) {
@@ -77,7 +77,7 @@ impl Limited {
     }
 }
 
-/// The most memory that a child of this process had in use, in MiB.
+/// The largest memory use of a child of this process, in MiB.
 pub fn worst_memory() -> Result<u64> {
     use nix::sys::resource::{UsageWho, getrusage};
     let usage = getrusage(UsageWho::RUSAGE_CHILDREN).context("getrusage")?;

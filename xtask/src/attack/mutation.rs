@@ -1,4 +1,4 @@
-//! What is changed in a file.
+//! Random changes of files.
 
 use super::chance::Chance;
 use super::rows;
@@ -7,21 +7,21 @@ use super::seeds::{Seed, Seeds};
 /// One change.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mutation {
-    /// Bytes, each to any other.
+    /// Bytes are replaced by random ones.
     Bytes,
-    /// A field of a row, or a number of a binary file, to one that is hard to take.
+    /// A field of a row, or a number of a binary file, is replaced by a difficult one.
     Field,
-    /// A row, or a stretch of a binary file, comes twice.
+    /// A row, or a piece of a binary file, is doubled.
     Duplicated,
     Removed,
     Swapped,
-    /// The rest is missing.
+    /// The rest of the file is cut off.
     Cut,
-    /// A stretch of a file of another format stands in it.
+    /// A piece of a file of another format is inserted.
     Mixed,
 }
 
-/// What numbers and words readers have trouble with.
+/// Numbers and words that are difficult for readers.
 const HARD: [&str; 14] = [
     "",
     "0",
@@ -39,11 +39,11 @@ const HARD: [&str; 14] = [
     "00000000000000000000000000000000000000000000000000000000000000000000000",
 ];
 
-/// A stretch of a binary file.
+/// Length of a piece of a binary file.
 const STRETCH: usize = 48;
 
 impl Mutation {
-    /// A change of that file, and what it becomes.
+    /// A random change of a file, and the changed bytes.
     pub fn random(seed: &Seed, seeds: &Seeds, chance: &mut Chance) -> (Self, Vec<u8>) {
         let bytes = &seed.bytes;
         let pieces = pieces(bytes);
@@ -53,7 +53,7 @@ impl Mutation {
                 let mut changed = bytes.clone();
                 for _ in 0..=chance.below(4) {
                     let at = chance.below(bytes.len());
-                    // Rows stay rows: those are what the other changes are for.
+                    // Line ends stay: other kinds of changes affect rows.
                     if let Some(byte) = changed.get_mut(at).filter(|byte| **byte != b'\n') {
                         *byte = chance.byte();
                     }
@@ -99,13 +99,13 @@ impl Mutation {
         }
     }
 
-    /// Whether every row but those that are changed is one of the original file.
+    /// Whether every unchanged row is a row of the original file.
     pub const fn keeps_rows(self) -> bool {
         !matches!(self, Self::Cut | Self::Mixed)
     }
 }
 
-/// Rows of a text, stretches of anything else.
+/// The rows of a text, or pieces of a binary file.
 fn pieces(bytes: &[u8]) -> Vec<&[u8]> {
     if std::str::from_utf8(bytes).is_ok() { rows(bytes) } else { bytes.chunks(STRETCH).collect() }
 }

@@ -1,4 +1,4 @@
-//! Commands on adapters that do what no adapter does: each ends in its time, and loses nothing without a word.
+//! Runs commands on misbehaving adapters: each must end in time, and report every loss.
 
 use super::FOLDER;
 use super::limited::Program;
@@ -17,10 +17,10 @@ const COMMANDS: [&str; 5] = [
     "monitor BUS --for 3s --format json",
 ];
 
-/// Beside those three seconds: opening the adapter, a device that does not boot, putting the device back.
+/// Time limit besides these three seconds: for opening the adapter, a device that does not boot, and restoring.
 const MOST: Duration = Duration::from_secs(20);
 
-/// Every command on every adapter, most of which is waiting.
+/// Runs every command on every adapter; most of the time is waiting.
 pub fn attack(program: &Program) -> Result<Tally> {
     let tally = Mutex::new(Tally::default());
     std::thread::scope(|scope| {
@@ -53,10 +53,11 @@ fn one(program: &Program, rogue: Rogue, command: &str, out: &str, tally: &Mutex<
     // An adapter that seems to refuse is not opened.
     if command.starts_with("record") && run.status != Some(3) {
         let told = run.stderr.lines().find_map(|line| line.strip_prefix("canvass: ")?.split_once(" frames recorded"));
-        let told: usize = told.map(|(frames, _)| frames.parse()).transpose()?.context("it does not say how many")?;
+        let told: usize =
+            told.map(|(frames, _)| frames.parse()).transpose()?.context("the program does not report the number")?;
         let written =
             std::fs::read(format!("{out}.log"))?.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).count();
-        anyhow::ensure!(told == written, "{told} frames are said to be recorded, {written} are");
+        anyhow::ensure!(told == written, "{told} frames are reported as recorded, but {written} are");
     }
     Ok(())
 }

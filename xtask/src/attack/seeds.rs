@@ -1,4 +1,4 @@
-//! What is changed: real files of every kind that the program reads.
+//! The seeds: real files of every kind that the program reads.
 
 use super::chance::Chance;
 use super::limited::Program;
@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 
-/// What a file is to the program.
+/// The kind of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SeedKind {
     Capture,
@@ -23,7 +23,7 @@ pub type IsFrame = fn(&[u8]) -> bool;
 pub struct Seed {
     pub kind: SeedKind,
     pub name: String,
-    /// The end of its name, which some formats are told by.
+    /// The end of its name, by which some formats are recognised.
     pub ending: String,
     pub bytes: Vec<u8>,
     /// For a text of rows: which row is a frame.
@@ -32,7 +32,7 @@ pub struct Seed {
 
 pub struct Seeds(Vec<Seed>);
 
-/// What the formats of rows are made of.
+/// The capture from which files of row formats are made.
 const ROWS: &str = "traces/samples/python-can.log";
 
 const WAIVERS: &str = "[[waiver]]\ncase = \"301/sdo/*\"\nsubject = \"1000h\"\ndoes = \"silence\"\nreason = \"known\"\n\
@@ -42,7 +42,7 @@ const JOURNAL: &str = "canvass journal 1\nbus can0\nnode 10\ndevice reference-30
                        value 1017:00 E803\nvalue 1800:01 8A010000\nbegun\nvalue 2041:00 41010000\nstores\nsettled\n";
 
 impl SeedKind {
-    /// The commands that read such a file, some of them: `FILE` stands for it.
+    /// Some of the commands that read such a file; `FILE` stands for it.
     pub fn commands(self, chance: &mut Chance) -> Vec<String> {
         let all: &[&str] = match self {
             Self::Capture => &[
@@ -78,7 +78,7 @@ impl SeedKind {
             ],
             Self::Result => &["compare FILE FILE", "compare target/attack/result.json FILE --format json"],
             Self::Waivers => &["test sim:reference-301 --select 301/identity --waivers FILE"],
-            // Nothing listens there: the journal is read first.
+            // No program listens there; the journal is read first.
             Self::Journal => &["restore slcan:tcp://127.0.0.1:1 --journal FILE"],
         };
         let mut some: Vec<String> = all.iter().map(|command| (*command).to_owned()).collect();
@@ -90,7 +90,7 @@ impl SeedKind {
 }
 
 impl Seeds {
-    /// The samples, the models' descriptions, and what the program makes of them.
+    /// The samples, the descriptions of the models, and files that the program makes from them.
     pub fn gather(program: &Program, folder: &Path) -> Result<Self> {
         let mut seeds = Vec::new();
         for (kind, from) in [
@@ -143,7 +143,7 @@ impl Seeds {
         Ok(Self(seeds))
     }
 
-    /// Half of the time one whose rows can be counted.
+    /// A random seed; in half of the cases one with countable rows.
     pub fn any(&self, chance: &mut Chance) -> &Seed {
         let counted: Vec<&Seed> = self.0.iter().filter(|seed| seed.is_frame.is_some()).collect();
         let picked = if chance.below(2) == 0 { chance.of(&counted).copied() } else { chance.of(&self.0) };

@@ -1,21 +1,21 @@
-//! What an attack has come to.
+//! The results of an attack.
 
 use super::account::Accounted;
 use super::limited::{Limited, worst_memory};
 use std::fmt;
 use std::time::Duration;
 
-/// A run that takes longer says nothing good of the program, whatever the file.
+/// Time limit of a run on any file.
 const MOST: Duration = Duration::from_secs(20);
 
 #[derive(Default)]
 pub struct Tally {
     pub inputs: u64,
     pub runs: u64,
-    /// Captures whose frames were counted on both sides, and rows that were.
+    /// Number of captures with counted frames, and of counted rows.
     accounted: u64,
     rows: u64,
-    /// Rows that became another kind of row by the change, such as a comment.
+    /// Number of rows that the change made another kind, such as a comment.
     became_others: u64,
     worst: (Duration, String),
     pub rogues: u64,
@@ -23,7 +23,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes in a run; says what went wrong in it.
+    /// Counts a run; returns its failure, if there is one.
     pub fn take(&mut self, run: &Limited, args: &[String]) -> Option<String> {
         self.runs += 1;
         if run.took > self.worst.0 {
@@ -37,7 +37,7 @@ impl Tally {
         }
     }
 
-    /// Takes in what became of the frames of a capture; says whether some are missing without a word.
+    /// Counts the account of a capture; returns unreported losses.
     pub fn account(&mut self, accounted: Accounted) -> Option<String> {
         self.runs += 1;
         self.accounted += 1;

@@ -1,4 +1,4 @@
-//! The side of the editor in a session with `canvass lsp`, with a clock.
+//! An editor's side of a session with `canvass lsp`, with time measurement.
 
 use anyhow::{Context, Result, bail, ensure};
 use lsp_server::{Message, Notification, Request, RequestId};
@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 const URI: &str = "file:///measured.eds";
-/// What is printed is the best of so many, and the one in the middle.
+/// Number of runs; the best and the median are printed.
 const RUNS: usize = 21;
 
 /// A session with one open file.
@@ -18,9 +18,9 @@ pub struct Editor {
     from: BufReader<ChildStdout>,
     requests: i32,
     version: i32,
-    /// How long it took to understand messages that had come, which is no time of the server.
+    /// Time for parsing received messages, which is not the server's.
     understanding: Duration,
-    /// How many findings were published last.
+    /// Number of findings last published.
     pub findings: usize,
 }
 
@@ -44,7 +44,7 @@ impl Editor {
         Ok(editor)
     }
 
-    /// Runs it so often, and prints how long it takes until the answer is there.
+    /// Runs `run` repeatedly, and prints the time until its answer.
     pub fn measured(&mut self, name: &str, mut run: impl FnMut(&mut Self) -> Result<()>) -> Result<()> {
         let mut times = Vec::with_capacity(RUNS);
         for _ in 0..RUNS {
@@ -59,12 +59,12 @@ impl Editor {
         Ok(())
     }
 
-    /// Writes a line that was not there before in place of one; until the findings of that are there.
+    /// Replaces a line by a new text; waits for the findings.
     pub fn change(&mut self, line: usize, text: &str) -> Result<()> {
         self.write(line, &format!("{text} {}", self.version + 1))
     }
 
-    /// Writes another line in place of one; until the findings of that are there.
+    /// Replaces a line by a text; waits for the findings.
     pub fn write(&mut self, line: usize, text: &str) -> Result<()> {
         self.version += 1;
         let text = format!("{text}\n");
@@ -75,13 +75,13 @@ impl Editor {
         self.published()
     }
 
-    /// Asks about a place, by line and character.
+    /// Sends a request about a place, by line and character.
     pub fn ask_at(&mut self, method: &str, (line, character): (usize, usize)) -> Result<()> {
         let at = json!({ "textDocument": { "uri": URI }, "position": { "line": line, "character": character } });
         self.answered(method, at)
     }
 
-    /// All places where the object of that place is named.
+    /// Requests all places that mention the object at that place.
     pub fn ask_references(&mut self, (line, character): (usize, usize)) -> Result<()> {
         let position = json!({ "line": line, "character": character });
         let context = json!({ "includeDeclaration": true });
@@ -89,7 +89,7 @@ impl Editor {
         self.answered("textDocument/references", asked)
     }
 
-    /// What can be done about the findings of a line.
+    /// Requests the code actions for the findings of a line.
     pub fn ask_actions(&mut self, line: usize) -> Result<()> {
         let range = json!({ "start": { "line": line, "character": 0 }, "end": { "line": line, "character": 9 } });
         let context = json!({ "diagnostics": [] });
@@ -97,7 +97,7 @@ impl Editor {
         self.ask("textDocument/codeAction", asked).map(drop)
     }
 
-    /// All sections.
+    /// Requests all sections.
     pub fn ask_outline(&mut self) -> Result<()> {
         self.answered("textDocument/documentSymbol", json!({ "textDocument": { "uri": URI } }))
     }
@@ -112,7 +112,7 @@ impl Editor {
         Ok(())
     }
 
-    /// Asks what has an answer.
+    /// Sends a request and waits for its answer.
     fn answered(&mut self, method: &str, asked: Value) -> Result<()> {
         let answer = self.ask(method, asked)?;
         let is_empty = answer.is_null() || answer.as_array().is_some_and(Vec::is_empty);
@@ -133,9 +133,9 @@ impl Editor {
         }
     }
 
-    /// Waits for the findings of the version that was sent last.
+    /// Waits for the findings of the last version.
     fn published(&mut self) -> Result<()> {
-        let Message::Notification(said) = self.read()? else { bail!("an answer that nobody asked for") };
+        let Message::Notification(said) = self.read()? else { bail!("an answer without a request") };
         let findings = said.params.get("diagnostics").and_then(Value::as_array).map(Vec::len);
         self.findings = findings.with_context(|| format!("{} without findings", said.method))?;
         ensure!(said.params.get("version") == Some(&json!(self.version)), "the findings of another version");
@@ -162,13 +162,13 @@ impl Editor {
     fn framed(&mut self) -> Result<Vec<u8>> {
         let mut header = String::new();
         while !header.ends_with("\r\n\r\n") {
-            ensure!(self.from.read_line(&mut header)? > 0, "the server is gone");
+            ensure!(self.from.read_line(&mut header)? > 0, "the server has ended");
         }
         let length = header.lines().find_map(|line| line.strip_prefix("Content-Length: "));
         let length: usize = length.context("a message without its length")?.parse()?;
         let mut message = header.into_bytes();
         let read = self.from.by_ref().take(length as u64).read_to_end(&mut message)?;
-        ensure!(read == length, "the server is gone");
+        ensure!(read == length, "the server has ended");
         Ok(message)
     }
 }

@@ -1,20 +1,20 @@
-//! Whether the links of a folder of HTML lead somewhere: to a file of that folder, and to something in it that has the name.
+//! Checks the links of a folder of HTML: each must lead to a file of that folder, and to an existing anchor.
 
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// What a page has.
+/// The content of a page.
 #[derive(Default)]
 struct Page {
-    /// What a link can lead to.
+    /// The anchors of the page.
     names: BTreeSet<String>,
-    /// What its links and pictures name, as it stands there.
+    /// The targets of its links and pictures, as written.
     links: Vec<String>,
 }
 
-/// The links that lead nowhere, in words. Those to other computers are not followed.
+/// Messages about broken links. Links to other computers are not followed.
 ///
 /// # Errors
 /// If a file can't be read.
@@ -50,24 +50,24 @@ fn is_elsewhere(link: &str) -> bool {
     scheme.contains(':') || link.starts_with("//")
 }
 
-/// Why a link of that page leads nowhere.
+/// The fault of a link of that page, if it has one.
 fn fault(folder: &Path, pages: &BTreeMap<PathBuf, Page>, from: &Path, link: &str) -> Option<String> {
     let (file, name) = link.split_once('#').unwrap_or((link, ""));
     let to = if file.is_empty() { from.to_owned() } else { resolved(from, file) };
     if !folder.join(&to).is_file() {
-        return Some(format!("there is no {}", to.display()));
+        return Some(format!("{} does not exist", to.display()));
     }
     let page = pages.get(&to).filter(|_| !name.is_empty())?;
-    (!page.names.contains(name)).then(|| format!("nothing in {} is called {name}", to.display()))
+    (!page.names.contains(name)).then(|| format!("{} has no anchor {name}", to.display()))
 }
 
-/// The path, from the top, of a file that is named from a page.
+/// The path, from the top, of a link's target.
 fn resolved(from: &Path, file: &str) -> PathBuf {
     let mut path = from.parent().unwrap_or(Path::new("")).to_owned();
     let file = file.split('?').next().unwrap_or_default();
     for component in Path::new(file).components() {
         match component {
-            // Above the top nothing is: the path that remains does not exist.
+            // No path is above the top: the remaining path does not exist.
             Component::ParentDir => path = path.parent().map_or_else(|| "..".into(), Path::to_owned),
             Component::Normal(name) => path.push(name),
             _ => {}
@@ -76,7 +76,8 @@ fn resolved(from: &Path, file: &str) -> PathBuf {
     path
 }
 
-/// The names and links of a page. Text has no `<`, so each begins a tag; scripts, which may have one, are left out.
+/// Collects the anchors and links of a page. Text has no `<`, so each begins a tag; scripts, which may have one, are
+/// left out.
 fn read(html: &str) -> Page {
     let mut page = Page::default();
     let mut rest = html;
@@ -94,7 +95,7 @@ fn read(html: &str) -> Page {
     page
 }
 
-/// The names and values of a tag's attributes. mdBook puts values between double quotes.
+/// The names and values of a tag's attributes. mdBook quotes values with double quotes.
 fn attributes(tag: &str) -> Vec<(&str, String)> {
     let mut found = Vec::new();
     let mut rest = tag;

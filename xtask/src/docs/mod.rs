@@ -1,6 +1,6 @@
-//! `cargo xtask docs`: the book, in `target/book`. It holds the chapters that are written by hand and the reference pages,
-//! which the program prints. Its links are checked. The JSON Schemas in `docs/schemas`, which other programs take from the
-//! repository, are written first.
+//! `cargo xtask docs`: the book, in `target/book`: the hand-written chapters and the reference pages that the program
+//! prints. It first writes the JSON Schemas in `docs/schemas`, which other programs take from the repository, and
+//! checks all links.
 
 mod links;
 
@@ -11,13 +11,13 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// What the book is built from, laid out as the repository: so a link means the same here, in a checkout and on GitHub.
+/// The source of the book, laid out as the repository: so a link works here, in a checkout and on GitHub.
 const SOURCE: &str = "target/book-source";
-/// What `docs/book.toml` says.
+/// The output folder, as in `docs/book.toml`.
 const BOOK: &str = "target/book";
-/// Pages outside `docs` that are chapters too.
+/// Chapters outside `docs`.
 const PAGES: [&str; 4] = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"];
-/// What `canvass list` prints as Markdown: a page each, in the folder `reference`.
+/// The lists that `canvass list` prints as Markdown: one page each, in the folder `reference`.
 const REFERENCE: [&str; 4] = ["cases", "rules", "eds-rules", "faults"];
 
 const MDBOOK: &str = "target/tools/bin/mdbook";
@@ -33,7 +33,7 @@ pub fn docs() -> Result<()> {
     book(&target_folder().join("debug/canvass"))
 }
 
-/// Builds it with the pages that this program prints.
+/// Builds the book with the pages that this program prints.
 ///
 /// # Errors
 /// As [`docs`].
@@ -47,7 +47,7 @@ pub fn book(program: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Not optimised: the book takes a second all the same, and the compilation is the greater part.
+/// Without optimisation: the book takes a second all the same, and compilation takes longer.
 fn install() -> Result<()> {
     let installed = Command::new(MDBOOK).arg("--version").output().ok();
     if installed.is_some_and(|output| String::from_utf8_lossy(&output.stdout).trim().ends_with(VERSION)) {
@@ -60,7 +60,7 @@ fn install() -> Result<()> {
     run("cargo", &words)
 }
 
-/// Copies the chapters that are written by hand, and has the program print the others.
+/// Copies the hand-written chapters, and lets the program print the others.
 fn chapters(source: &Path, program: &Path) -> Result<()> {
     if source.exists() {
         fs::remove_dir_all(source)?;
@@ -79,7 +79,7 @@ fn chapters(source: &Path, program: &Path) -> Result<()> {
     unlisted(&pages)
 }
 
-/// The page of what the program lists.
+/// The page of a list that the program prints.
 fn printed(program: &Path, what: &str) -> Result<Vec<u8>> {
     let output = Command::new(program).args(["list", what, "--format", "markdown"]).output();
     let output = output.with_context(|| format!("can't run {}", program.display()))?;
@@ -103,7 +103,7 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// mdBook passes over a page that its summary does not name.
+/// mdBook ignores pages that its summary does not name, so they are reported here.
 fn unlisted(pages: &Path) -> Result<()> {
     let summary = fs::read_to_string(pages.join("SUMMARY.md"))?;
     for entry in fs::read_dir(pages.join("docs"))? {

@@ -1,18 +1,18 @@
-//! Other work that keeps every processor busy.
+//! A load that keeps every processor busy.
 
 use std::hint::black_box;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 
-/// A thread of plain arithmetic for each processor.
+/// One computing thread for each processor.
 pub struct Load {
     ends: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Load {
-    /// Begins.
+    /// Starts the load.
     pub fn start() -> Self {
         let ends = Arc::new(AtomicBool::new(false));
         let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -32,11 +32,11 @@ impl Load {
         Self { ends, threads }
     }
 
-    /// Ends, and waits for it.
+    /// Ends the load, and waits for its threads.
     pub fn stop(self) {
         self.ends.store(true, Ordering::Relaxed);
         for thread in self.threads {
-            // A thread that counts does not panic.
+            // A counting thread does not panic.
             let _ = thread.join();
         }
     }

@@ -1,36 +1,36 @@
-//! What the command line says.
+//! The options of the command line.
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// How the arguments are written.
+/// The usage text.
 const USAGE: &str = "usage: cargo xtask flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE] [--starve device]";
 
-/// On what frames travel between device and tester.
+/// The transport between device and tester.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Transport {
     /// SLCAN over TCP, a connection for each pair.
     Slcan,
     /// SocketCAN, a virtual interface for each pair.
     Virtual,
-    /// A CAN interface that is there, for one pair at a time.
+    /// An existing CAN interface, for one pair at a time.
     Interface(String),
 }
 
-/// Who gets no processor while there is other work.
+/// The process that gets no processor while there is other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Starved {
-    /// The tester: the device comes before the other work, where this user may say so.
+    /// The tester; the device precedes the other work, if this user may set that.
     Tester,
     /// The device.
     Device,
 }
 
-/// What is repeated.
+/// The repetition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
-    /// How often.
+    /// Number of runs.
     pub runs: u32,
-    /// So many devices and testers at the same time, each pair on a bus of its own.
+    /// Number of devices and testers at the same time, each pair on a bus of its own.
     pub at_once: usize,
     /// The simulated devices.
     pub models: Vec<String>,
@@ -38,20 +38,20 @@ pub struct Options {
     pub select: Option<String>,
     /// The bus.
     pub transport: Transport,
-    /// Who comes after the other work; the other one comes before it, or beside it.
+    /// The process that comes after the other work; the other process precedes it, or is equal.
     pub starved: Starved,
-    /// Whether this process was started in a machine of its own, with a program that is built.
+    /// Whether this process was started in a machine of its own, with the built program.
     pub in_machine: bool,
 }
 
-/// The word that [`Options::words`] adds for the process in the machine.
+/// The argument that [`Options::words`] adds for the process in the machine.
 const IN_MACHINE: &str = "--in-machine";
 
 impl Options {
     /// Reads the arguments.
     ///
     /// # Errors
-    /// If an argument is not one of these.
+    /// If an argument is unknown.
     pub fn read(arguments: &[String]) -> Result<Self> {
         let mut options = Self {
             runs: 3,

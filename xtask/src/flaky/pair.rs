@@ -8,25 +8,25 @@ use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The node-ID of every device here.
+/// The node-ID of every device.
 const NODE: &str = "63";
-/// Nothing stands between the program and a verdict on a simulated device that is alone on its bus.
+/// All permissions: the devices are simulated and alone on their buses.
 const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults,preset";
-/// SLCAN adapters have one bit rate of their own; the simulated devices are told it.
+/// SLCAN adapters have one bit rate, which the simulated devices get.
 const BIT_RATE: &str = "250k";
 
-/// A device in another process and how to reach it.
+/// A device in another process, and its address.
 pub struct Pair {
     device: Child,
     tester: Command,
-    /// Removed after the device.
+    /// Dropped after the device.
     _interface: Option<Interface>,
 }
 
 /// The verdicts of the simulated bus, where time is virtual.
 ///
 /// # Errors
-/// If the program does not report.
+/// If the program prints no report.
 pub fn simulated(program: &str, model: &str, options: &Options) -> Result<Run> {
     let mut command = tester(program, &format!("sim:{model}:{NODE}@{BIT_RATE}"), model, options);
     report(&mut command)
@@ -36,7 +36,7 @@ impl Pair {
     /// Starts the device.
     ///
     /// # Errors
-    /// If it does not start.
+    /// If the device does not start.
     pub fn start(program: &str, model: &str, options: &Options) -> Result<Self> {
         let mut interface = None;
         let (end, other) = match &options.transport {
@@ -61,7 +61,7 @@ impl Pair {
             .stderr(Stdio::piped())
             .spawn()
             .with_context(|| format!("can't run {program}"))?;
-        // It says a line once it is there; what else it says must not fill the pipe.
+        // The device prints a line when it is ready; its further output must not fill the pipe.
         if let Some(stderr) = device.stderr.take() {
             let mut lines = BufReader::new(stderr).lines();
             lines.next().transpose()?;
@@ -73,7 +73,7 @@ impl Pair {
     /// Runs the suite.
     ///
     /// # Errors
-    /// If the program does not report.
+    /// If the program prints no report.
     pub fn test(mut self) -> Result<Run> {
         report(&mut self.tester)
     }
@@ -81,7 +81,7 @@ impl Pair {
 
 impl Drop for Pair {
     fn drop(&mut self) {
-        // It may have ended.
+        // The device may have ended.
         let _ = self.device.kill();
         let _ = self.device.wait();
     }
@@ -103,7 +103,7 @@ impl Interface {
 
 impl Drop for Interface {
     fn drop(&mut self) {
-        // Nothing needs it any more; one that stays does no harm.
+        // The interface is no longer needed, and a remaining one does no harm.
         let _ = ip(&["del", &self.0]);
     }
 }
@@ -115,8 +115,8 @@ fn ip(words: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// The device is to be as prompt as one of its own, so that what is late is the tester: it comes before other work, where
-/// this user may say so.
+/// Runs the device before other work, if this user may set that: it should be as prompt as a real one, so that only
+/// the tester is late.
 fn prompt(program: &str) -> Command {
     let may = Command::new("chrt").args(["--fifo", "10", "true"]).stderr(Stdio::null()).status();
     if !may.is_ok_and(|status| status.success()) {
@@ -127,7 +127,7 @@ fn prompt(program: &str) -> Command {
     command
 }
 
-/// The device comes after all other work.
+/// Runs the device after all other work.
 fn starved(program: &str) -> Command {
     let mut command = Command::new("nice");
     command.args(["-n", "19", program]);
@@ -153,7 +153,7 @@ fn report(command: &mut Command) -> Result<Run> {
     Run::read(&output.stdout).with_context(|| format!("{command:?}: {said}"))
 }
 
-/// A port that nobody uses at this moment.
+/// A port that is free at the moment.
 fn free_port() -> Result<u16> {
     Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
 }

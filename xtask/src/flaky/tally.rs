@@ -1,10 +1,10 @@
-//! Verdicts, and how many of them have changed.
+//! Counts verdicts, and changed ones among them.
 
 use anyhow::{Context, Result};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The duties that a report names where this machine was late, or the device as a whole; see `docs/live.md`.
+/// The needs in a report that name a late machine, or a late device as a whole; see `docs/live.md`.
 const LATE: [&str; 2] = ["the tester's machine keeps up", "the device keeps up"];
 
 /// The verdicts of one run, by case.
@@ -22,7 +22,7 @@ impl Run {
     /// Reads the report of `canvass test --format json`.
     ///
     /// # Errors
-    /// If it is none.
+    /// If it is no report.
     pub fn read(report: &[u8]) -> Result<Self> {
         let report: Value = serde_json::from_slice(report)?;
         let cases = report["cases"].as_array().context("a report without cases")?;
@@ -37,19 +37,19 @@ impl Run {
     }
 }
 
-/// What the verdicts have to be.
+/// The expected verdicts.
 pub struct Verdicts {
     verdicts: BTreeMap<String, String>,
-    /// Cases for which the transport has another verdict than the simulated bus, though nothing keeps this machine busy.
+    /// Number of cases whose verdict differs between transport and simulated bus, on an idle machine.
     transport: usize,
 }
 
 impl Verdicts {
-    /// Those of the simulated bus; where the same case can't be decided over the transport at all, that of a machine at
-    /// rest. A machine at rest may be late too: then the simulated bus has said it.
+    /// The verdicts of the simulated bus; for cases that can't be decided over the transport, that of an idle machine.
+    /// If the idle machine was late, that of the simulated bus holds.
     ///
     /// # Errors
-    /// If the two runs are not of the same cases.
+    /// If the two runs have different cases.
     pub fn expected(simulated: &Run, quiet: &Run) -> Result<Self> {
         let mut expected = Self { verdicts: BTreeMap::new(), transport: 0 };
         for (id, truth) in &simulated.verdicts {
@@ -69,7 +69,7 @@ impl Verdicts {
     }
 }
 
-/// The sum of the runs of one model.
+/// The totals of one model.
 pub struct Tally {
     expected: Verdicts,
     runs: u32,
@@ -101,12 +101,12 @@ impl Tally {
         }
     }
 
-    /// Verdicts that changed to something else than "inconclusive" for a late machine.
+    /// Number of verdicts that changed to another verdict than "inconclusive" for a late machine.
     pub const fn changed(&self) -> usize {
         self.changes.len()
     }
 
-    /// Each of them in words.
+    /// Each change as text.
     pub fn changes(&self) -> &[String] {
         &self.changes
     }
@@ -115,7 +115,7 @@ impl Tally {
         self.same as usize + self.late as usize + self.changes.len()
     }
 
-    /// How many of a hundred verdicts were lost to a late machine.
+    /// The percentage of verdicts lost to a late machine.
     pub fn late_share(&self) -> f64 {
         if self.all() == 0 { 0.0 } else { f64::from(self.late) * 100.0 / self.all() as f64 }
     }

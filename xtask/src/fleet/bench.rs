@@ -1,4 +1,5 @@
-//! `cargo xtask bench --fleet`: how fast captures and lakes are asked, beside the program, DuckDB and python-can with pandas.
+//! `cargo xtask bench --fleet`: the speed of queries on captures and lakes, beside the program, DuckDB and python-can
+//! with pandas.
 
 use super::cluster::{Cluster, asked};
 use super::readers::{PYTHON, VENV};
@@ -11,20 +12,20 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 const FLEET: &str = "fleet/target/release/canvass-fleet";
-/// Frames of each capture.
+/// Number of frames of each capture.
 const FRAMES: u32 = 1_000_000;
-/// python-can is given one capture, as it is slow.
+/// Number of captures for python-can, which is slow.
 const CAPTURES: u32 = 4;
 const FOLDER: &str = "target/bench/fleet";
-/// What its nodes are, so that their process data have names.
+/// The device of the nodes, so that their process data have names.
 const DEVICE: &str = "1..127=kuebler-sendix-58x8";
-/// On a cluster, each of them is asked so many times.
+/// Number of repetitions on a cluster.
 const TIMES: u32 = 8;
-/// How many short captures are asked, to see how the cost grows.
+/// Numbers of short captures, to measure how the cost grows.
 const MANY: [u32; 3] = [10, 100, 1000];
 const FRAMES_OF_SHORT: u32 = 1000;
 
-/// Questions whose filters refuse most frames.
+/// Queries whose filters reject most frames.
 const FILTERS: [(&str, &str); 8] = [
     ("a node and an object", "SELECT t, meaning FROM messages('FILES') WHERE node = 5 AND index = 24580"),
     ("an object", "SELECT t, meaning FROM messages('FILES') WHERE index = 24580"),
@@ -36,7 +37,7 @@ const FILTERS: [(&str, &str); 8] = [
     ("a signal of a node", "SELECT t, value FROM signals('FILES') WHERE node = 5 AND index = 24580"),
 ];
 
-/// A question that a lake answers, for canvass-fleet and for DuckDB.
+/// Queries on a lake, for canvass-fleet and for DuckDB.
 const QUESTIONS: [(&str, &str); 4] = [
     ("frames by service", "SELECT service, count(*) FROM messages GROUP BY service"),
     ("frames of a node", "SELECT count(*) FROM messages WHERE node = 5 AND service = 'pdo'"),
@@ -49,7 +50,7 @@ for table in ('messages', 'signals', 'events'):
     duckdb.sql(f\"CREATE VIEW {table} AS SELECT * FROM read_parquet('{sys.argv[1]}/{table}/*/*.parquet', hive_partitioning=true)\")
 duckdb.sql(sys.argv[2]).fetchall()";
 
-/// What people do today: read the frames, keep them in a data frame, ask that.
+/// The usual way today: read the frames into a data frame, and query that.
 const PANDAS: &str = "import sys, can, pandas
 frames = pandas.DataFrame([(m.timestamp, m.arbitration_id, bytes(m.data)) for m in can.CanutilsLogReader(sys.argv[1])],
     columns=['t', 'id', 'data'])
@@ -58,7 +59,7 @@ print(frames[frames.id == 0x185].groupby('id').size())";
 /// Measures and prints; nothing is asserted.
 ///
 /// # Errors
-/// If something is missing or fails.
+/// If a program is missing or fails.
 pub fn bench() -> Result<()> {
     install(&[TIME])?;
     VENV.install()?;
@@ -88,7 +89,7 @@ fn sql(statement: &str, more: &[&str]) -> Result<f64> {
     Ok(best(&words, None)?.cpu)
 }
 
-/// Frames per second of a core, beside the program.
+/// Frames per second and core, beside the program.
 fn scanning() -> Result<()> {
     let million = f64::from(FRAMES) / 1e6;
     let decode = million / best(&[&release("canvass"), "decode", "--format", "text", &one()], None)?.cpu;
@@ -107,12 +108,12 @@ fn scanning() -> Result<()> {
     Ok(())
 }
 
-/// What it brings to ask before a row is made, and not to decode what gives none.
+/// The gain of filtering before a row is made, and of decoding only matching frames.
 fn pushing() -> Result<()> {
     let million = f64::from(FRAMES * CAPTURES) / 1e6;
     println!("\n{million} M frames, asked with and without push-down");
     for (name, statement) in FILTERS {
-        // Signals have names where the device is known.
+        // Signals have names only if the device is known.
         let device: &[&str] = if statement.contains("signals(") { &["--device", DEVICE] } else { &[] };
         let statement = statement.replace("FILES", &format!("{FOLDER}/long"));
         let ask = |set: &str| sql(&format!("{set}{statement}"), &[&["--jobs", "1"], device].concat());
@@ -122,7 +123,7 @@ fn pushing() -> Result<()> {
     Ok(())
 }
 
-/// Beside DuckDB on the same Parquet, and pandas on the captures.
+/// Beside DuckDB on the same Parquet files, and pandas on the captures.
 fn lake() -> Result<()> {
     let lake = format!("{FOLDER}/lake");
     drop(fs::remove_dir_all(&lake));
@@ -153,7 +154,7 @@ fn lake() -> Result<()> {
     Ok(())
 }
 
-/// How the cost grows with the number of captures.
+/// The growth of the cost with the number of captures.
 fn growing() -> Result<()> {
     println!("\n{FRAMES_OF_SHORT} frames a capture");
     let short = format!("{FOLDER}/short.log");
@@ -173,7 +174,7 @@ fn growing() -> Result<()> {
     Ok(())
 }
 
-/// The same question in one process, and on a cluster whose executors have one task each.
+/// The same query in one process, and on a cluster of executors with one task each.
 fn on_processes() -> Result<()> {
     let folder = format!("{FOLDER}/many");
     drop(fs::remove_dir_all(&folder));
@@ -200,7 +201,7 @@ fn on_processes() -> Result<()> {
     Ok(())
 }
 
-/// All bytes in a folder.
+/// The total size of a folder.
 fn size(folder: &str) -> Result<u64> {
     let mut sum = 0;
     for entry in fs::read_dir(folder)? {

@@ -1,26 +1,26 @@
-//! A cluster of this machine's processes, for what is measured on it.
+//! A cluster of processes on this machine, for measurements.
 
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
-/// So often is a question asked; the quickest answer counts.
+/// Number of repetitions of a query; the fastest counts.
 const RUNS: usize = 3;
 
-/// A scheduler and executors with one task each, which are gone with this.
+/// A scheduler and executors with one task each, ended on drop.
 pub struct Cluster {
-    /// Where the scheduler is, as `--cluster` wants it.
+    /// The address of the scheduler, for `--cluster`.
     pub address: String,
     processes: Vec<Child>,
 }
 
 impl Cluster {
-    /// Starts them, and waits until all are there.
+    /// Starts the processes, and waits until all are ready.
     pub fn start(fleet: &str, executors: usize) -> Result<Self> {
         let mut cluster = Self { address: String::new(), processes: Vec::new() };
         let said = cluster.process(fleet, &["scheduler", "--bind", "127.0.0.1:0"], "scheduler at ")?;
-        let address = said.rsplit(' ').next().context("the scheduler says where it is")?;
+        let address = said.rsplit(' ').next().context("the scheduler reports its address")?;
         for _ in 0..executors {
             let words = ["executor", "--scheduler", address, "--bind", "127.0.0.1:0", "--tasks", "1"];
             cluster.process(fleet, &words, "arrow flight")?;
@@ -29,7 +29,7 @@ impl Cluster {
         Ok(cluster)
     }
 
-    /// Starts one, and gives the line with these words, which it says when it is ready.
+    /// Starts a process, and returns the line with these words, which it prints when it is ready.
     fn process(&mut self, fleet: &str, words: &[&str], ready: &str) -> Result<String> {
         let mut child = Command::new(fleet)
             .args(words)
@@ -41,7 +41,7 @@ impl Cluster {
         self.processes.push(child);
         let mut lines = BufReader::new(told).lines().map_while(Result::ok);
         let line = lines.by_ref().find(|line| line.contains(ready));
-        // The rest is read, too, so that the process never waits for this one.
+        // The rest of its output is read, too, so that the process never blocks.
         std::thread::spawn(move || lines.for_each(drop));
         line.with_context(|| format!("{fleet} {} ended before it was ready", words.join(" ")))
     }
@@ -50,14 +50,14 @@ impl Cluster {
 impl Drop for Cluster {
     fn drop(&mut self) {
         for child in &mut self.processes {
-            // It may have ended by itself.
+            // The process may have ended.
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// Seconds of the clock that a question takes.
+/// The duration of a query in seconds.
 pub fn asked(fleet: &str, words: &[&str]) -> Result<f64> {
     let mut least = f64::INFINITY;
     for _ in 0..RUNS {

@@ -1,4 +1,4 @@
-//! The examples of other programs that read a lake: they find what canvass-fleet itself answers.
+//! Examples of other programs that read a lake: their results must equal those of canvass-fleet.
 
 use super::TARGET;
 use crate::packages::{Package, install};
@@ -7,9 +7,9 @@ use crate::venv::Venv;
 use anyhow::{Context, Result, ensure};
 use std::process::Command;
 
-/// Where the Python libraries are.
+/// The Python with the libraries.
 pub const PYTHON: &str = "target/fleet-venv/bin/python";
-/// What is installed there.
+/// The libraries installed there.
 pub const VENV: Venv = Venv {
     folder: "target/fleet-venv",
     python: PYTHON,
@@ -17,7 +17,7 @@ pub const VENV: Venv = Venv {
     probe: "import can, duckdb, pandas, polars, pyarrow",
 };
 
-/// Apache Spark by itself: it is larger than all others, and needs Java.
+/// Apache Spark, separately: it is larger than all others, and needs Java.
 const SPARK: Venv = Venv {
     folder: "target/spark-venv",
     python: "target/spark-venv/bin/python",
@@ -26,7 +26,7 @@ const SPARK: Venv = Venv {
 };
 const JAVA: Package = Package { program: "java", probe: &["-version"], package: "openjdk-17-jre-headless" };
 
-/// The examples with what runs them, each of which prints what the statement below gives.
+/// The examples with their interpreters; each must print the result of the statement below.
 const EXAMPLES: [(&str, &str); 4] = [
     ("docs/examples/fleet-duckdb.py", PYTHON),
     ("docs/examples/fleet-polars.py", PYTHON),
@@ -39,17 +39,17 @@ const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*)
 /// Installs all of them.
 ///
 /// # Errors
-/// If something can't be installed.
+/// If an installation fails.
 pub fn install_all() -> Result<()> {
     install(&[JAVA])?;
     VENV.install()?;
     SPARK.install()
 }
 
-/// Makes a lake and has all of them read it.
+/// Makes a lake and lets all of them read it.
 ///
 /// # Errors
-/// If one of them finds something else.
+/// If a result differs.
 pub fn read() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let lake = folder.path().join("lake").display().to_string();
@@ -65,12 +65,12 @@ pub fn read() -> Result<()> {
     Ok(())
 }
 
-/// What a program prints.
+/// The output of a program.
 fn output(program: &str, words: &[&str]) -> Result<String> {
     eprintln!("$ {program} {}", words.join(" "));
     let ended = Command::new(program).args(words).output().with_context(|| format!("can't run {program}"))?;
     let told = String::from_utf8_lossy(&ended.stderr);
     ensure!(ended.status.success(), "{program} ended with {}: {told}", ended.status);
-    // A library of Python for Windows ends lines in its own way.
+    // Python for Windows writes CR LF.
     Ok(String::from_utf8(ended.stdout)?.replace("\r\n", "\n"))
 }

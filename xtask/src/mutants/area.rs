@@ -1,30 +1,30 @@
-//! What can be mutated: a crate, and its files that are.
+//! The areas for mutations: a crate, and its mutated files.
 
 use super::covered;
 use std::path::{Path, PathBuf};
 
-/// Files below the folder of the sources, or folders, each with the name under which it is counted.
+/// Files or folders below the sources, each with the name under which it is counted.
 pub type Covered = &'static [(&'static str, &'static str)];
 
-/// All crates of the mutated workspace: those that are not mutated are links.
+/// All crates of the mutated workspace; unmutated crates are links.
 pub const CRATES: [&str; 7] =
     ["traces", "analyzer", "macros", "conformance/bus", "conformance/device", "conformance/suite", "conformance/fuzz"];
-/// What tests read besides.
+/// Further folders that tests read.
 const READ: [&str; 2] = ["docs", "tests"];
 
-/// A crate that is mutated.
+/// A mutated crate.
 pub struct Area {
-    /// How it is asked for.
+    /// Its name on the command line.
     pub name: &'static str,
     pub package: &'static str,
     /// The folder of the crate.
     pub folder: &'static str,
-    /// The folder that the names of [`Self::covered`] are below.
+    /// The folder to which the names of [`Self::covered`] are relative.
     pub sources: &'static str,
     pub covered: Covered,
 }
 
-/// The simulated devices, whose mutants suite and fuzzer look for.
+/// The simulated devices, whose mutants the suite and the fuzzer must find.
 pub const DEVICE: Area = Area {
     name: "device",
     package: "canvass-device",
@@ -33,7 +33,7 @@ pub const DEVICE: Area = Area {
     covered: &covered::DEVICE,
 };
 
-/// What the tests of its own crate have to hold.
+/// The areas whose mutants the tests of the crate itself must find.
 pub const TESTED: [Area; 2] = [
     Area {
         name: "analyzer",
@@ -52,7 +52,7 @@ pub const TESTED: [Area; 2] = [
 ];
 
 impl Area {
-    /// Where the mutated workspace is built.
+    /// The folder of the mutated workspace.
     pub fn scratch(&self) -> PathBuf {
         match self.name {
             "device" => PathBuf::from("target/mutants"),
@@ -60,15 +60,15 @@ impl Area {
         }
     }
 
-    /// What is no more than a link in the mutated workspace.
+    /// The links in the mutated workspace.
     pub fn linked(&self) -> impl Iterator<Item = &'static str> {
         let (own, within) = (self.folder, format!("{}/", self.folder));
-        // What is in a folder that is linked or copied comes with it.
+        // The content of a linked or copied folder comes with it.
         let is_apart = move |name: &&str| *name != own && !name.starts_with(&within);
         CRATES.into_iter().filter(is_apart).chain(READ)
     }
 
-    /// Under which name a file is counted, by its path below the sources; `None`: it is left as it is.
+    /// The name under which a file is counted, by its path below the sources; `None` for an unmutated file.
     pub fn service(&self, path: &str) -> Option<&'static str> {
         let is = |pattern: &str| path == pattern || pattern.ends_with('/') && path.starts_with(pattern);
         let found = self.covered.iter().find(|(pattern, _)| is(pattern)).map(|(_, service)| *service);

@@ -1,4 +1,4 @@
-//! `cargo xtask mutants --tests CRATE`: how much of a crate its own tests hold.
+//! `cargo xtask mutants --tests CRATE`: the share of a crate's mutants that its own tests find.
 
 use super::area::Area;
 use super::reviewed::{self, Reviewed};
@@ -7,7 +7,7 @@ use super::{Wishes, drawn, ensure_current, scratch};
 use anyhow::Result;
 use std::time::Instant;
 
-/// Draws mutants of a crate, runs its tests on each and tells.
+/// Draws mutants of a crate, runs its tests on each and prints the result.
 pub fn by_tests(area: &Area, wishes: &Wishes) -> Result<()> {
     let reviewed = Reviewed::read(area)?;
     let mut sources = scratch::read(area)?;
@@ -53,12 +53,12 @@ fn row<'a>(name: &str, fates: impl Iterator<Item = &'a Fate>, reviewed: &Reviewe
         };
         *counted += 1;
     }
-    // One that never ends does not get past anybody.
+    // A mutant that never ends is noticed.
     let share = 100.0 * f64::from(caught + hung) / f64::from((run - equivalent).max(1));
     format!("| {name} | {run} | {caught} | {hung} | {missed} | {unreached} | {equivalent} | {share:.1} % |")
 }
 
-/// Lists what was missed, and as rows for the list of equivalent mutants.
+/// Lists the missed mutants, also as rows for the list of equivalent mutants.
 fn tell(area: &Area, fates: &[Fate], reviewed: &Reviewed) -> Result<()> {
     let is_lost = |fate: &&Fate| {
         matches!(fate.outcome, Outcome::Missed | Outcome::Unreached) && reviewed.reason(&fate.mutant).is_none()

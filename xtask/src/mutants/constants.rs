@@ -1,10 +1,10 @@
-//! Which functions have to stay `const`.
+//! The functions that must stay `const`.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::BTreeSet;
 use syn::visit::{self, Visit};
 
-/// The functions that are called where only constant ones can be.
+/// Finds functions that are called in constant contexts.
 pub fn called_in_constants(source: &str) -> syn::Result<BTreeSet<String>> {
     let mut calls = Calls::default();
     calls.visit_file(&syn::parse_file(source)?);
@@ -51,7 +51,7 @@ impl<'ast> Visit<'ast> for Calls {
         self.inside = outer;
     }
 
-    // What a macro writes is not known before it is expanded: every word of its constant blocks may be a call.
+    // The expansion of a macro is unknown here: every word in its constant blocks may be a call.
     fn visit_macro(&mut self, invoked: &'ast syn::Macro) {
         self.of_tokens(invoked.tokens.clone(), false);
     }

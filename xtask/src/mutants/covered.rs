@@ -1,7 +1,7 @@
-//! Which files are mutated, and under which name each is counted.
+//! The mutated files, and the name under which each is counted.
 
-/// The simulated devices, by service. What is not here is no firmware: faults and liberties, the models' files, the motion of
-/// the shaft, addresses.
+/// The simulated devices, by service. Files that are not here are no firmware: faults and liberties, files of models,
+/// the motion of the shaft, addresses.
 pub const DEVICE: [(&str, &str); 35] = [
     ("sdo_server/", "SDO"),
     ("sdo_channels.rs", "SDO"),
@@ -40,10 +40,10 @@ pub const DEVICE: [(&str, &str); 35] = [
     ("own_traffic.rs", "NMT"),
 ];
 
-/// What reads frames, and what keeps the state of the network.
+/// The parsers of frames, and the state of the network.
 pub const ANALYZER: [(&str, &str); 2] = [("wire/", "wire"), ("network/", "network")];
 
-/// What cases stand on, and what runs and judges them.
+/// The base of the cases, and the code that runs and judges them.
 pub const SUITE: [(&str, &str); 9] = [
     ("bench/", "bench"),
     ("cases/cia301/needs/", "needs"),
@@ -56,6 +56,6 @@ pub const SUITE: [(&str, &str); 9] = [
     ("comparison.rs", "verdict"),
 ];
 
-/// Files below those folders that hold tests only.
+/// Files below those folders that contain only tests.
 pub const TESTS: [&str; 5] =
     ["bench/tests/", "cases/cia301/needs/tests.rs", "runner/counts.rs", "runner/left_behind.rs", "runner/tests.rs"];

@@ -1,4 +1,4 @@
-//! Which mutants there are, by number, and which are tried.
+//! The numbered mutants, and those to try.
 
 use super::area::Area;
 use super::point::Form;

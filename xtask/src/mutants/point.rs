@@ -33,7 +33,7 @@ pub struct Point {
     pub variants: Vec<Variant>,
     /// The function that it is in.
     pub function: String,
-    /// From 1.
+    /// The line, counted from 1.
     pub line: usize,
 }
 

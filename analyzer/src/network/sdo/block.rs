@@ -121,6 +121,20 @@ impl HeldBack {
 }
 
 impl Channel {
+    /// The promises of a block transfer between two frames.
+    pub(super) fn check_block(&self, block: Block) {
+        let held_back = self.held_back.0.len();
+        match block {
+            Block::Data { due: Due::Segments(run) | Due::Confirmation(run), .. } => {
+                debug_assert!(run.in_order <= BlockSegment::MAX, "{run:?}");
+                debug_assert_eq!(held_back, usize::from(run.in_order) * 7, "{run:?}");
+            }
+            Block::Data { due: Due::End, .. } => debug_assert!(held_back <= 7, "only the last segment is held back"),
+            Block::Data { due: Due::EndConfirmation, .. } => debug_assert_eq!(held_back, 0),
+            Block::DownloadInitiated { .. } | Block::UploadInitiated { .. } | Block::UploadAnswered { .. } => {}
+        }
+    }
+
     /// The frame as a segment, if the state of the transfer makes it one.
     ///
     /// After the end of a sub-block only a repetition of its last segment is one: a CAN controller repeats a frame

@@ -147,30 +147,47 @@ impl Channel {
 
     /// Handles a frame from the client.
     pub fn request(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Some(step) = self.any_block_segment(now, Direction::Download, payload) {
-            return step;
-        }
-        match Request::read(payload) {
-            Ok(request) => {
-                let step = self.on_request(now, request);
-                self.excused(step)
+        let step = if let Some(step) = self.any_block_segment(now, Direction::Download, payload) {
+            step
+        } else {
+            match Request::read(payload) {
+                Ok(request) => {
+                    let step = self.on_request(now, request);
+                    self.excused(step)
+                }
+                Err(error) => malformed(error),
             }
-            Err(error) => malformed(error),
+        };
+        self.check();
+        step
+    }
+
+    /// What the machine promises after each frame: a transfer is open exactly while a message is due, and a sub-block
+    /// holds back the bytes of the segments that came in order.
+    fn check(&self) {
+        debug_assert_eq!(self.is_busy(), self.transfer.as_ref().is_some_and(Transfer::is_open), "{:?}", self.phase);
+        if cfg!(debug_assertions)
+            && let Some(block) = self.block()
+        {
+            self.check_block(block);
         }
     }
 
     /// Handles a frame from the server.
     pub fn response(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Some(step) = self.any_block_segment(now, Direction::Upload, payload) {
-            return step;
-        }
-        match Response::read(payload) {
-            Ok(response) => {
-                let step = self.on_response(now, response);
-                self.excused(step)
+        let step = if let Some(step) = self.any_block_segment(now, Direction::Upload, payload) {
+            step
+        } else {
+            match Response::read(payload) {
+                Ok(response) => {
+                    let step = self.on_response(now, response);
+                    self.excused(step)
+                }
+                Err(error) => malformed(error),
             }
-            Err(error) => malformed(error),
-        }
+        };
+        self.check();
+        step
     }
 
     /// The frame as a segment of a block transfer, also of one that began before the capture.

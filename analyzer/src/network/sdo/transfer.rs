@@ -192,6 +192,7 @@ impl Transfer {
 
     /// Ends the transfer; a complete one must have the announced number of bytes.
     pub fn end(&mut self, outcome: Outcome) {
+        debug_assert!(outcome != Outcome::Open, "a transfer ends with an outcome");
         self.outcome = outcome;
         if outcome == Outcome::Complete
             && let Some(announced) = self.announced

@@ -154,7 +154,7 @@ impl Segment {
         let len = 7 - usize::from(command >> 1 & 0b111);
         let (input, data) = named("the data that the command byte announces", take(len)).parse(input)?;
         let segment = Self::new(command & 0x10 != 0, data, command & 1 != 0);
-        // Three bits can't announce more than seven bytes.
+        debug_assert!(segment.is_some(), "three bits can't announce more than seven bytes");
         let segment = segment.unwrap_or(Self { toggle: false, last: true, data: [0; 7], len: 0 });
         Ok((&input[input.len().min(7 - len)..], segment))
     }

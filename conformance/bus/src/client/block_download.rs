@@ -1,4 +1,4 @@
-//! A block download (CiA 301, 7.2.4.3.8 to 7.2.4.3.11): right, or wrong on purpose.
+//! A block download (CiA 301, 7.2.4.3.8 to 7.2.4.3.11): correct, or with a deliberate error.
 
 use super::block_upload::{message, violated};
 use super::sdo::{Outcome, Violation};
@@ -7,48 +7,48 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request, Response, crc16};
 
-/// What the client does to the segments of its first block, once.
+/// A deliberate error in the segments of the first block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Mischief {
-    /// Nothing.
+    /// No error.
     #[default]
     None,
-    /// That segment is not sent, as if it had been lost.
+    /// This segment is not sent, as if it had been lost.
     Skip(u8),
-    /// That segment is sent twice.
+    /// This segment is sent twice.
     Repeat(u8),
-    /// That segment changes places with the one after it.
+    /// This segment and the next one are exchanged.
     Swap(u8),
     /// The first segment has sequence number 0.
     NumberZero,
-    /// After that segment the client falls silent.
+    /// After this segment the client falls silent.
     StopAfter(u8),
 }
 
-/// How the client behaves.
+/// The behaviour of the client.
 #[derive(Clone, Copy, Debug)]
 pub struct DownloadManner {
-    /// The client sends a CRC.
+    /// Whether the client sends a CRC.
     pub crc: bool,
-    /// The number of bytes that is announced.
+    /// The announced number of bytes.
     pub announce: Option<u32>,
-    /// What is added to the right CRC.
+    /// An error added to the correct CRC.
     pub crc_error: u16,
-    /// What the end says of the bytes that don't count in the last segment; `None`: what is right.
+    /// The number of unused bytes in the last segment, as the end states it; `None` for the correct number.
     pub unused: Option<u8>,
-    /// What goes wrong in the first block.
+    /// The error in the first block.
     pub mischief: Mischief,
 }
 
 impl DownloadManner {
-    /// A client that does everything right, with CRC and size.
+    /// A correct client, with CRC and size.
     pub fn right(value: &[u8]) -> Self {
         let announce = u32::try_from(value.len()).ok();
         Self { crc: true, announce, crc_error: 0, unused: None, mischief: Mischief::None }
     }
 }
 
-/// Blocks that are asked for again more often than that are asked for without end.
+/// Number of repetitions of a block from which the server is taken to repeat without end.
 const MOST_REPETITIONS: usize = 4;
 
 #[derive(Debug)]
@@ -58,14 +58,14 @@ pub struct BlockDownload {
     value: Vec<u8>,
     state: DownloadState,
     server_crc: bool,
-    /// Segments that the server has confirmed.
+    /// Number of segments that the server has confirmed.
     confirmed: usize,
-    /// Segments of the block that is out.
+    /// Number of segments in the last sent block.
     sent: u8,
     repetitions: usize,
     /// The sequence number of each confirmation.
     pub confirmations: Vec<u8>,
-    /// The block size that the server asked for with the first confirmation.
+    /// The block size in the server's first confirmation.
     pub block_size: u8,
 }
 
@@ -77,7 +77,7 @@ enum DownloadState {
 }
 
 impl BlockDownload {
-    /// A client that will write that value.
+    /// A client that will download this value.
     pub fn new(multiplexer: Multiplexer, value: &[u8], manner: DownloadManner) -> Self {
         Self {
             multiplexer,
@@ -93,7 +93,7 @@ impl BlockDownload {
         }
     }
 
-    /// The number of segments of the whole value; an empty one takes one too.
+    /// The number of segments of the whole value; an empty value takes one, too.
     fn segments(&self) -> usize {
         self.value.len().div_ceil(7).max(1)
     }
@@ -106,6 +106,10 @@ impl BlockDownload {
         let until = total.min(self.confirmed + usize::from(block_size));
         let mut block: Vec<Message> =
             (self.confirmed..until).zip(1..=BlockSegment::MAX).map(|(n, sequence)| self.segment(n, sequence)).collect();
+        debug_assert!(
+            (1..=usize::from(block_size)).contains(&block.len()),
+            "a block has at least one segment, and at most its size"
+        );
         self.sent = u8::try_from(block.len()).unwrap_or(BlockSegment::MAX);
         spoil(&mut block, std::mem::take(&mut self.manner.mischief));
         self.state = DownloadState::Sending;
@@ -131,6 +135,7 @@ impl BlockDownload {
             return violated(Violation::Confirmation { sent: self.sent, confirmed: sequence });
         }
         self.confirmed += usize::from(sequence);
+        debug_assert!(self.confirmed <= self.segments(), "only segments that were sent are confirmed");
         if self.confirmed < self.segments() {
             return self.send_block(block_size);
         }

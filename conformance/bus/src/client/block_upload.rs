@@ -1,5 +1,5 @@
-//! A block upload (CiA 301, 7.2.4.3.12 to 7.2.4.3.15) as a client sees it that takes nothing for granted, and that can do on
-//! purpose what a client does whose segments got lost.
+//! A block upload (CiA 301, 7.2.4.3.12 to 7.2.4.3.15) by a client that checks every response, and that can
+//! deliberately behave as if segments were lost.
 
 use super::sdo::{Outcome, Violation};
 use super::{BlockStep, BlockTransfer, Message, UploadLimit};
@@ -7,20 +7,20 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, Request, Response, Segment, crc16};
 
-/// How the client behaves.
+/// The behaviour of the client.
 #[derive(Clone, Debug)]
 pub struct UploadManner {
-    /// Block sizes, the first for the first block; the last of them for all that follow.
+    /// Block sizes: one for each block; the last one for all further blocks.
     pub block_sizes: Vec<u8>,
-    /// The client can check a CRC.
+    /// Whether the client can check a CRC.
     pub crc: bool,
     /// The protocol switch threshold in bytes; 0: never switch.
     pub threshold: u8,
-    /// In that block (from 0), once, only segments up to that number are confirmed, as if the others had been lost.
+    /// In this block (from 0), once, only segments up to this number are confirmed, as if the others had been lost.
     pub lose_after: Option<(usize, u8)>,
-    /// In that block (from 0) the client confirms that number, whatever came.
+    /// In this block (from 0) the client confirms this number, independently of the segments received.
     pub confirm: Option<(usize, u8)>,
-    /// The client does not answer the end of the upload.
+    /// Whether the client leaves the end of the upload unanswered.
     pub no_end: bool,
 }
 
@@ -39,16 +39,16 @@ pub struct BlockUpload {
     data: Vec<u8>,
     announced: Option<u32>,
     server_crc: bool,
-    /// The block under way, from 0.
+    /// The current block, from 0.
     block: usize,
-    /// Segments in order in this block.
+    /// Number of segments received in order in this block.
     received: u8,
-    /// The last segment of all was in order.
+    /// Whether the last segment of the value was received in order.
     complete: bool,
     toggle: bool,
-    /// How many segments each block had.
+    /// The number of segments of each block.
     pub blocks: Vec<u8>,
-    /// The server switched to a normal upload.
+    /// Whether the server switched to a normal upload.
     pub switched: bool,
 }
 
@@ -57,12 +57,12 @@ enum UploadState {
     Initiated,
     Receiving,
     Ending,
-    /// After the switch to a normal upload.
+    /// Segments of a normal upload, after the switch.
     Segments,
 }
 
 impl BlockUpload {
-    /// A client that will read that object.
+    /// A client that will upload this object.
     pub fn new(multiplexer: Multiplexer, manner: UploadManner) -> Self {
         Self {
             multiplexer,
@@ -127,7 +127,7 @@ impl BlockUpload {
         if segment.last || self.received == self.block_size(self.block) { self.confirm() } else { BlockStep::Wait }
     }
 
-    /// The block is over.
+    /// Ends the block with its confirmation.
     fn confirm(&mut self) -> BlockStep {
         let mut sequence = self.received;
         match self.manner.lose_after {
@@ -228,12 +228,12 @@ pub(super) fn message(request: &Request) -> Message {
     bytes
 }
 
-/// The end of a transfer in which the server went wrong; the client aborts it.
+/// The end of a transfer after a violation by the server; the client aborts it.
 pub(super) fn violated(violation: Violation) -> BlockStep {
     BlockStep::Done(Outcome::Violated(violation))
 }
 
-/// The client's own end of a transfer.
+/// The client's abort.
 pub fn abort(multiplexer: Multiplexer, code: AbortCode) -> Message {
     message(&Request::abort(multiplexer, code))
 }

@@ -1,4 +1,4 @@
-//! Single transfers and dialogues on a bus, for commands; cases have the bench.
+//! Single transfers and dialogues on a bus, for commands; cases use the bench.
 
 use super::lss::{Fastscan, ScanStep};
 use super::sdo::{Outcome, ServerLine, Transfer};
@@ -9,17 +9,17 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::wire::{Wire, lss};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 
-/// A bus, and who watches what is on it meanwhile.
+/// A bus, with an observer of its frames.
 pub struct Exchange<'a> {
     pub bus: &'a mut dyn Bus,
-    /// Sees every frame, own ones too.
+    /// Sees every frame, including the tester's own.
     pub observe: &'a mut dyn FnMut(&Record),
-    /// When transfers are given up, also in their middle: a server can send segments without end.
+    /// The time at which transfers are aborted, even in their middle: a server can send segments without end.
     pub ends: Timestamp,
 }
 
 impl Exchange<'_> {
-    /// The first frame from others that `wanted` recognises, until `span` has passed.
+    /// Waits for the first frame of another node that `wanted` accepts, at most for `span`.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -43,7 +43,8 @@ impl Exchange<'_> {
         Ok(None)
     }
 
-    /// Carries out an SDO transfer with a server of the predefined connection set. `patience` holds for each response.
+    /// Carries out an SDO transfer with a server of the predefined connection set. `patience` is the timeout of each
+    /// response.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -56,7 +57,7 @@ impl Exchange<'_> {
         self.wait_for(Duration::ZERO, |_| None::<()>)?;
         let outcome = transfer.carry_out(request, &mut ExchangeLine { exchange: self, node, patience })?;
         if outcome.own_abort().is_some() {
-            // The own abort comes back too: an observer is to see the whole transfer.
+            // The client's own abort is received, too, so that the observer sees the whole transfer.
             self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
         }
         Ok(outcome)

@@ -1,42 +1,43 @@
-//! How much of one upload a client takes. A faulty or hostile server announces 4 GiB, or sends segments without end.
+//! Limits of one upload: a faulty or hostile server announces 4 GiB, or sends segments without end.
 
 use canvass_traces::Duration;
 use std::fmt;
 
-/// The most that a client takes of one upload.
+/// The limits of one upload.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct UploadLimit {
-    /// Of the value.
+    /// Maximum number of bytes of the value.
     pub bytes: usize,
-    /// From the request to the last segment: segments may be empty.
+    /// Maximum time from the request to the last segment: segments may be empty.
     pub time: Duration,
 }
 
 impl UploadLimit {
-    /// Of each object where a whole dictionary is read: longer values are programs and logs, which say nothing of the object.
+    /// The limit for each object when a whole dictionary is read: longer values are programs and logs, which do not
+    /// matter for the object.
     pub const OF_MANY: Self = Self { bytes: 64 << 10, time: Duration::from_secs(30) };
 }
 
-/// Of an object that is read for its own sake: a program of 1 MiB takes six minutes at 125 kbit/s.
+/// The limit for a single object: a program of 1 MiB takes six minutes at 125 kbit/s.
 impl Default for UploadLimit {
     fn default() -> Self {
         Self { bytes: 16 << 20, time: Duration::from_secs(600) }
     }
 }
 
-/// An upload beyond the limit of the client, which has ended it.
+/// An upload that the client has aborted because it exceeded the limit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub struct Excess {
-    /// How many bytes had come.
+    /// Number of bytes received.
     pub received: usize,
-    /// How many the server had announced, if it had.
+    /// The number of bytes that the server announced, if it did.
     pub announced: Option<u32>,
-    /// What it exceeds.
+    /// The exceeded limit.
     pub bound: Bound,
 }
 
 impl Excess {
-    /// The number of bytes that the value has at least.
+    /// The least possible length of the value.
     pub fn least(&self) -> usize {
         match self.bound {
             Bound::Bytes(most) => most,

@@ -1,14 +1,14 @@
 //! The LSS master's Fastscan (CiA 305): finds the address of one slave without a node-ID, bit by bit.
 //!
-//! Many slaves may take part and answer at once, with the same frame; the lowest address is found, as a bit that nobody
-//! has as 0 must be 1 for all that are left.
+//! Many slaves may take part and answer at once, with the same frame. The scan finds the lowest address: if no slave
+//! answers to a 0 bit, all remaining slaves have 1.
 
 use canvass_analyzer::wire::lss::{Part, Request};
 
 /// The vendor-ID, product code, revision number and serial number of a slave.
 pub type LssAddress = [u32; 4];
 
-/// A scan under way.
+/// The state of a scan.
 #[derive(Clone, Debug)]
 pub struct Fastscan {
     address: LssAddress,
@@ -17,24 +17,24 @@ pub struct Fastscan {
 
 #[derive(Clone, Copy, Debug)]
 enum Stage {
-    /// Is there anyone?
+    /// Asked whether there is any slave.
     Begin,
-    /// Is that bit of that part 0?
+    /// Asked whether this bit of this part is 0.
     Bit { part: usize, bit: u8 },
-    /// Is the whole part right? Slaves with another one leave the scan.
+    /// Asked whether the whole part is right; slaves with another value leave the scan.
     Verify { part: usize },
 }
 
-/// What follows from an answer, or from none.
+/// The step after an answer or a timeout.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ScanStep {
-    /// Send this, and wait whether anyone answers.
+    /// Send this request, and wait for an answer.
     Ask(Request),
-    /// That slave was found, and is in configuration.
+    /// The slave was found, and is in configuration.
     Found(LssAddress),
     /// There is no slave without a node-ID.
     Nobody,
-    /// The part that was found was not confirmed: an answer was lost, or a slave left.
+    /// The slave did not confirm the part: an answer was lost, or the slave left.
     Lost(Part),
 }
 
@@ -48,7 +48,7 @@ impl Fastscan {
         (Self { address: [0; 4], stage: Stage::Begin }, request)
     }
 
-    /// Whether the last request was answered.
+    /// Handles the result of the last request: whether it was answered.
     pub fn handle(&mut self, answered: bool) -> ScanStep {
         match self.stage {
             Stage::Begin if answered => self.ask_bit(0, 31),
@@ -70,13 +70,15 @@ impl Fastscan {
         self.request(part, bit, part)
     }
 
-    /// The next part follows; after the last one, the first one, by which the slave knows the end.
+    /// The request names the next part; after the last part it names the first one, which ends the scan for the
+    /// slave.
     fn verify(&mut self, part: usize) -> ScanStep {
         self.stage = Stage::Verify { part };
         self.request(part, 0, (part + 1) % self.address.len())
     }
 
     fn request(&self, part: usize, bit_check: u8, next: usize) -> ScanStep {
+        debug_assert!(part < Part::ALL.len() && next < Part::ALL.len() && bit_check < 32, "{:?}", self.stage);
         let id = self.address.get(part).copied().unwrap_or_default();
         ScanStep::Ask(Request::Fastscan { id, bit_check, sub: part as u8, next: next as u8 })
     }

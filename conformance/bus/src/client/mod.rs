@@ -1,5 +1,5 @@
-//! The tester's side of the protocols, as state machines without I/O and clock: a bench drives them in
-//! cases, [`Exchange`] in commands.
+//! The tester's side of the protocols, as state machines without I/O and clock: the bench drives them in cases,
+//! [`Exchange`] in commands.
 
 pub mod block_download;
 pub mod block_upload;
@@ -16,29 +16,29 @@ pub use limit::{Bound, Excess, UploadLimit};
 pub use sdo::{Outcome, Reaction, ServerLine, Transfer, Violation};
 pub use surveyor::{SurveyError, Surveyor};
 
-/// A message of eight bytes as it goes over the bus. In a block transfer only the state of the transfer tells segments
-/// from commands.
+/// The eight bytes of a message. In a block transfer only the state of the transfer distinguishes segments from
+/// commands.
 pub type Message = [u8; 8];
 
-/// What a client of a block transfer does after a message.
+/// The step of a block transfer's client after a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum BlockStep {
-    /// Nothing: more messages of the server follow.
+    /// Wait for further messages of the server.
     Wait,
-    /// Send these, one after the other, and wait.
+    /// Send these messages, one after the other, and wait.
     Send(Vec<Message>),
-    /// The transfer is over.
+    /// The transfer has ended.
     Done(Outcome),
-    /// Send these, and then the transfer is over.
+    /// Send these messages; then the transfer has ended.
     Finish(Vec<Message>, Outcome),
 }
 
 /// A client of a block transfer.
 pub trait BlockTransfer {
-    /// The request that begins it.
+    /// The request that begins the transfer.
     fn begin(&mut self) -> Message;
 
-    /// Takes a message of the server.
+    /// Handles a message of the server.
     fn handle(&mut self, message: Message) -> BlockStep;
 
     /// The object of the transfer.

@@ -1,7 +1,7 @@
-//! An SDO client that does everything right and takes nothing for granted: each response is checked against the state of the
-//! transfer.
+//! A correct SDO client that checks each response against the state of the transfer.
 //!
-//! Expedited and segmented transfers; those in blocks are in [`super::block_upload`] and [`super::block_download`].
+//! It does expedited and segmented transfers; block transfers are in [`super::block_upload`] and
+//! [`super::block_download`].
 
 use super::limit::{Bound, Excess, UploadLimit};
 use canvass_analyzer::Multiplexer;
@@ -11,12 +11,12 @@ use canvass_analyzer::wire::sdo::{Expedited, Segment};
 use canvass_traces::{Duration, Frame, Timestamp, hex};
 use std::fmt;
 
-/// One transfer, from the client's side.
+/// One transfer, seen by the client.
 #[derive(Clone, Debug)]
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
-    /// Of an upload.
+    /// The limit of an upload.
     limit: UploadLimit,
 }
 
@@ -28,18 +28,18 @@ enum ClientState {
     DownloadSegments { data: Vec<u8>, sent: usize, toggle: bool },
 }
 
-/// How a download is sent. CiA 301 leaves the choice to the client.
+/// The form of a download; CiA 301 leaves the choice to the client.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mode {
-    /// Up to four bytes in the first message, more (or none) in segments.
+    /// Expedited up to four bytes, otherwise segmented; an empty value is segmented.
     Shortest,
-    /// Always in segments, with the size announced.
+    /// Always segmented, with the size announced.
     Segmented,
 }
 
-/// The way to an SDO server and back: a bus in commands, the bench in cases.
+/// The connection to an SDO server: a bus in commands, the bench in cases.
 pub trait ServerLine {
-    /// Why no message went out or came in.
+    /// The error of sending or receiving.
     type Error;
 
     /// The time on the bus.
@@ -48,44 +48,44 @@ pub trait ServerLine {
     /// Sends a request.
     ///
     /// # Errors
-    /// If it could not be sent.
+    /// If the request could not be sent.
     fn send(&mut self, request: &Request) -> Result<(), Self::Error>;
 
-    /// The next frame of the server; `None` if none came before the timeout.
+    /// The next frame of the server; `None` after the timeout.
     ///
     /// # Errors
-    /// If nothing can be received.
+    /// If the bus can't receive.
     fn receive(&mut self) -> Result<Option<Frame>, Self::Error>;
 }
 
-/// What to do after a response.
+/// The step after a response.
 #[derive(Debug)]
 pub enum Reaction {
-    /// Send this and wait for the next response.
+    /// Send this request and wait for the next response.
     Send(Request),
-    /// The transfer is over.
+    /// The transfer has ended.
     Done(Outcome),
 }
 
-/// How a transfer ended.
+/// The outcome of a transfer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Outcome {
-    /// The value that was read.
+    /// The uploaded value.
     Uploaded(Vec<u8>),
-    /// The server confirmed all that was written.
+    /// The server confirmed the whole download.
     Downloaded,
-    /// The server ended the transfer.
+    /// The server aborted the transfer.
     Aborted(Abort),
-    /// No response came in time.
+    /// No response came before the timeout.
     Silent,
-    /// The server's response has no place in the transfer.
+    /// The response is not allowed in the transfer.
     Violated(Violation),
-    /// The client has ended an upload that is longer, or takes longer, than it wants.
+    /// The client aborted an upload that exceeded its limit.
     Exceeded(Excess),
 }
 
 impl Outcome {
-    /// The code with which the client ends the transfer, where the server has not ended it.
+    /// The abort code of the client, unless the server ended the transfer.
     pub const fn own_abort(&self) -> Option<AbortCode> {
         match self {
             Self::Silent => Some(AbortCode::TIMEOUT),
@@ -96,47 +96,47 @@ impl Outcome {
     }
 }
 
-/// What a server did against the protocol.
+/// A violation of the protocol by a server.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Violation {
-    /// A response of another service than the one asked for.
+    /// A response to another service than requested.
     Unexpected(Response),
-    /// A response too short for what it says.
+    /// A response too short for its content.
     Malformed(String),
     /// The response names another object.
     Multiplexer(Multiplexer),
     /// The toggle bit did not alternate.
     Toggle,
-    /// More or fewer bytes came than were announced.
+    /// The number of bytes differs from the announced one.
     Size {
-        /// What the first response said.
+        /// The number in the first response.
         announced: u32,
-        /// What came.
+        /// The number received.
         received: usize,
     },
-    /// A transfer that does not end.
+    /// The transfer does not end.
     Endless,
-    /// A segment of a block has another sequence number than the next.
+    /// A segment of a block has an unexpected sequence number.
     Sequence {
-        /// The number of the next segment.
+        /// The expected number.
         expected: u8,
-        /// The number that came.
+        /// The received number.
         found: u8,
     },
-    /// The server confirms segments that were not sent, or asks for them again without end.
+    /// The server confirms segments that were not sent, or requests them again without end.
     Confirmation {
-        /// How many segments of the block there were.
+        /// Number of segments in the block.
         sent: u8,
-        /// The last that the server confirms.
+        /// The last segment that the server confirms.
         confirmed: u8,
     },
-    /// A block size that is none: 0, or more than 127.
+    /// An invalid block size: 0, or more than 127.
     BlockSize(u8),
-    /// The checksum is not that of the data.
+    /// The checksum does not match the data.
     Checksum {
-        /// That of the data.
+        /// The checksum of the data.
         computed: u16,
-        /// What the server said.
+        /// The checksum of the server.
         found: u16,
     },
 }
@@ -147,7 +147,7 @@ impl Transfer {
         Self::upload_within(multiplexer, UploadLimit::default())
     }
 
-    /// The same within a limit: what is beyond it ends in [`Outcome::Exceeded`].
+    /// As [`Transfer::upload`], with a limit; a longer upload ends in [`Outcome::Exceeded`].
     pub fn upload_within(multiplexer: Multiplexer, limit: UploadLimit) -> (Self, Request) {
         (Self { multiplexer, state: ClientState::AwaitUpload, limit }, Request::upload(multiplexer))
     }
@@ -169,11 +169,11 @@ impl Transfer {
         self.multiplexer
     }
 
-    /// Sends `request`, and whatever else the transfer needs, until it ends. A server that is silent, violates the
-    /// protocol or exceeds the limit of an upload is told by an abort.
+    /// Sends `request` and all further messages until the transfer ends. The client aborts the transfer if the server
+    /// is silent, violates the protocol or exceeds the limit of an upload.
     ///
     /// # Errors
-    /// Those of the line.
+    /// The errors of the line.
     pub fn carry_out<L: ServerLine>(mut self, mut request: Request, line: &mut L) -> Result<Outcome, L::Error> {
         let begun = line.now();
         let outcome = loop {
@@ -197,7 +197,7 @@ impl Transfer {
         Ok(outcome)
     }
 
-    /// Takes a response. After [`Reaction::Done`] the transfer is over; a violation should be answered with
+    /// Handles a response. After [`Reaction::Done`] the transfer has ended; the caller should answer a violation with
     /// [`Transfer::abort`].
     pub fn handle(&mut self, response: &Response) -> Reaction {
         if let Response::Abort(abort) = response {
@@ -213,7 +213,7 @@ impl Transfer {
         }
     }
 
-    /// What ends the transfer from the client's side.
+    /// The client's abort.
     pub const fn abort(&self, code: AbortCode) -> Request {
         Request::abort(self.multiplexer, code)
     }
@@ -224,7 +224,7 @@ impl Transfer {
         (elapsed > self.limit.time).then_some(excess)
     }
 
-    /// An upload that has brought that many bytes, and is not over.
+    /// Whether an unfinished upload with this many bytes exceeds the limit.
     fn has_too_many(&self, received: usize, announced: Option<u32>) -> Option<Excess> {
         let most = self.limit.bytes;
         let is_beyond = received > most || announced.is_some_and(|size| size as usize > most);
@@ -325,7 +325,7 @@ impl fmt::Display for Outcome {
 }
 
 impl Violation {
-    /// The word for it in patterns: what kind of violation, without its figures.
+    /// The name in patterns: the kind of violation, without its numbers.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Unexpected(_) => "response",
@@ -345,25 +345,25 @@ impl Violation {
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unexpected(response) => write!(f, "{}, which nobody asked for", name(response)),
+            Self::Unexpected(response) => write!(f, "{}, which was not requested", name(response)),
             Self::Malformed(why) => write!(f, "an unreadable response ({why})"),
             Self::Multiplexer(other) => write!(f, "a response that names {other}"),
             Self::Toggle => f.write_str("a toggle bit that does not alternate"),
             Self::Size { announced, received } => {
-                write!(f, "{received} bytes after {announced} had been announced")
+                write!(f, "{received} bytes, but {announced} announced")
             }
-            Self::Sequence { expected, found } => write!(f, "segment {found} where {expected} was the next"),
+            Self::Sequence { expected, found } => write!(f, "segment {found}, expected {expected}"),
             Self::Confirmation { sent, confirmed } => {
-                write!(f, "a confirmation of segment {confirmed} after {sent} had been sent")
+                write!(f, "a confirmation of segment {confirmed}, after {sent} segments")
             }
             Self::BlockSize(size) => write!(f, "a block size of {size}"),
-            Self::Checksum { computed, found } => write!(f, "the CRC {found:04X}h where {computed:04X}h is right"),
+            Self::Checksum { computed, found } => write!(f, "the CRC {found:04X}h, expected {computed:04X}h"),
             Self::Endless => f.write_str("an upload that does not end"),
         }
     }
 }
 
-/// What a response is called in CiA 301.
+/// The name of a response in CiA 301.
 pub const fn name(response: &Response) -> &'static str {
     use response::Response as R;
     match response {
@@ -384,7 +384,7 @@ pub const fn name(response: &Response) -> &'static str {
     }
 }
 
-/// Bytes as people read them on a bus: `01 7F`, with the count where there are many.
+/// Bytes in hexadecimal: `01 7F`, with their number if there are many.
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a>(pub &'a [u8]);
 
@@ -399,7 +399,7 @@ impl fmt::Display for Bytes<'_> {
     }
 }
 
-/// The value that an expedited message of `value` would carry, for requests that a correct client would not send.
+/// The expedited message with `value`, for requests that a correct client would not send.
 pub fn expedited(multiplexer: Multiplexer, value: &[u8]) -> Option<Request> {
     Expedited::new(value).map(|value| Request::InitiateDownload { multiplexer, payload: Payload::Expedited(value) })
 }

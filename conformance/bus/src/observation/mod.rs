@@ -1,7 +1,7 @@
-//! What a device did, as data: verdicts compare it, manuals and waivers name it, and words are made of it last.
+//! Behaviour of a device, as data: verdicts compare it, manuals and waivers name it, and text is made of it last.
 //!
-//! - [`Subject`]: what of the device it is about, such as an object;
-//! - [`Observation`]: what came, such as an abort code, a value or silence;
+//! - [`Subject`]: the part of the device concerned, such as an object;
+//! - [`Observation`]: the response, such as an abort code, a value or silence;
 //! - [`Pattern`]: the observations that a manual or a waiver accepts.
 
 mod pattern;
@@ -18,10 +18,10 @@ use canvass_traces::{Duration, Frame, hex};
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a device did, or did not do.
+/// An observed behaviour of a device.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Observation {
-    /// Nothing came.
+    /// No response.
     Silence,
     /// The service was confirmed.
     Confirmation,
@@ -41,28 +41,28 @@ pub enum Observation {
     ErrorCode(u8),
     /// A span of time.
     Time(Duration),
-    /// As many frames, events or objects.
+    /// A number of frames, events or objects.
     Count(u64),
-    /// A frame that has no place there.
+    /// An unexpected frame.
     Frame(Frame),
     /// A response that breaks the SDO protocol.
     Violation(Violation),
-    /// What no other observation can say, by a fixed name.
+    /// Another behaviour, by a fixed name.
     Named(Cow<'static, str>),
 }
 
 impl Observation {
-    /// What no other observation can say, by a fixed name.
+    /// Another behaviour, by a fixed name.
     pub const fn named(name: &'static str) -> Self {
         Self::Named(Cow::Borrowed(name))
     }
 
-    /// Whether it is, or rests on, a moment in time: a tester's machine that was late may have made it so.
+    /// Whether it depends on a moment in time, so that a late tester's machine may have caused it.
     pub const fn depends_on_time(&self) -> bool {
         matches!(self, Self::Silence | Self::Time(_) | Self::Count(_))
     }
 
-    /// The word that says of which sort it is, in JSON and in patterns.
+    /// The name of its sort, in JSON and in patterns.
     pub fn sort(&self) -> &str {
         match self {
             Self::Silence => "silence",
@@ -83,7 +83,7 @@ impl Observation {
     }
 }
 
-/// As a [`Pattern`] is written: `abort 0609 0030h`, `value 05 00`, `silence`.
+/// The form of a [`Pattern`]: `abort 0609 0030h`, `value 05 00`, `silence`.
 impl fmt::Display for Observation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sort = self.sort();

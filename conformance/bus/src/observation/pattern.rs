@@ -8,7 +8,7 @@ use canvass_traces::Duration;
 use std::fmt;
 use std::str::FromStr;
 
-/// The observations that a manual's sheet or a waiver accepts, as they are typed:
+/// A pattern of observations, as typed in a sheet or a waiver:
 ///
 /// ```text
 /// silence | confirmation | boot-up      that, and nothing else
@@ -18,17 +18,17 @@ use std::str::FromStr;
 /// value * | time * | count * | frame *  of that sort, whichever
 /// ```
 ///
-/// What a report prints as *found* is a pattern for exactly that.
+/// The *found* text of a report is a pattern for exactly that observation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Pattern(Accepted);
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Accepted {
     Exactly(Observation),
-    /// A frame that is written so, a violation of that name: their other figures say nothing of the device.
+    /// A frame in this notation, or a violation of this name: their other values do not matter.
     Frame(String),
     Violation(String),
-    /// Anything of that sort.
+    /// Any observation of this sort.
     Sort(String),
     Time {
         least: Duration,
@@ -46,12 +46,12 @@ enum Accepted {
     "expected what the device does, such as \"silence\", \"abort 0609 0030h\" or \"time 90 ms..110 ms\": {problem}"
 )]
 pub struct BadPattern {
-    /// What is wrong with it.
+    /// The error in the pattern.
     pub problem: String,
 }
 
 impl Pattern {
-    /// Whether that is accepted.
+    /// Whether the pattern accepts the observation.
     pub fn accepts(&self, observation: &Observation) -> bool {
         match (&self.0, observation) {
             (Accepted::Exactly(accepted), _) => accepted == observation,
@@ -65,7 +65,7 @@ impl Pattern {
     }
 }
 
-/// The sorts of which any may be accepted: what differs from one run to the next.
+/// The sorts that may be accepted with any value, because the value may differ between runs.
 const OPEN_SORTS: [&str; 5] = ["value", "number", "time", "count", "frame"];
 
 impl FromStr for Pattern {
@@ -75,14 +75,14 @@ impl FromStr for Pattern {
         let text = text.trim();
         let bad = |problem: String| BadPattern { problem };
         if text.is_empty() {
-            return Err(bad("it is empty".to_owned()));
+            return Err(bad("the pattern is empty".to_owned()));
         }
         if let Some(sort) = text.strip_suffix('*') {
             let sort = sort.trim_end();
             let names = OPEN_SORTS.map(|sort| format!("\"{sort} *\"")).join(", ");
             return match OPEN_SORTS.contains(&sort) {
                 true => Ok(Self(Accepted::Sort(sort.to_owned()))),
-                false => Err(bad(format!("there are {names}, found \"{text}\""))),
+                false => Err(bad(format!("expected one of {names}, found \"{text}\""))),
             };
         }
         let accepted = match text.split_once(' ').unwrap_or((text, "")) {
@@ -114,13 +114,13 @@ fn required<T>(found: Option<T>, expected: &str, text: &str) -> Result<T, BadPat
     found.ok_or_else(|| BadPattern { problem: format!("expected {expected}, found \"{text}\"") })
 }
 
-/// `0609 0030h`, whatever its case, and words after it, as an [`Observation::Abort`] is written.
+/// Parses an abort code in any case; a text after it is ignored, as an [`Observation::Abort`] is printed with one.
 fn abort(text: &str) -> Option<AbortCode> {
     let digits: String = text.chars().filter(|c| !c.is_whitespace()).take(8).collect();
     u32::from_str_radix(&digits, 16).ok().filter(|_| digits.len() == 8).map(AbortCode)
 }
 
-/// `05 00`, or nothing.
+/// Parses bytes such as `05 00`; they may be empty.
 fn value(text: &str) -> Option<Vec<u8>> {
     let byte = |text: &str| u8::from_str_radix(text, 16).ok().filter(|_| text.len() == 2);
     text.split_whitespace().map(byte).collect()

@@ -1,13 +1,13 @@
-//! What of a device an observation is about.
+//! The subject of an observation.
 
 use canvass_analyzer::{Index, Multiplexer, Service, SubIndex};
 use std::fmt;
 use std::str::FromStr;
 
-/// What of a device an observation is about.
+/// The part of a device that an observation concerns.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Subject {
-    /// The device as a whole: its NMT state, its life.
+    /// The device as a whole: its NMT state, its presence.
     Device,
     /// One entry of the object dictionary.
     Entry(Multiplexer),
@@ -17,9 +17,9 @@ pub enum Subject {
     Service(Service),
     /// A PDO, by its number from 1.
     Pdo {
-        /// A TPDO; else an RPDO.
+        /// Whether it is a TPDO; else an RPDO.
         transmit: bool,
-        /// From 1.
+        /// The number, from 1.
         number: u16,
     },
     /// An identifier on the bus.
@@ -28,7 +28,7 @@ pub enum Subject {
     Description,
 }
 
-/// There is no such subject.
+/// The text names no subject.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
     "expected an object such as \"1016\" or \"1016:01\", a service such as \"heartbeat\" or \"lss\", \"TPDO 1\", \
@@ -37,7 +37,7 @@ pub enum Subject {
 pub struct BadSubject(pub String);
 
 impl Subject {
-    /// Whether what is said of `other` is about this, too: an object covers its entries.
+    /// Whether a statement about this subject covers `other`, too: an object covers its entries.
     pub fn covers(self, other: Self) -> bool {
         match (self, other) {
             (Self::Object(index), Self::Entry(entry)) => entry.index == index,

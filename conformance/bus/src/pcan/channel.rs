@@ -1,25 +1,25 @@
-//! The channels of PCAN-Basic: the names that PEAK gives them, and the handles behind the names.
+//! The channels of PCAN-Basic: PEAK's names for them, and their handles.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A channel, by the handle that PCAN-Basic knows it by.
+/// A channel, by its handle in PCAN-Basic.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Channel(u16);
 
-/// Channels of one kind are numbered from 1; those from the ninth on have handles of another form.
+/// Channels of one kind are numbered from 1; from the ninth on, handles have another form.
 struct Kind {
-    /// Between `PCAN_` and the number.
+    /// The part of the name between `PCAN_` and the number.
     name: &'static str,
-    /// The handles of the channels 1 to 8 are one above this, two above it and so on.
+    /// The handle of channel n, for 1 to 8, is this plus n.
     first: u16,
-    /// The same for those from 9 on.
+    /// The same for channels from 9 on.
     further: u16,
-    /// How many there are.
+    /// Number of channels.
     count: u16,
 }
 
-/// What every name begins with.
+/// The beginning of every name.
 const PREFIX: &str = "PCAN_";
 const KINDS: [Kind; 6] = [
     Kind { name: "USBBUS", first: 0x50, further: 0x500, count: 16 },
@@ -30,7 +30,7 @@ const KINDS: [Kind; 6] = [
     Kind { name: "DNGBUS", first: 0x30, further: 0x30, count: 1 },
 ];
 
-/// The ninth channel and those after it have handles of their own.
+/// Number of channels with the first form of handles.
 const SHORT: u16 = 8;
 
 impl Kind {
@@ -45,11 +45,11 @@ impl Kind {
 }
 
 impl Channel {
-    /// No channel: what belongs to the library itself.
+    /// No channel: for parameters of the library itself.
     #[cfg(any(windows, target_os = "linux"))]
     pub(super) const NONE: Self = Self(0);
 
-    /// All that can be named, in the order of PEAK's own lists: USB first.
+    /// All channels with a name, in the order of PEAK's own lists: USB first.
     pub fn all() -> impl Iterator<Item = Self> {
         KINDS.iter().flat_map(Kind::channels).map(|(_, channel)| channel)
     }
@@ -70,7 +70,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// A name, also in lower case or without `PCAN_`.
+/// A name in any case, with or without `PCAN_`.
 impl FromStr for Channel {
     type Err = String;
 
@@ -79,7 +79,7 @@ impl FromStr for Channel {
         let name = upper.strip_prefix(PREFIX).unwrap_or(&upper);
         let named = |kind: &Kind| {
             let digits = name.strip_prefix(kind.name)?;
-            // A sign or a leading zero is no part of a name.
+            // Names have no sign and no leading zero in their number.
             let is_number = digits.bytes().all(|digit| digit.is_ascii_digit()) && !digits.starts_with('0');
             is_number.then(|| digits.parse().ok()).flatten().and_then(|number| kind.channel(number))
         };

@@ -1,8 +1,7 @@
 //! Adapters of PEAK, through its own library PCAN-Basic: `PCANBasic.dll` on Windows, `libpcanbasic.so` on Linux.
 //!
-//! The library is loaded when such a bus is opened; nothing is needed to build. Frames have the adapter's own time stamps,
-//! brought to the system's clock. Own frames are not given back by every adapter, so they have the time at which they were
-//! handed over.
+//! The library is loaded when such a bus is opened; building needs nothing. Frames have the adapter's time stamps,
+//! converted to the system's clock. Not every adapter echoes own frames; so they get the time of sending.
 
 #[cfg(any(windows, target_os = "linux"))]
 mod adapter;
@@ -16,13 +15,13 @@ pub use channel::Channel;
 pub use error::PcanError;
 pub use status::Status;
 
-/// How a channel is opened.
+/// Parameters for opening a channel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Opening {
-    /// Which.
+    /// The channel.
     pub channel: Channel,
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub bit_rate: u32,
-    /// The controller acknowledges nothing and sends nothing.
+    /// Whether the controller acknowledges and sends nothing.
     pub listen_only: bool,
 }

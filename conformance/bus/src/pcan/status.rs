@@ -1,18 +1,18 @@
-//! The status that every function of PCAN-Basic gives back: what it means, and what to do about it.
+//! The status that every function of PCAN-Basic returns, with its meaning and remedy.
 
 use std::fmt;
 
-/// A status. Most bits stand alone; [`Status::HANDLE`] is a field whose values are no sets of bits.
+/// A status. Most bits are independent; [`Status::HANDLE`] is a field with values.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
 pub struct Status(pub u32);
 
-/// What is known of a status.
+/// A known status.
 struct Known {
     status: Status,
-    /// As PEAK's header calls it, without `PCAN_ERROR_`.
+    /// The name in PEAK's header, without `PCAN_ERROR_`.
     name: &'static str,
     meaning: &'static str,
-    /// What to do; nothing where the program itself deals with it.
+    /// The remedy; empty if the program itself handles it.
     remedy: &'static str,
 }
 
@@ -36,7 +36,7 @@ const KNOWN: [Known; 24] = [
     known(Status::QUEUE_OVERRUN, "QOVERRUN", "the receive queue was read too late", "close other programs that keep this machine busy"),
     known(Status::TRANSMIT_QUEUE_FULL, "QXMTFULL", "the transmit queue is full", WIRING),
     known(Status(0x0100), "REGTEST", "the controller does not answer", "unplug the adapter and plug it in again"),
-    known(Status::NO_DRIVER, "NODRIVER", "PEAK's driver is not loaded", "install it, or load it: PCAN-Basic is only a way to it"),
+    known(Status::NO_DRIVER, "NODRIVER", "PEAK's driver is not loaded", "install it, or load it: PCAN-Basic only gives access to it"),
     known(Status::IN_USE, "HWINUSE", "another program has the adapter, at another bit rate", "close that program (PCAN-View?), or use its bit rate"),
     known(Status(0x0800), "NETINUSE", "another program is connected to the channel", "close that program (PCAN-View?)"),
     known(Status::NO_HARDWARE, "ILLHW", "there is no such adapter", PLUG),
@@ -45,16 +45,16 @@ const KNOWN: [Known; 24] = [
     known(Status(0x2000), "RESOURCE", "the driver lacks memory or another resource", "close other programs that use adapters"),
     known(Status::UNKNOWN_PARAMETER, "ILLPARAMTYPE", "the library or the adapter does not know this parameter", "install the current version of PCAN-Basic"),
     known(Status(0x8000), "ILLPARAMVAL", "a parameter has a value that is not allowed", OURS),
-    known(Status(0x1_0000), "UNKNOWN", "the driver reports an error that it has no name for", "unplug the adapter and plug it in again"),
+    known(Status(0x1_0000), "UNKNOWN", "the driver reports an unknown error", "unplug the adapter and plug it in again"),
     known(Status(0x2_0000), "ILLDATA", "the library refuses the frame or the call", OURS),
     known(Status::BUS_PASSIVE, "BUSPASSIVE", "the controller is error-passive", WIRING),
-    known(Status(0x200_0000), "CAUTION", "it was done, but not as it was asked for", "install the current version of PCAN-Basic"),
-    known(Status::NOT_INITIALIZED, "INITIALIZE", "the channel is not open, or it is not there", PLUG),
-    known(Status(0x800_0000), "ILLOPERATION", "the library does not do this now", "close other programs that use the adapter"),
+    known(Status(0x200_0000), "CAUTION", "the function succeeded, but not exactly as requested", "install the current version of PCAN-Basic"),
+    known(Status::NOT_INITIALIZED, "INITIALIZE", "the channel is not open, or does not exist", PLUG),
+    known(Status(0x800_0000), "ILLOPERATION", "the library does not allow this now", "close other programs that use the adapter"),
 ];
 
 impl Status {
-    /// Everything is as it should be.
+    /// Success.
     pub const OK: Self = Self(0);
     /// `PCAN_ERROR_XMTFULL`.
     pub const TRANSMIT_BUFFER_FULL: Self = Self(0x01);
@@ -78,7 +78,7 @@ impl Status {
     pub const IN_USE: Self = Self(0x400);
     /// `PCAN_ERROR_ILLHW`.
     pub const NO_HARDWARE: Self = Self(0x1400);
-    /// `PCAN_ERROR_ILLHANDLE`, and the bits that its five neighbours share with it.
+    /// `PCAN_ERROR_ILLHANDLE`, and the bits that its five neighbours share.
     pub const HANDLE: Self = Self(0x1C00);
     /// `PCAN_ERROR_ILLPARAMTYPE`.
     pub const UNKNOWN_PARAMETER: Self = Self(0x4000);
@@ -87,7 +87,7 @@ impl Status {
     /// `PCAN_ERROR_INITIALIZE`.
     pub const NOT_INITIALIZED: Self = Self(0x400_0000);
 
-    /// Both of these.
+    /// The union of both.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -98,7 +98,7 @@ impl Status {
         self.0 & bits.0 != 0
     }
 
-    /// Without those bits.
+    /// The status without these bits.
     #[must_use]
     pub const fn without(self, bits: Self) -> Self {
         Self(self.0 & !bits.0)
@@ -114,18 +114,18 @@ impl Status {
         self.has(Self::TRANSMIT_BUFFER_FULL.and(Self::TRANSMIT_QUEUE_FULL))
     }
 
-    /// What it says of the bus and of queues: a function that reports it has done its work all the same.
+    /// The bits about the bus and the queues: the function that reports them has succeeded all the same.
     pub const fn news(self) -> Self {
         const NEWS: u32 = 0x4_007E;
         Self(self.0 & NEWS)
     }
 
-    /// Without [`Status::news`]: why a function has not done its work.
+    /// The bits without [`Status::news`]: why a function failed.
     pub const fn failure(self) -> Self {
         self.without(self.news())
     }
 
-    /// The rows that tell what is set.
+    /// The table rows of the set bits.
     fn rows(self) -> impl Iterator<Item = &'static Known> {
         let field = self.0 & Self::HANDLE.0;
         let (of_field, alone) = (move |row: &&Known| row.status.0 == field, self.without(Self::HANDLE));
@@ -133,7 +133,7 @@ impl Status {
     }
 }
 
-/// Each name and meaning, and what to do about the first that tells it.
+/// Each name and meaning, and the first remedy.
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if *self == Self::OK {

@@ -15,12 +15,12 @@
 use canvass_traces::{CanId, ChannelId, Flags, Frame, Record, Timestamp};
 use std::fmt;
 
-/// What ends a line.
+/// The end of a line.
 pub const END: u8 = b'\r';
 /// "Refused".
 pub const REFUSED: u8 = 0x07;
 
-/// The longest line is that of a CAN FD frame of 64 bytes with timestamp: 1 + 8 + 1 + 128 + 4.
+/// Maximum length of a line: a CAN FD frame of 64 bytes with timestamp, 1 + 8 + 1 + 128 + 4.
 const LONGEST_LINE: usize = 160;
 
 /// The bit rates of S0 to S8, in bit/s.
@@ -40,15 +40,15 @@ pub enum Message {
     Done,
     /// The last command was refused.
     Refused,
-    /// A frame was taken for sending.
+    /// The adapter has taken a frame for sending.
     Taken,
     /// The status flags.
     Status(Status),
     /// The version or serial number.
     Text(String),
-    /// A command, as a program sends it to an adapter.
+    /// A command from a program to an adapter.
     Command(Command),
-    /// None of these.
+    /// Any other line.
     Unknown(Vec<u8>),
 }
 
@@ -75,7 +75,7 @@ pub enum Command {
     Tuning,
 }
 
-/// The status flags of an adapter, as its CAN controller has them (SJA1000).
+/// The status flags of an adapter's CAN controller (SJA1000).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Status(pub u8);
 
@@ -104,20 +104,20 @@ impl fmt::Display for Status {
     }
 }
 
-/// Cuts bytes into messages.
+/// Splits bytes into messages.
 #[derive(Debug, Default)]
 pub struct Decoder {
     line: Vec<u8>,
-    /// The line is longer than any message: it is passed over.
+    /// Whether the line is longer than any message and is skipped.
     overlong: bool,
 }
 
 impl Decoder {
-    /// Takes bytes as they come, and gives every message that they complete.
+    /// Adds received bytes, and passes on every message that they complete.
     pub fn push(&mut self, bytes: &[u8], mut found: impl FnMut(Message)) {
         for &byte in bytes {
             match byte {
-                // BEL stands alone; what was before it is the rest of a line that was cut.
+                // BEL stands alone; bytes before it are the rest of a cut line.
                 REFUSED => {
                     self.finish_cut(&mut found);
                     found(Message::Refused);
@@ -127,7 +127,7 @@ impl Decoder {
                     found(if overlong { Message::Unknown(self.line.clone()) } else { Message::read(&self.line) });
                     self.line.clear();
                 }
-                // Terminals send it after CR.
+                // Some terminals send LF after CR.
                 b'\n' if self.line.is_empty() => {}
                 _ if self.line.len() < LONGEST_LINE => self.line.push(byte),
                 _ => self.overlong = true,
@@ -144,7 +144,7 @@ impl Decoder {
 }
 
 impl Message {
-    /// A line without its end.
+    /// Parses a line without its end.
     pub fn read(line: &[u8]) -> Self {
         let Some((&kind, rest)) = line.split_first() else { return Self::Done };
         let understood = match kind {
@@ -203,13 +203,13 @@ fn plain(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// So many bytes, and what follows them.
+/// Parses `len` bytes; returns also the rest.
 fn data(digits: &[u8], len: usize) -> Option<(Vec<u8>, &[u8])> {
     let (digits, rest) = digits.split_at_checked(2 * len)?;
     Some((canvass_traces::hex::parse(digits)?, rest))
 }
 
-/// Up to eight hexadecimal digits.
+/// Parses up to eight hexadecimal digits.
 fn hex(digits: &[u8]) -> Option<u32> {
     digits.iter().try_fold(0, |number: u32, &digit| Some(number << 4 | char::from(digit).to_digit(16)?))
 }
@@ -262,7 +262,7 @@ impl Command {
         line.push(END);
     }
 
-    /// What an adapter answers to it: this end is one for other programs.
+    /// An adapter's answer to the command, for a bus at which this program is the adapter.
     pub fn answer(self) -> &'static [u8] {
         match self {
             Self::Status => b"F00\r",
@@ -273,23 +273,23 @@ impl Command {
     }
 }
 
-/// The adapter's clock, which starts again every minute, without its steps.
+/// Removes the steps of the adapter's clock, which starts again every minute.
 #[derive(Debug, Default)]
 pub struct MinuteClock {
     last: Option<(u16, Timestamp)>,
     nanos: u64,
 }
 
-/// One turn of the adapter's clock.
+/// The period of the adapter's clock.
 pub(super) const MINUTE: u64 = 60_000_000_000;
 
 impl MinuteClock {
-    /// The time on a clock that does not start again; `arrived` tells how many minutes have gone by.
+    /// The time on a continuous clock; `arrived` tells how many minutes have passed.
     pub fn unwrap(&mut self, milliseconds: u16, arrived: Timestamp) -> Timestamp {
         let within = u64::from(milliseconds) * 1_000_000;
         if let Some((last, at)) = self.last {
             let step = (within + MINUTE - u64::from(last) * 1_000_000 % MINUTE) % MINUTE;
-            // By the clock of this machine, which is right within half a minute.
+            // The clock of this machine decides; it is right within half a minute.
             let turns = (arrived.since(at).0 + MINUTE / 2).saturating_sub(step) / MINUTE;
             self.nanos += step + turns * MINUTE;
         } else {

@@ -1,42 +1,43 @@
-//! The way to an adapter: a serial port, or TCP in either direction.
+//! The connection to an adapter: a serial port, or TCP in either direction.
 
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// Where an adapter is.
+/// The place of an adapter.
 #[derive(Debug)]
 pub(super) enum Place {
     /// The path of a serial port.
     Serial(String),
     /// `host:port`.
     Tcp(String),
-    /// Waits for a connection.
+    /// A listener, which waits for a connection.
     Listener(TcpListener),
 }
 
-/// Both directions of a way that is open.
+/// The two directions of an open connection.
 pub(super) struct Link {
     pub reader: Box<dyn Read + Send>,
     pub writer: Box<dyn Write + Send>,
 }
 
-/// How long a read waits, so that the wish to end is seen.
+/// Maximum wait of a read, after which the thread checks whether to end.
 pub(super) const LOOK: Duration = Duration::from_millis(20);
 const CONNECT: Duration = Duration::from_secs(3);
 const WRITE: Duration = Duration::from_secs(2);
-/// What most adapters with a real UART are set to; those on USB don't care.
+/// The usual baud rate of adapters with a real UART; USB adapters ignore it.
 #[cfg(all(feature = "serial", not(target_family = "wasm")))]
 const BAUD: u32 = 115_200;
 
 impl Place {
-    /// What stands after `slcan:`.
+    /// Parses the address after `slcan:`.
     pub fn parse(text: &str) -> io::Result<Self> {
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));
         }
         if let Some(address) = text.strip_prefix("listen://") {
-            // Whoever connects commands the bus unasked for a password: from other machines only where a host is named.
+            // A client controls the bus without a password, so other machines can connect only if the address names a
+            // host.
             let listener = match address.strip_prefix(':').unwrap_or(address).parse::<u16>() {
                 Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port))?,
                 Err(_) => TcpListener::bind(address)?,
@@ -47,7 +48,7 @@ impl Place {
         Ok(Self::Serial(text.to_owned()))
     }
 
-    /// Opens the way; `None` if nobody has connected yet.
+    /// Opens the connection; `None` if no client has connected yet.
     pub fn open(&self) -> io::Result<Option<Link>> {
         match self {
             Self::Serial(path) => serial(path).map(Some),
@@ -91,8 +92,8 @@ fn serial(path: &str) -> io::Result<Link> {
     Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
 }
 
-/// A port of Windows, where a write waits until a read that is under way has ended, as both have one handle. So it is asked
-/// whether anything has come, and read only then.
+/// A port of Windows: a write would wait for a read in progress, as both use one handle. So the port is read only
+/// after it reports bytes.
 #[cfg(all(feature = "serial", windows))]
 struct Asked(Box<dyn serialport::SerialPort>);
 
@@ -119,7 +120,7 @@ pub fn ports() -> Vec<String> {
     #[cfg(not(feature = "serial"))]
     let found = std::iter::empty();
     let mut names: Vec<String> = found.collect();
-    // COM10 comes after COM9.
+    // Sorts COM10 after COM9.
     names.sort_by_key(|name| (name.len(), name.clone()));
     names
 }
@@ -129,7 +130,7 @@ fn serial(_: &str) -> io::Result<Link> {
     Err(io::Error::new(io::ErrorKind::Unsupported, "this build has no serial ports (feature serial)"))
 }
 
-/// Whether a read has only found nothing in time.
+/// Whether a read only timed out.
 pub(super) fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }

@@ -1,7 +1,7 @@
-//! SLCAN: CAN adapters that speak LAWICEL's ASCII protocol over a serial port or TCP.
+//! SLCAN: CAN adapters with LAWICEL's ASCII protocol over a serial port or TCP.
 //!
-//! Both ends of the protocol are here: commands of the other side are answered as an adapter does, so that two of these
-//! buses are one bus, and other programs find an adapter.
+//! This bus implements both ends: it also answers commands as an adapter does, so that two of these buses form one
+//! bus, and other programs can use it as an adapter.
 
 mod codec;
 mod link;
@@ -26,36 +26,36 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use way::Way;
 
-/// An adapter that speaks SLCAN.
+/// An SLCAN adapter.
 pub struct SlCan {
     shared: Arc<Shared>,
     reader: Option<JoinHandle<()>>,
     bit_rate: Option<u32>,
-    /// This end waits for a program that takes it for the adapter.
+    /// Whether this end is the adapter, for a program that connects.
     is_adapter: bool,
 }
 
-/// What the bus and its reading thread have in common.
+/// State shared by the bus and its reading thread.
 struct Shared {
     name: String,
     clock: SteadyClock,
     inbox: Inbox,
     way: Way,
-    /// The reading thread shall change the bit rate: it sees the adapter's answers.
+    /// A request to change the bit rate: the reading thread does it, as it sees the adapter's answers.
     change: Mutex<Option<Change>>,
 }
 
-/// A change of the bit rate, an index into [`BIT_RATES`], and who wants to know whether it was done.
+/// A change of the bit rate, an index into [`BIT_RATES`], and the channel for its result.
 struct Change {
     index: u8,
     done: Sender<Result<(), SlCanError>>,
 }
 
-/// How long a change of the bit rate may take: four commands, and four to go back, each of which may be left without an
-/// answer by an adapter that has answered others.
+/// Maximum duration of a change of the bit rate: four commands, and four to go back, each of which may time out on an
+/// adapter that has answered before.
 const CHANGE: Duration = Duration::from_secs(18);
 
-/// Why an adapter does not work, and what to do about it.
+/// Why an adapter does not work, with a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SlCanError {
@@ -64,32 +64,33 @@ pub enum SlCanError {
     Open {
         /// The port or address.
         name: String,
-        /// What the system reports.
+        /// The system's error.
         source: io::Error,
     },
-    /// SLCAN has no code for that bit rate.
+    /// SLCAN has no code for this bit rate.
     #[error("SLCAN has no bit rate of {0} bit/s: expected one of 10k, 20k, 50k, 100k, 125k, 250k, 500k, 800k, 1M")]
     BitRate(u32),
-    /// The adapter says no.
-    #[error("{name} refuses to {action}: it may be in use, of another protocol, or without that bit rate")]
+    /// The adapter refuses a command.
+    #[error("{name} refuses to {action}: it may be in use, have another protocol, or lack that bit rate")]
     Refused {
         /// The port or address.
         name: String,
-        /// The lines that it received.
+        /// The refused action.
         action: &'static str,
     },
-    /// Nobody has connected to this end.
+    /// No program has connected to this end.
     #[error(
-        "nobody has connected to {name} within {waited}: start the program or adapter that connects to it, or say how long to wait"
+        "no program has connected to {name} within {waited}: start the program or adapter that connects to it, or \
+         set how long to wait"
     )]
     NoClient {
         /// The address.
         name: String,
-        /// How long.
+        /// The time waited.
         waited: canvass_traces::Duration,
     },
-    /// There is no connection now.
-    #[error("{name} is not connected: plug it in, it is opened again by itself")]
+    /// There is no connection at the moment.
+    #[error("{name} is not connected: plug it in; canvass opens it again by itself")]
     NotConnected {
         /// The port or address.
         name: String,
@@ -99,12 +100,12 @@ pub enum SlCanError {
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::PermissionDenied => ": join the port's group, usually `usermod -aG dialout $USER`",
-        // Windows gives a port to one program only, and says the same of one that is taken.
+        // Windows gives a port to one program only, and reports a used port as missing.
         io::ErrorKind::NotFound if cfg!(windows) => {
             ": is it plugged in, and does no other program have it? (canvass doctor lists the ports)"
         }
         io::ErrorKind::NotFound => ": is it plugged in? (canvass doctor lists the ports)",
-        io::ErrorKind::ConnectionRefused => ": nobody listens there",
+        io::ErrorKind::ConnectionRefused => ": no program listens there",
         _ => "",
     }
 }
@@ -136,7 +137,7 @@ impl SlCan {
     }
 }
 
-/// The number of the command S.
+/// The number of the command S for a bit rate.
 fn index_of(bit_rate: u32) -> Result<u8, SlCanError> {
     let index = (0_u8..).zip(BIT_RATES).find(|(_, known)| *known == bit_rate);
     index.map(|(index, _)| index).ok_or(SlCanError::BitRate(bit_rate))
@@ -147,7 +148,7 @@ impl Shared {
         SlCanError::NotConnected { name: self.name.clone() }
     }
 
-    /// Tells the adapter a command, or answers one.
+    /// Sends a command to the adapter, or the answer to one.
     fn tell(&self, line: &[u8]) -> Result<(), SlCanError> {
         self.way.tell(line).map_err(|_| self.not_connected())
     }
@@ -159,14 +160,14 @@ impl Bus for SlCan {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        // The protocol does not tell when a frame was on the bus: this is the earliest time.
+        // The protocol does not tell when a frame was on the bus; this is the earliest possible time.
         let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
         let mut line = Vec::with_capacity(32);
         if frame.is_head() || write_frame(&record, &mut line).is_none() {
             let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
             return Err(BusError::Unsendable { frame: *frame, reason });
         }
-        // Before it is written: the answer may be here before this thread goes on.
+        // The frame is recorded before it is written: the answer may arrive before this thread goes on.
         self.shared.inbox.deliver(&mut vec![record.clone()]);
         if self.shared.way.send(&line).is_err() {
             self.shared.inbox.retract(&record);
@@ -212,7 +213,8 @@ impl Bus for SlCan {
         self.shared.inbox.limit(frames);
     }
 
-    /// Closes the adapter's channel, sets it and opens it again. Where this end is the adapter, the other one sets it.
+    /// Closes the adapter's channel, sets the bit rate and opens it again. If this end is the adapter, its client
+    /// sets the bit rate.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         if self.is_adapter {
             return Err(BusError::FixedBitRate { bit_rate });
@@ -221,7 +223,7 @@ impl Bus for SlCan {
         let change = Change { index: index_of(bit_rate)?, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
-            // Nor shall it be done later, when nobody expects it.
+            // The change must not happen later, when it is no longer expected.
             self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             return Err(self.shared.not_connected().into());
         };
@@ -235,11 +237,11 @@ impl Drop for SlCan {
     fn drop(&mut self) {
         let mut line = Vec::new();
         Command::Close.write(&mut line);
-        // An adapter that is gone need not be closed.
+        // A lost adapter need not be closed.
         let _ = self.shared.tell(&line);
         self.shared.inbox.close();
         if let Some(reader) = self.reader.take() {
-            // It panicked or not: nothing is left to do for it.
+            // Whether it panicked does not matter any more.
             let _ = reader.join();
         }
     }
@@ -298,7 +300,7 @@ mod tests {
     fn who_waits_for_a_client_is_told_when_none_comes() {
         let mut bus = SlCan::open("listen://0", None).unwrap();
         let error = bus.wait_for_client(Duration::from_millis(50)).unwrap_err().to_string();
-        assert!(error.contains("nobody has connected to listen://0 within"), "{error}");
+        assert!(error.contains("no program has connected to listen://0 within"), "{error}");
         let address = address();
         let port = address.rsplit(':').next().unwrap();
         let mut bus = SlCan::open(&format!("listen://:{port}"), None).unwrap();
@@ -424,7 +426,7 @@ mod tests {
     fn errors_name_the_remedy() {
         let error = |place: &str, rate| SlCan::open(place, rate).err().unwrap().to_string();
         assert!(error("/dev/no-such-port", Some(123_456)).contains("250k"));
-        assert!(error(&format!("tcp://{}", address()), None).contains("nobody listens"));
+        assert!(error(&format!("tcp://{}", address()), None).contains("no program listens there"));
         assert!(error("/dev/no-such-port", None).contains("/dev/no-such-port"));
         assert!(error("COM97", None).contains("is it plugged in"), "{}", error("COM97", None));
     }

@@ -1,4 +1,4 @@
-//! The thread that reads from the adapter, and opens it again when it was unplugged.
+//! The thread that reads from the adapter, and reopens it after it was unplugged.
 
 use super::codec::{Command, Decoder, Message, MinuteClock, Status};
 use super::link::{LOOK, Link, Place, is_silence};
@@ -12,23 +12,23 @@ use std::io::{self, Read};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a command's answer is waited for while none has ever come: some programs at the other end answer none.
+/// Timeout of a command's answer before any answer has come: some programs never answer.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// The same where commands are answered: an answer that came later would be taken for that of the next command.
+/// Timeout of an answer once commands are answered: a late answer would be taken for that of the next command.
 const ANSWER: Duration = Duration::from_secs(2);
 
-/// How often a lost adapter is looked for.
+/// Interval between two tries to reopen a lost adapter.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// A client that has sent nothing for this long gives way to one that waits.
+/// A client that has been silent for this long gives way to a waiting one.
 const IDLE: Duration = Duration::from_secs(5);
 
-/// How often the adapter is asked for its status flags.
+/// Interval between two questions for the status flags.
 const STATUS: Duration = Duration::from_secs(1);
 
-/// An adapter that answers that question, and has neither done so nor sent anything else for this long, is taken for gone.
-/// A connection of TCP whose other end lost its supply shows in nothing else for a quarter of an hour.
+/// An adapter that answers this question is taken for lost after this silence. A TCP connection to a machine without
+/// power shows nothing else for a quarter of an hour.
 const GONE: Duration = Duration::from_secs(4);
 
 pub(super) struct Reader {
@@ -36,45 +36,45 @@ pub(super) struct Reader {
     place: Place,
     bit_rate: Option<u8>,
     port: Option<Box<dyn Read + Send>>,
-    /// When something came last, or the way was opened.
+    /// Time of the last received byte, or of the opening.
     heard: Instant,
     decoder: Decoder,
     minute: MinuteClock,
     hardware: HardwareClock,
     stamps: StampWatch,
     records: Vec<Record>,
-    /// Whether the adapter answers the question for its status flags, as far as is known.
+    /// Whether the adapter may answer the question for its status flags.
     has_status: bool,
-    /// It has answered that question.
+    /// Whether it has answered that question.
     has_told_status: bool,
-    /// That question has been asked and not been answered yet.
+    /// Whether that question is unanswered.
     asks_status: bool,
-    /// Whether the adapter has answered a command.
+    /// Whether the adapter has answered a command on this connection.
     has_answered: bool,
-    /// Whether it has done so on any connection.
+    /// Whether it has answered a command on any connection.
     is_answering: bool,
 }
 
-/// Two questions that follow each other at once take no longer.
+/// Maximum time between two consecutive calls without a wait.
 const AT_ONCE: Span = Span::from_micros(100);
 
-/// How long the reading thread had to wait for a processor while something may have been there for it.
+/// Waits of the reading thread for a processor while bytes may have been there.
 #[derive(Clone, Copy)]
 struct Late {
-    /// From the moment at which something came until the thread saw it.
+    /// The wait from the arrival of bytes until the thread saw them.
     waking: Span,
-    /// Between two looks, or just after one.
+    /// The wait between two reads, or just after one.
     away: Span,
 }
 
 impl Late {
-    /// When the message at that place among those of one read arrived. The first has woken the thread; when the others
-    /// came meanwhile, nobody knows.
+    /// The arrival time of a message by its position among those of one read. The first message woke the thread; the
+    /// arrival of the others is unknown.
     fn arrival(self, at: usize, now: Timestamp) -> Timestamp {
         if at == 0 { Timestamp(now.0.saturating_sub(self.waking.0)) } else { now }
     }
 
-    /// What remains unknown.
+    /// Counts the uncertainty that remains.
     fn note(self, messages: usize, health: &mut Health) {
         let unknown = if messages > 1 { self.waking } else { Span::ZERO };
         if messages > 0 && self.away.max(unknown) > Span::ZERO {
@@ -104,7 +104,7 @@ impl Reader {
         }
     }
 
-    /// Opens the way and the adapter's channel; `false`: nobody has connected yet.
+    /// Opens the connection and the adapter's channel; `false` if no client has connected yet.
     pub fn connect(&mut self) -> Result<bool, SlCanError> {
         let failed = |source| SlCanError::Open { name: self.shared.name.clone(), source };
         let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(false) };
@@ -115,7 +115,7 @@ impl Reader {
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
         self.stamps = StampWatch::default();
-        // A client that connects to a listener opens this end; it is not opened from here.
+        // A client opens this end itself.
         if !matches!(self.place, Place::Listener(_)) {
             self.open_channel().inspect_err(|_| self.disconnect())?;
         }
@@ -134,7 +134,7 @@ impl Reader {
         // Ends a line that another program may have left unfinished.
         self.shared.tell(b"\r\r")?;
         self.reopen_channel()?;
-        // Some adapters answer nothing. One that did before is not ready yet, or gone again.
+        // Some adapters never answer. An adapter that answered before is not ready yet, or lost again.
         if self.is_answering && !self.has_answered {
             return Err(self.shared.not_connected());
         }
@@ -143,7 +143,7 @@ impl Reader {
     }
 
     fn reopen_channel(&mut self) -> Result<(), SlCanError> {
-        // Refused if it is closed already.
+        // The adapter refuses this if the channel is closed already.
         self.tell(Command::Close)?;
         let refused = |action| SlCanError::Refused { name: self.shared.name.clone(), action };
         let (rate, open) = (refused("set the bit rate"), refused("open its channel"));
@@ -152,7 +152,7 @@ impl Reader {
         {
             return Err(rate);
         }
-        // Without timestamps the time of arrival must do.
+        // Without timestamps, frames get their time of arrival.
         self.tell(Command::Timestamps(true))?;
         if self.tell(Command::Open)? == Some(false) {
             return Err(open);
@@ -160,7 +160,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Opens the channel at another bit rate, or at the one before if the adapter has no such.
+    /// Opens the channel at another bit rate, or at the old one if the adapter refuses the new one.
     fn change_bit_rate(&mut self, index: u8) -> Result<(), SlCanError> {
         let before = self.bit_rate.replace(index);
         let changed = self.reopen_channel();
@@ -171,7 +171,7 @@ impl Reader {
         changed
     }
 
-    /// Sends a command; whether it was done, or `None` if there was no answer.
+    /// Sends a command; returns whether it was done, or `None` without an answer.
     fn tell(&mut self, command: Command) -> Result<Option<bool>, SlCanError> {
         self.settle();
         let mut line = Vec::new();
@@ -179,11 +179,11 @@ impl Reader {
         self.shared.tell(&line)?;
         let patience = if self.has_answered { ANSWER } else { PATIENCE };
         let begun = Instant::now();
-        // The answer to the question before comes first.
+        // The answer to an earlier question comes first.
         let mut missing = 1 + usize::from(std::mem::take(&mut self.asks_status));
         let mut answer = None;
         while missing > 0 && begun.elapsed() < patience {
-            // What is lost shows in the next read, too.
+            // The next read reports the loss, too.
             let Ok(messages) = self.read() else { break };
             for message in messages {
                 match message {
@@ -202,7 +202,7 @@ impl Reader {
         Ok(answer)
     }
 
-    /// Takes in what has come before a command, so that it is not taken for its answer.
+    /// Reads the bytes from before a command, so that they are not taken for its answer.
     fn settle(&mut self) {
         for message in self.read().unwrap_or_default() {
             self.take(message, self.shared.clock.now());
@@ -217,7 +217,7 @@ impl Reader {
         let mut wait = ProcessorWait::of_this_thread();
         while !shared.inbox.is_closed() {
             if self.port.is_none() {
-                // Not there yet: looked for again.
+                // The adapter is not back; the next round tries again.
                 if !self.connect().unwrap_or(false) {
                     std::thread::sleep(if matches!(self.place, Place::Listener(_)) { LOOK } else { RETRY });
                 }
@@ -229,7 +229,7 @@ impl Reader {
                 Ok(messages) => {
                     let now = shared.clock.now();
                     let waking = wait.since_last();
-                    // A thread that has to wait between these two questions has not waited before the first.
+                    // A wait between these two lines did not happen before the first.
                     let between = shared.clock.now().since(now);
                     let late = Late { waking, away: if between > AT_ONCE { away + between } else { away } };
                     shared.inbox.set_delivering(true);
@@ -244,7 +244,7 @@ impl Reader {
             }
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(Change { index, done }) = change {
-                // The caller may no longer be waiting.
+                // The caller may have stopped waiting.
                 let _ = done.send(self.change_bit_rate(index));
             }
             if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
@@ -258,32 +258,32 @@ impl Reader {
     fn ask_status(&mut self) {
         let mut line = Vec::new();
         Command::Status.write(&mut line);
-        // A failure is noticed at once.
+        // A failed write is noticed at once.
         self.asks_status = self.shared.tell(&line).is_ok();
     }
 
-    /// What a read does not show: that nothing can be written any more, or that the adapter has fallen silent.
+    /// Detects losses that a read does not show: a failed write, or a silent adapter.
     fn notice_loss(&mut self) {
         if let Some(error) = self.shared.way.take_failure() {
             self.lose(&error);
         } else if self.has_told_status && self.asks_status && self.heard.elapsed() >= GONE {
-            self.lose(&io::Error::new(io::ErrorKind::TimedOut, "it does not answer any more"));
+            self.lose(&io::Error::new(io::ErrorKind::TimedOut, "the adapter no longer answers"));
         }
     }
 
-    /// One bus has room for one client: one that has fallen silent gives way to another.
+    /// One bus has room for one client: a silent one gives way to a waiting one.
     fn give_way(&mut self) {
         if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
             return;
         }
-        // Nobody waits, or the one who does can't be served: the client that is there stays.
+        // No client waits, or it can't be served: the present client stays.
         if self.connect().unwrap_or(false) {
             let trouble = format!("{}: a silent client gave way to another one", self.shared.name);
             self.shared.inbox.note(|health| health.was_interrupted(trouble));
         }
     }
 
-    /// What has come, within [`LOOK`].
+    /// The messages that arrive within [`LOOK`].
     fn read(&mut self) -> io::Result<Vec<Message>> {
         let mut bytes = [0; 4096];
         let Some(port) = &mut self.port else { return Ok(Vec::new()) };
@@ -308,21 +308,21 @@ impl Reader {
                 self.records.push(record);
             }
             Message::Command(command) => {
-                // A failure shows in the next read.
+                // The next read reports a failure.
                 let _ = self.shared.tell(command.answer());
             }
             Message::Status(status) => {
                 (self.asks_status, self.has_told_status) = (false, true);
                 self.note(status);
             }
-            // Most likely the answer to the question for the status flags.
+            // Most likely this answers the question for the status flags.
             Message::Refused => (self.asks_status, self.has_status) = (false, false),
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}
         }
     }
 
-    /// When a frame was on the bus: by the adapter's clock while it can be trusted.
+    /// The time of a frame on the bus: by the adapter's clock while it can be trusted.
     fn stamped(&mut self, milliseconds: u16, arrived: Timestamp) -> Timestamp {
         let adapter = self.minute.unwrap(milliseconds, arrived);
         match self.stamps.check(milliseconds, arrived) {
@@ -336,13 +336,13 @@ impl Reader {
         self.hardware.system_time(adapter, arrived)
     }
 
-    /// What the adapter says went wrong on its bus.
+    /// Counts the errors in the adapter's status flags.
     fn note(&self, status: Status) {
         if status.0 == 0 {
             return;
         }
         self.shared.inbox.note(|health| {
-            // How many is not told.
+            // The number of lost frames is unknown.
             health.lost += u64::from(status.has_lost());
             health.error_frames += 1;
             health.trouble = Some(format!("{}: {status}", self.shared.name));

@@ -1,7 +1,7 @@
-//! Whether an adapter's time stamps can be trusted: they are compared with the times at which the frames arrive.
+//! Checks an adapter's time stamps against the arrival times of the frames.
 //!
-//! A frame arrives some time after its stamp, and that delay varies with USB, radio and load. Its least value stays: a stamp that
-//! differs from it for longer than any delay lasts is wrong.
+//! A frame arrives some time after its stamp, with a delay that varies with USB, radio and load. The smallest delay
+//! is constant: a stamp that differs from it for longer than any delay lasts is wrong.
 
 use super::codec::MINUTE;
 use crate::StampTrouble;
@@ -10,35 +10,35 @@ use canvass_traces::{Duration, Timestamp};
 /// Stamps count the milliseconds of a minute: 0 to 59 999.
 const VALUES: u16 = 60_000;
 
-/// A frame is late by less than this on a usual way from the adapter.
+/// Usual maximum delay of a frame from the adapter.
 const USUAL_DELAY: Duration = Duration::from_millis(100);
 
-/// A way that delays frames for longer than this delays all of them: the clocks differ, not the delays.
+/// A connection that delays frames for longer than this delays all of them; so the clocks differ.
 const LONGEST_DELAY: Duration = Duration::from_secs(1);
 
-/// Quartzes differ by far less than this, in parts per million.
+/// Upper limit of the drift between quartzes, in parts per million.
 const DRIFT_PPM: u64 = 1_000;
 
-/// The least delay is known once this many frames were delayed by little more.
+/// The smallest delay is known once this many frames had nearly the same.
 const FRAMES: u32 = 10;
 
-/// Arrivals further apart than this are not those of one millisecond.
+/// Arrivals further apart than this are not in the same millisecond.
 const APART: Duration = Duration::from_millis(10);
 
-/// Arrivals apart from each other, all with one stamp, that show a clock that stands still.
+/// Number of separate arrivals with one stamp that prove a standing clock.
 const STILL: u32 = 4;
 
-/// Watches the stamps of one connection.
+/// Checks the stamps of one connection.
 #[derive(Debug, Default)]
 pub struct StampWatch {
     same: Option<Same>,
     least: Option<Least>,
-    /// When the delay began to be longer than usual.
+    /// The time since which delays are longer than usual.
     delayed_since: Option<Timestamp>,
     trouble: Option<StampTrouble>,
 }
 
-/// A stamp that comes again and again.
+/// A repeated stamp.
 #[derive(Clone, Copy, Debug)]
 struct Same {
     milliseconds: u16,
@@ -46,30 +46,30 @@ struct Same {
     arrivals: u32,
 }
 
-/// The least time from a stamp to the arrival of its frame.
+/// The smallest time from a stamp to the arrival of its frame.
 #[derive(Clone, Copy, Debug)]
 struct Least {
-    /// Modulo a minute: the clocks begin at different times.
+    /// The difference modulo a minute: the clocks have different origins.
     offset: u64,
-    /// When it was seen.
+    /// Time at which it was seen.
     at: Timestamp,
-    /// How many frames had about the same.
+    /// Number of frames with nearly the same difference.
     frames: u32,
 }
 
-/// What a stamp tells.
+/// The result of checking a stamp.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StampCheck {
-    /// It is right, as far as is known.
+    /// The stamp is right, as far as is known.
     Right,
-    /// The frame is late, or the stamp is wrong by as much.
+    /// The frame is late, or the stamp is wrong, by this much.
     Doubtful(Duration),
-    /// The stamps are not to be used any more.
+    /// The stamps must not be used any more.
     Wrong(StampTrouble),
 }
 
 impl StampWatch {
-    /// Takes the stamp of a frame and when it arrived.
+    /// Checks the stamp of a frame against its arrival time.
     pub fn check(&mut self, milliseconds: u16, arrived: Timestamp) -> StampCheck {
         if let Some(trouble) = self.trouble {
             return StampCheck::Wrong(trouble);
@@ -98,7 +98,7 @@ impl StampWatch {
         same.arrivals >= STILL
     }
 
-    /// Compares the delay with the least one so far.
+    /// Compares the delay with the smallest one so far.
     fn compare(&mut self, milliseconds: u16, arrived: Timestamp) -> StampCheck {
         let offset = (arrived.0 % MINUTE + MINUTE - u64::from(milliseconds) * 1_000_000) % MINUTE;
         let first = Least { offset, at: arrived, frames: 0 };
@@ -110,7 +110,7 @@ impl StampWatch {
             if earlier > limit.0 && least.frames >= FRAMES {
                 return StampCheck::Wrong(StampTrouble::Jump);
             }
-            // Frames before were late: this one shows it.
+            // This frame shows that earlier ones were late.
             *least = Least { frames: if earlier > limit.0 { 0 } else { least.frames + 1 }, ..first };
         } else if later > limit.0 {
             let since = *self.delayed_since.get_or_insert(arrived);

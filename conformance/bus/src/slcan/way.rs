@@ -1,9 +1,9 @@
-//! The writing end of the way to an adapter, which the sender and the reading thread share.
+//! The writing side of the connection to an adapter, shared by the sender and the reading thread.
 
 use std::io::{self, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The way to an adapter.
+/// The connection to an adapter.
 #[derive(Default)]
 pub(super) struct Way(Mutex<State>);
 
@@ -14,16 +14,17 @@ enum State {
     /// There is no connection.
     #[default]
     Closed,
-    /// The adapter's channel is being opened: it takes commands, and no frames yet.
+    /// The adapter's channel is being opened: it takes commands, but no frames yet.
     Opening(Writer),
-    /// It takes frames.
+    /// The adapter takes frames.
     Open(Writer),
-    /// Writing failed. The reading thread, which can wait for bytes that never come, does not know it yet.
+    /// Writing failed. The reading thread may be waiting for bytes and does not know it yet.
     Failed(io::Error),
 }
 
 impl State {
-    /// Writes all of the line. A way on which that fails takes nothing more: the other end has got a part of the line.
+    /// Writes a line. After an error the connection takes no more lines: the other end has received a part of this
+    /// one.
     fn write(&mut self, line: &[u8]) -> io::Result<()> {
         let writer = match self {
             Self::Opening(writer) | Self::Open(writer) => writer,
@@ -40,12 +41,12 @@ impl Way {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// There is a connection, on which the channel is to be opened.
+    /// Sets a new connection, whose channel is still closed.
     pub fn connect(&self, writer: Writer) {
         *self.state() = State::Opening(writer);
     }
 
-    /// The channel is open.
+    /// Marks the channel as open.
     pub fn open(&self) {
         let mut state = self.state();
         *state = match std::mem::take(&mut *state) {
@@ -54,7 +55,7 @@ impl Way {
         };
     }
 
-    /// There is no connection any more.
+    /// Removes the connection.
     pub fn close(&self) {
         *self.state() = State::Closed;
     }
@@ -63,7 +64,7 @@ impl Way {
         matches!(*self.state(), State::Open(_))
     }
 
-    /// Why writing failed, told once.
+    /// The error of a failed write, returned once.
     pub fn take_failure(&self) -> Option<io::Error> {
         let mut state = self.state();
         match std::mem::take(&mut *state) {

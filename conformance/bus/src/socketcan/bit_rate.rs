@@ -1,4 +1,4 @@
-//! Another bit rate for an interface, as `ip link set can0 type can bitrate 500000` sets it: the interface must be down
+//! Sets the bit rate of an interface, as `ip link set can0 type can bitrate 500000` does: the interface must be down
 //! for that.
 
 use super::error::SocketCanError;
@@ -7,11 +7,11 @@ use socketcan::nl::CanInterface;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a controller can be set to, in bit/s.
+/// The range of a controller's bit rates, in bit/s.
 const POSSIBLE: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 
-/// Takes the interface down, sets its bit rate and takes it up again. Where the bit rate can't be set, the interface is
-/// up again with the one before. `goes_down` is set while it is this program that takes the interface down.
+/// Takes the interface down, sets its bit rate and brings it up again. If the bit rate can't be set, the interface
+/// is brought up with the old one. `goes_down` is set while this program keeps the interface down.
 ///
 /// # Errors
 /// [`SocketCanError`], which says what to do.
@@ -36,7 +36,7 @@ pub(super) fn set(interface: &str, bit_rate: u32, goes_down: &AtomicBool) -> Res
         return Err(failed(io_error(error)));
     }
     let set = open.set_bitrate(bit_rate, None);
-    // With the new bit rate, or with the one before.
+    // Brings it up with the new bit rate, or with the old one.
     open.bring_up().map_err(|error| failed(io_error(error)))?;
     set.map_err(|error| failed(io_error(error)))
 }

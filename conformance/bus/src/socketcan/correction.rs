@@ -1,21 +1,21 @@
-//! The kernel gives its times by the system's clock, which can be set; the bus has one that does not jump.
+//! Converts the kernel's times, by the system's clock, which can be set, to the bus's clock, which does not jump.
 
 use crate::clock::{SteadyClock, system_time};
 use canvass_traces::Timestamp;
 use std::time::{Duration, Instant};
 
-/// What to add to a time of the system's clock to get one of a [`SteadyClock`], in nanoseconds.
+/// The offset from a time of the system's clock to one of a [`SteadyClock`], in nanoseconds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Correction(i64);
 
-/// Below that, a difference of the clocks is the uncertainty of comparing them.
+/// A smaller difference of the clocks is the uncertainty of their comparison.
 const STEP: u64 = 1_000_000;
 
-/// A comparison of the clocks that took longer than this was interrupted and says little.
+/// A comparison of the clocks that took longer than this was interrupted and is not used.
 const BRACKET: Duration = Duration::from_micros(100);
 
 impl Correction {
-    /// From now on: another one if the system's clock has been set since the last look.
+    /// The offset from now on: a new one if the system's clock was set since the last check.
     pub fn looked_up(self, clock: &SteadyClock) -> Self {
         for _ in 0..3 {
             let before = Instant::now();
@@ -32,7 +32,7 @@ impl Correction {
         if difference.abs_diff(self.0) > STEP { Self(difference) } else { self }
     }
 
-    /// A time of the system's clock as the steady clock counts it.
+    /// Converts a time of the system's clock.
     pub fn apply(self, system: Timestamp) -> Timestamp {
         Timestamp(system.0.saturating_add_signed(self.0))
     }

@@ -1,10 +1,10 @@
-//! Why SocketCAN does not work, and what to do about it.
+//! Why SocketCAN does not work, with a remedy.
 
 use super::link::Link;
 use canvass_traces::Duration;
 use std::io;
 
-/// Each says what to do.
+/// Each error says what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SocketCanError {
@@ -17,17 +17,17 @@ pub enum SocketCanError {
     /// No network interface has that name.
     #[error("there is no interface {interface}: {known}")]
     NoInterface {
-        /// As it was given.
+        /// The name as typed.
         interface: String,
-        /// Which CAN interfaces there are, or how to make one.
+        /// The names of the CAN interfaces, or how to make one.
         known: String,
     },
     /// A network interface of another kind.
     #[error("{interface} is no CAN interface: {known}")]
     NotCan {
-        /// As it was given.
+        /// The name as typed.
         interface: String,
-        /// Which CAN interfaces there are, or how to make one.
+        /// The names of the CAN interfaces, or how to make one.
         known: String,
     },
     /// The interface is not up.
@@ -41,20 +41,20 @@ pub enum SocketCanError {
     /// Not allowed.
     #[error("no permission to {action} {interface}: run as root, or give the container the network of its host")]
     Permission {
-        /// What was tried.
+        /// The failed action.
         action: &'static str,
         interface: String,
     },
-    /// Nothing leaves the transmit queue.
-    #[error("{interface} has sent nothing for {waited}: nobody acknowledges, or the bus is full ({state})")]
+    /// The transmit queue stays full.
+    #[error("{interface} has sent nothing for {waited}: no node acknowledges, or the bus is full ({state})")]
     QueueFull {
         interface: String,
-        /// How long.
+        /// The time waited.
         waited: Duration,
-        /// What the kernel says of the interface.
+        /// The kernel's state of the interface.
         state: String,
     },
-    /// Its bit rate can't be changed from here.
+    /// The bit rate can't be changed from here.
     #[error("can't set {interface} to {bit_rate} bit/s ({source}): {command} (as root)")]
     BitRate {
         interface: String,
@@ -62,25 +62,25 @@ pub enum SocketCanError {
         bit_rate: u32,
         /// The command that sets it.
         command: String,
-        /// What the kernel reports.
+        /// The kernel's error.
         source: io::Error,
     },
-    /// It has no controller.
+    /// The interface has no controller.
     #[error("{interface} is a virtual interface, which has no bit rate: expected one with a CAN controller")]
     NoBitRate { interface: String },
-    /// Anything else.
+    /// Any other error.
     #[error("can't {action} {interface}: {source}")]
     Io {
-        /// What was tried.
+        /// The failed action.
         action: &'static str,
         interface: String,
-        /// What the kernel reports.
+        /// The kernel's error.
         source: io::Error,
     },
 }
 
 impl SocketCanError {
-    /// What an error of a system call means.
+    /// The error for a failed system call.
     pub(super) fn of(interface: &str, action: &'static str, source: io::Error) -> Self {
         let interface = interface.to_owned();
         match source.raw_os_error() {
@@ -92,7 +92,7 @@ impl SocketCanError {
         }
     }
 
-    /// Whether the interface can be used again once it is back.
+    /// Whether the error ends when the interface is back.
     pub(crate) const fn is_interruption(&self) -> bool {
         matches!(self, Self::NoInterface { .. } | Self::Down { .. } | Self::QueueFull { .. })
     }

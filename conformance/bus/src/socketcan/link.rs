@@ -1,4 +1,5 @@
-//! What the kernel says of its CAN interfaces: rtnetlink, and `/sys/class/net` for what that crate does not read.
+//! The kernel's data about CAN interfaces: from rtnetlink, and from `/sys/class/net` as far as the crate does not
+//! read them.
 
 use socketcan::nl::{CanInterface, CanState, Mtu};
 use std::fmt;
@@ -10,36 +11,36 @@ use std::str::FromStr;
 /// The type of CAN interfaces in `/sys/class/net/*/type`, `ARPHRD_CAN`.
 const CAN: u32 = libc::ARPHRD_CAN as u32;
 
-/// A network interface, as far as CAN is concerned.
+/// A network interface, with its CAN properties.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Link {
-    /// The number by which sockets are bound to it.
+    /// The index by which sockets are bound to it.
     pub index: u32,
     /// Whether it is a CAN interface.
     pub is_can: bool,
     /// Whether it is up.
     pub is_up: bool,
-    /// Whether it carries CAN FD.
+    /// Whether it supports CAN FD.
     pub is_fd: bool,
-    /// How many frames the transmit queue holds.
+    /// Capacity of the transmit queue, in frames.
     pub transmit_queue: u32,
-    /// In bit/s; `None` for interfaces without wires and for those that were never given one.
+    /// The bit rate in bit/s; `None` for interfaces without wires, or if it was never set.
     pub bit_rate: Option<u32>,
-    /// Of the controller; `None` for interfaces without one, such as `vcan` and `vxcan`.
+    /// The state of the controller; `None` for interfaces without one, such as `vcan` and `vxcan`.
     pub state: Option<ControllerState>,
     /// The controller's counters of transmit and receive errors.
     pub error_counters: Option<(u16, u16)>,
-    /// After how many milliseconds in bus-off the controller is restarted; `None`: only by hand.
+    /// The delay in milliseconds after which a controller in bus-off is restarted; `None` if only by hand.
     pub restart_ms: Option<u32>,
-    /// How many frames the controller, its driver or the kernel has lost before any socket saw them, since the interface
-    /// is there.
+    /// Number of frames that the controller, its driver or the kernel has lost before any socket saw them, since the
+    /// interface exists.
     pub lost: u64,
 }
 
 /// The state of a CAN controller.
 pub type ControllerState = CanState;
 
-/// The word for it.
+/// The name of the state.
 const fn word(state: ControllerState) -> &'static str {
     match state {
         CanState::ErrorActive => "error-active",
@@ -55,7 +56,7 @@ impl Link {
     /// The interface of that name; `None` if there is none.
     ///
     /// # Errors
-    /// What the kernel reports.
+    /// The kernel's error.
     pub fn find(interface: &str) -> io::Result<Option<Self>> {
         if interface.is_empty() || interface.contains('/') || interface.starts_with('.') {
             return Ok(None);
@@ -64,7 +65,7 @@ impl Link {
             Ok(open) => open,
             Err(error) => return unless_absent(io_error(error)),
         };
-        // The attributes of other interfaces mean other things.
+        // Other kinds of interfaces use these attributes differently.
         if figure(interface, "type") != Some(CAN) {
             return Ok(figure(interface, "ifindex").map(|index| Self { index, ..Self::default() }));
         }
@@ -86,7 +87,7 @@ impl Link {
         }))
     }
 
-    /// How many frames were lost before any socket saw them. Drivers count a frame that their controller had no room for
+    /// Number of frames lost before any socket saw them. Drivers count a frame for which their controller had no room
     /// under one of two names.
     pub(super) fn lost(interface: &str) -> u64 {
         lost(|name| figure(interface, &format!("statistics/{name}")).unwrap_or(0))
@@ -117,12 +118,12 @@ impl Link {
     }
 }
 
-/// An interface that is not there is no error.
+/// Turns the error of a missing interface into `None`.
 fn unless_absent(error: io::Error) -> io::Result<Option<Link>> {
     if error.raw_os_error() == Some(libc::ENODEV) { Ok(None) } else { Err(error) }
 }
 
-/// What went wrong in a question to the kernel, with the number that it gave.
+/// The error of a question to the kernel, with its error number.
 pub(super) fn io_error(error: socketcan::Error) -> io::Error {
     match error {
         socketcan::Error::Io(error) => error,
@@ -134,7 +135,7 @@ pub(super) fn io_error(error: socketcan::Error) -> io::Error {
     }
 }
 
-/// A number that the kernel shows of an interface.
+/// A number in the kernel's files about an interface.
 fn figure<T: FromStr>(interface: &str, name: &str) -> Option<T> {
     fs::read_to_string(Path::new("/sys/class/net").join(interface).join(name)).ok()?.trim().parse().ok()
 }

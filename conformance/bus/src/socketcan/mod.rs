@@ -1,7 +1,7 @@
 //! SocketCAN: the CAN interfaces of Linux.
 //!
-//! A thread of its own receives, so that nothing that is done with the frames makes the kernel's queue overflow. The
-//! times are those of the controller where it has a clock, else those of the kernel.
+//! A thread of its own receives, so that slow processing does not overflow the kernel's queue. Times are those of the
+//! controller if it has a clock, else those of the kernel.
 
 mod bit_rate;
 mod correction;
@@ -31,55 +31,55 @@ use sys::{Filter, RawSocket};
 pub struct SocketCan {
     shared: Arc<Shared>,
     receiver: Option<JoinHandle<()>>,
-    /// The receiving thread has the other end, and sees that this one is closed.
+    /// The receiving thread has the other end, and notices when this one is closed.
     open: Option<PipeWriter>,
     bit_rate: Option<u32>,
     losses: Cell<Losses>,
-    /// What stands in the bytes of a frame that carry nothing.
+    /// The value of a frame's unused bytes.
     padding: u8,
 }
 
-/// The frames that were lost before any socket saw them.
+/// Counts the frames that were lost before any socket saw them.
 #[derive(Clone, Copy)]
 struct Losses {
-    /// The interface's count when it was last asked.
+    /// The interface's count at the last look.
     counted: u64,
-    /// Since this bus was opened.
+    /// Number of frames lost since this bus was opened.
     lost: u64,
 }
 
 impl Losses {
-    /// With the interface's count of now, which begins anew where the interface does.
+    /// Updates the number by the interface's current count, which restarts with the interface.
     fn at(self, counted: u64) -> Self {
         let new = counted.checked_sub(self.counted).unwrap_or(counted);
         Self { counted, lost: self.lost + new }
     }
 }
 
-/// What the bus and its receiving thread have in common.
+/// State shared by the bus and its receiving thread.
 struct Shared {
     interface: String,
     socket: RawSocket,
     clock: SteadyClock,
     inbox: Inbox,
-    /// When the frames were handed over that have not come back yet as sent.
+    /// The sending times of the frames whose echo has not come yet.
     sent: Mutex<VecDeque<Timestamp>>,
-    /// What the kernel lets pass. It forgets it when the interface is removed.
+    /// The kernel's receive filters. The kernel forgets them when the interface is removed.
     filters: Mutex<Vec<Filter>>,
-    /// The interface goes down because this program takes it down.
+    /// Whether this program itself takes the interface down.
     goes_down: AtomicBool,
 }
 
-/// The receive queue in the kernel: at about 1 KiB for each frame, a third of a second of a full bus at 1 Mbit/s.
+/// The kernel's receive queue: at about 1 KiB per frame, a third of a second of a full bus at 1 Mbit/s.
 const RECEIVE_QUEUE: i32 = 8 << 20;
 
-/// How long a full transmit queue is waited for. The longest frame takes 16 ms at 10 kbit/s.
+/// Maximum wait for a full transmit queue. The longest frame takes 16 ms at 10 kbit/s.
 const PATIENCE: Duration = Duration::from_millis(2_000);
 
-/// How long it may take until the receiving thread has seen that the interface went down.
+/// Maximum wait until the receiving thread has noticed that the interface is down.
 const DOWN: Duration = Duration::from_millis(500);
 
-/// How many frames handed over may be unaccounted for, before their delays are given up.
+/// Maximum number of frames without echo, beyond which their delays are dropped.
 const UNACCOUNTED: usize = 4_096;
 
 impl SocketCan {
@@ -111,7 +111,7 @@ impl SocketCan {
         Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate, losses, padding: 0 })
     }
 
-    /// Whether the kernel has what is needed, whichever interfaces there are.
+    /// Checks the kernel's support, independently of interfaces.
     ///
     /// # Errors
     /// [`SocketCanError`], which says what is missing.
@@ -152,12 +152,11 @@ impl SocketCan {
     }
 }
 
-/// What is left of an earlier use of the memory. Taken for flags of CAN FD, its bits say: a CAN FD frame, sent by a device
-/// in error passive state.
+/// Remains of an earlier use of the memory. Read as flags of CAN FD, these bits mean: a CAN FD frame, sent by a
+/// device in error passive state.
 const DIRT: u8 = 0xA7;
 
-/// Fills the bytes of a classical frame for the socket that carry nothing: three after the length, and the data that it
-/// does not have.
+/// Fills the unused bytes of a classical frame for the socket: three after the length, and the rest of the data.
 fn pad(packet: &mut [u8], length: usize, padding: u8) {
     const CLASSICAL: usize = 16;
     if packet.len() != CLASSICAL || padding == 0 {
@@ -183,7 +182,7 @@ impl Bus for SocketCan {
         to_socket(&Record::new(Timestamp::ZERO, ChannelId(0), *frame), &mut packet);
         pad(&mut packet, frame.data().len(), self.padding);
         let started = self.now();
-        // Before the frame is handed over: its echo may be faster than this thread.
+        // The time is stored before sending: the echo may be faster than this thread.
         self.remember_sent(started);
         loop {
             let Err(error) = self.shared.socket.send(&packet) else {
@@ -237,7 +236,7 @@ impl Bus for SocketCan {
     }
 
     fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
-        /// Identifier and mask of the kernel's filters: extended and remote frames are told by these bits.
+        /// Mask of the kernel's filters for the bits of extended and remote frames.
         const FORMAT: u32 = 0xC000_0000;
         let filter = |&(id, mask): &(u16, u16)| (u32::from(id), u32::from(mask) | FORMAT);
         let filters: Vec<Filter> = cob_ids.iter().map(filter).collect();
@@ -246,12 +245,12 @@ impl Bus for SocketCan {
         set.map_err(|error| SocketCanError::of(&self.shared.interface, "filter frames of", error).into())
     }
 
-    /// Needs the right to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate when this
-    /// program ends.
+    /// Needs the capability to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate when
+    /// this program ends.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         let set = bit_rate::set(&self.shared.interface, bit_rate, &self.shared.goes_down);
         let end = self.now() + DOWN;
-        // The receiving thread sees a little later that it went down.
+        // The receiving thread notices a little later that the interface went down.
         while self.shared.goes_down.load(Ordering::SeqCst) && self.now() < end {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
@@ -267,7 +266,7 @@ impl Drop for SocketCan {
         self.shared.inbox.close();
         drop(self.open.take());
         if let Some(receiver) = self.receiver.take() {
-            // It panicked or not: nothing is left to do for it.
+            // Whether it panicked does not matter any more.
             let _ = receiver.join();
         }
     }

@@ -1,4 +1,4 @@
-//! The thread that fetches frames from the kernel, and survives what happens to the interface.
+//! The thread that fetches frames from the kernel, and survives losses of the interface.
 
 use super::Shared;
 use super::correction::Correction;
@@ -11,31 +11,31 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-/// How often the thread looks whether a lost interface is back.
+/// Interval between two checks whether a lost interface is back.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The class bit of error frames that tell of bus-off (`CAN_ERR_BUSOFF`).
+/// The class bit of error frames for bus-off (`CAN_ERR_BUSOFF`).
 const BUS_OFF: u32 = 0x40;
 
 pub(super) struct Receiver {
     shared: Arc<Shared>,
-    /// Its other end is closed when the inbox is: a thread that waits for a frame is woken by nothing else.
+    /// Its other end is closed with the inbox: only this wakes a thread that waits for a frame.
     end: PipeReader,
     correction: Correction,
     hardware: HardwareClock,
-    /// The kernel's count of lost frames when it was last seen.
+    /// The kernel's last count of lost frames.
     dropped: u32,
     records: Vec<Record>,
-    /// What the interface has to be brought back from.
+    /// Why the interface is unusable at the moment.
     away: Option<Away>,
 }
 
 /// Why an interface can't be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Away {
-    /// It is down, or its controller is bus-off: the socket works again when it is not any more.
+    /// It is down, or its controller is bus-off: the socket works again afterwards.
     Down,
-    /// It was removed: the socket is bound to nothing.
+    /// It was removed: the socket is bound to no interface.
     Removed,
 }
 
@@ -63,7 +63,7 @@ impl Receiver {
         }
     }
 
-    /// Everything that waits in the kernel.
+    /// Fetches all waiting frames of the kernel.
     fn fetch(&mut self, batch: &mut Batch) {
         let shared = Arc::clone(&self.shared);
         shared.inbox.set_delivering(true);
@@ -88,7 +88,7 @@ impl Receiver {
                 }
             }
         }
-        // Nothing is dropped while the queue is short.
+        // The kernel drops no frame while the queue is short.
         if is_full && let Some(dropped) = shared.socket.dropped() {
             self.note_dropped(dropped);
         }
@@ -100,7 +100,7 @@ impl Receiver {
             self.note_dropped(dropped);
         }
         let at = self.time(&received);
-        // The kernel gives nothing but frames.
+        // The kernel delivers only frames.
         let Ok(mut record) = from_socket(packet) else { return };
         (record.timestamp, record.channel) = (at, ChannelId(0));
         record.direction = if received.own { Direction::Tx } else { Direction::Rx };
@@ -112,10 +112,10 @@ impl Receiver {
         self.records.push(record);
     }
 
-    /// Counts the frames that were lost until the kernel's count was that; it overflows.
+    /// Counts the lost frames up to the kernel's count, which overflows.
     fn note_dropped(&mut self, dropped: u32) {
         let lost = dropped.wrapping_sub(self.dropped);
-        // A frame that waited tells an older count than the socket did.
+        // A frame that waited carries an older count than the socket's.
         if lost != 0 && lost < u32::MAX / 2 {
             self.dropped = dropped;
             self.shared.inbox.note(|health| health.lost += u64::from(lost));
@@ -131,7 +131,7 @@ impl Receiver {
         self.correction.apply(system)
     }
 
-    /// An own frame was on the bus.
+    /// Handles the echo of an own frame.
     fn on_sent(&self, at: Timestamp) {
         let handed_over = self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
         if let Some(handed_over) = handed_over {
@@ -157,14 +157,14 @@ impl Receiver {
             Some(libc::ENODEV) => self.went_away(Away::Removed, format!("{interface} was removed")),
             _ => {
                 self.interrupted(format!("{interface}: receiving failed: {error}"));
-                // An error that comes back at once must not take all of a processor.
+                // An error that repeats at once must not use up a processor.
                 std::thread::sleep(LOOK);
             }
         }
     }
 
     fn went_away(&mut self, away: Away, trouble: String) {
-        // An interface that is removed goes down first.
+        // A removed interface goes down first.
         self.away = self.away.filter(|before| *before == Away::Removed).or(Some(away));
         self.forget_sent();
         let now = self.shared.clock.now();
@@ -176,12 +176,12 @@ impl Receiver {
         self.shared.inbox.note(|health| health.was_interrupted(trouble));
     }
 
-    /// What was handed over may never have been sent.
+    /// Frames without echo may never have been sent.
     fn forget_sent(&self) {
         self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// An interface that is up again, or one of the same name, perhaps the same adapter plugged in again.
+    /// Finds an interface that is up again, or one of the same name, perhaps of the same adapter plugged in again.
     fn find_again(&mut self, away: Away) {
         let link = Link::find(&self.shared.interface).ok().flatten();
         let Some(link) = link.filter(Link::is_usable) else { return };

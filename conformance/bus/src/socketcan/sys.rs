@@ -1,8 +1,8 @@
-//! The system calls of a `CAN_RAW` socket that socketcan does not make: fetching many frames at once, each with its times,
-//! the mark of own frames and the count of lost ones.
+//! System calls of a `CAN_RAW` socket that the crate socketcan lacks: fetching many frames at once, each with its
+//! times, the mark of own frames and the count of lost ones.
 //!
-//! `recvmmsg` is called directly. That of nix 0.31 leaves out the flag `MSG_CONFIRM`, which distinguishes own frames from
-//! others', and does not give its control buffers back their length before the next use.
+//! `recvmmsg` is called directly: that of nix 0.31 drops the flag `MSG_CONFIRM`, which marks own frames, and does not
+//! restore the length of its control buffers for the next use.
 #![allow(unsafe_code)]
 
 use canvass_traces::Timestamp;
@@ -14,33 +14,33 @@ use std::mem::zeroed;
 use std::os::fd::{AsFd, AsRawFd};
 use std::time::Duration;
 
-/// Of `asm-generic/socket.h`, which neither libc nor nix have on all targets.
+/// From `asm-generic/socket.h`; libc and nix do not have it on all targets.
 const SO_RXQ_OVFL: libc::c_int = 40;
 const SO_MEMINFO: libc::c_int = 55;
 
-/// Frames that are fetched by one system call.
+/// Number of frames fetched by one system call.
 pub(super) const BATCH: usize = 64;
-/// A CAN FD frame.
+/// Length of a CAN FD frame.
 const FRAME: usize = libc::CANFD_MTU;
-/// Room for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24), in u64 for their alignment.
+/// Space for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24), in u64 for their alignment.
 const CONTROL: usize = 32;
 
 /// A `CAN_RAW` socket, which never blocks.
 pub(super) struct RawSocket(CanSocket);
 
-/// Lets frames pass whose identifier, with its flags, equals the first where the second has ones.
+/// Passes frames whose identifier, with its flags, equals the first number in the bits of the second.
 pub(super) type Filter = (u32, u32);
 
-/// What came with a frame.
+/// The data that accompany a received frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Received {
-    /// Sent by this socket itself.
+    /// Whether this socket itself sent the frame.
     pub own: bool,
-    /// By the kernel, on the system's clock.
+    /// The kernel's time, on the system's clock.
     pub software: Option<Timestamp>,
-    /// By the controller, on a clock of its own.
+    /// The controller's time, on its own clock.
     pub hardware: Option<Timestamp>,
-    /// How many frames this socket has lost so far, if any.
+    /// Number of frames that this socket has lost so far, if any.
     pub dropped: Option<u32>,
 }
 
@@ -57,7 +57,7 @@ impl RawSocket {
         self.0.as_raw_socket().bind(&CanAddr::new(index).into_sock_addr())
     }
 
-    /// Asks for everything that is known of a frame, and for own frames, CAN FD frames and error frames.
+    /// Requests all data about frames, and also own frames, CAN FD frames and error frames.
     pub fn ask_for_all(&self) -> io::Result<()> {
         let stamps = TimestampingFlag::SOF_TIMESTAMPING_RX_SOFTWARE
             | TimestampingFlag::SOF_TIMESTAMPING_SOFTWARE
@@ -67,15 +67,15 @@ impl RawSocket {
         setsockopt(&self.0, sockopt::RxqOvfl, &1)?;
         self.0.set_recv_own_msgs(true)?;
         self.0.set_error_filter_accept_all()?;
-        // A kernel without CAN FD does not know it.
+        // A kernel without CAN FD does not know the option.
         let _ = self.0.set_socket_option_int(libc::SOL_CAN_RAW, libc::CAN_RAW_FD_FRAMES, 1);
         Ok(())
     }
 
-    /// How many frames the kernel could not put into the receive queue since the socket was made, those after the last
-    /// one that it could included, of which `SO_RXQ_OVFL` never tells; `None` on kernels before 4.12.
+    /// Number of frames that the kernel could not put into the receive queue since the socket was made, including
+    /// those after the last queued frame, which `SO_RXQ_OVFL` never counts; `None` on kernels before 4.12.
     pub fn dropped(&self) -> Option<u32> {
-        /// Up to the ninth number, `SK_MEMINFO_DROPS`.
+        /// The length up to the ninth number, `SK_MEMINFO_DROPS`.
         const FIGURES: usize = size_of::<[u32; 9]>();
         let mut figures = [0; FIGURES];
         let length = self.0.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut figures).ok()?;
@@ -83,7 +83,7 @@ impl RawSocket {
         Some(u32::from_ne_bytes(*drops))
     }
 
-    /// Makes the kernel's receive queue as long as it lets us, up to `bytes`.
+    /// Makes the kernel's receive queue as long as allowed, up to `bytes`.
     pub fn enlarge_receive_queue(&self, bytes: i32) {
         // Only root may go beyond net.core.rmem_max.
         if self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUFFORCE, bytes).is_err() {
@@ -91,29 +91,29 @@ impl RawSocket {
         }
     }
 
-    /// Lets only frames pass that one of the filters fits; none: no data frame at all.
+    /// Passes only frames that match a filter; without filters no data frame at all.
     pub fn set_filters(&self, filters: &[Filter]) -> io::Result<()> {
         let filters: Vec<CanFilter> = filters.iter().map(|&filter| CanFilter::from(filter)).collect();
         self.0.set_filters(&filters)
     }
 
-    /// Hands over a frame of 16 or 72 bytes.
+    /// Sends a frame of 16 or 72 bytes.
     pub fn send(&self, packet: &[u8]) -> io::Result<()> {
         self.0.as_raw_socket().send(packet).map(|_| ())
     }
 
-    /// Whether there is something to receive, or an error to see, until `timeout` has passed.
+    /// Waits until there are frames or an error, or `timeout` has passed; returns whether there are.
     pub fn wait_readable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLIN)], Some(timeout))
     }
 
-    /// Whether the socket takes a frame, or has an error to show, until `timeout` has passed.
+    /// Waits until the socket takes a frame or has an error, or `timeout` has passed; returns whether it does.
     pub fn wait_writable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLOUT)], Some(timeout))
     }
 
-    /// Waits until there is something to receive, or an error to see, or the other end of the pipe is closed, or
-    /// `timeout` has passed. Says whether this socket has something.
+    /// Waits until there are frames or an error, the other end of the pipe is closed, or `timeout` has passed.
+    /// Returns whether this socket has frames or an error.
     pub fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
         let mut polls = [PollFd::new(self.0.as_fd(), PollFlags::POLLIN), PollFd::new(pipe.as_fd(), PollFlags::POLLIN)];
         is_ready(&mut polls, timeout)?;
@@ -121,10 +121,10 @@ impl RawSocket {
         Ok(ours.any().unwrap_or(true))
     }
 
-    /// Fetches what there is, at most a batch; returns how many frames came.
+    /// Fetches waiting frames, at most a batch; returns their number.
     pub fn receive(&self, batch: &mut Batch) -> io::Result<usize> {
         batch.prepare();
-        // SAFETY: prepare() has just let every header point to buffers of the batch, which is borrowed until the call
+        // SAFETY: prepare() has just pointed every header to buffers of the batch, which is borrowed until the call
         // returns and does not move.
         let received = unsafe {
             let headers = batch.headers.as_mut_ptr();
@@ -134,9 +134,9 @@ impl RawSocket {
     }
 }
 
-/// Whether one of them is ready before that time has passed; `None`: however long it takes.
+/// Waits until one of them is ready; `None` waits without limit. Returns whether one is.
 fn is_ready(polls: &mut [PollFd<'_>], timeout: Option<Duration>) -> io::Result<bool> {
-    /// Longer waits are asked for again.
+    /// Longer waits are repeated.
     const LONGEST: u16 = 60_000;
     let milliseconds = timeout.map(|timeout| u16::try_from(timeout.as_millis()).unwrap_or(LONGEST).min(LONGEST));
     Ok(poll(polls, milliseconds.map_or(PollTimeout::NONE, PollTimeout::from))? > 0)
@@ -176,7 +176,7 @@ impl Batch {
         }
     }
 
-    /// The frame at that place, with what came with it.
+    /// The frame at this index, with its accompanying data.
     pub fn get(&self, at: usize) -> Option<(&[u8], Received)> {
         let (header, frame) = (self.headers.get(at)?, self.frames.get(at)?);
         let len = (header.msg_len as usize).min(FRAME);
@@ -197,8 +197,8 @@ impl Batch {
 }
 
 fn for_each_control(header: &libc::msghdr, mut visit: impl FnMut(libc::c_int, libc::c_int, &[u8])) {
-    // SAFETY: the header is one that the kernel has filled; its control buffer is aligned and lives in the batch. The
-    // macros stay within it, and a message's data is as long as its header says.
+    // SAFETY: the kernel has filled the header; its control buffer is aligned and lives in the batch. The macros stay
+    // within it, and a message's data has the length in its header.
     unsafe {
         let mut message = libc::CMSG_FIRSTHDR(header);
         while let Some(control) = message.as_ref() {
@@ -211,12 +211,12 @@ fn for_each_control(header: &libc::msghdr, mut visit: impl FnMut(libc::c_int, li
     }
 }
 
-/// A length, which libc counts in `usize` on some targets and in `u32` on others.
+/// A length, which is `usize` in libc on some targets and `u32` on others.
 fn bytes(length: impl TryInto<usize>) -> usize {
     length.try_into().unwrap_or(0)
 }
 
-/// A `struct timespec` of 64-bit parts; zero means that there is none.
+/// A `struct timespec` with 64-bit parts; zero means none.
 fn timestamp(bytes: &[u8]) -> Option<Timestamp> {
     let seconds = i64::from_ne_bytes(*bytes.first_chunk()?);
     let nanos = i64::from_ne_bytes(*bytes.get(8..)?.first_chunk()?);
@@ -224,13 +224,13 @@ fn timestamp(bytes: &[u8]) -> Option<Timestamp> {
     (total > 0).then_some(Timestamp(total))
 }
 
-/// Asks the kernel to wake this thread when its time has come, and not up to 50 µs later to save energy.
+/// Asks the kernel to wake this thread exactly, not up to 50 µs later to save energy.
 pub(crate) fn wake_precisely() {
-    // Without it, times are only a little less exact.
+    // Without it, times are only slightly less exact.
     let _ = nix::sys::prctl::set_timerslack(1);
 }
 
-// SAFETY: the pointers in the headers are set anew before each use, from buffers that the batch owns.
+// SAFETY: the pointers in the headers are set before each use, to buffers that the batch owns.
 unsafe impl Send for Batch {}
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! What a tester saw of a bus beside its frames, so that a run can be judged again from its recording alone.
+//! A tester's view of a bus besides its frames, by which a run can be judged again from its recording alone.
 //!
-//! A tester asks a bus for the time, for the next frame and for how well it works. Which frame came is in the recording. This
-//! holds the rest: how often there was none before it, what the clock said where that does not follow from the frames, and
-//! how well the bus worked. On a simulated bus almost nothing is left to hold.
+//! A tester asks a bus for the time, the next frame and the health. The recording has the frames. The transcript
+//! has the rest: the number of timeouts before each frame, times that do not follow from the frames, and the
+//! health. On a simulated bus almost nothing is left.
 //!
-//! - [`Transcriber`] stands between a tester and a bus and writes it down;
-//! - [`Replay`] is the bus of a tester that does the same again.
+//! - [`Transcriber`] stands between a tester and a bus and writes the transcript;
+//! - [`Replay`] is the bus for a tester that repeats the run.
 
 mod replay;
 mod text;
@@ -18,43 +18,43 @@ pub use transcriber::Transcriber;
 use super::Health;
 use canvass_traces::{Record, Timestamp};
 
-/// What a tester saw of a bus beside its frames.
+/// A tester's view of a bus besides its frames.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Transcript {
-    /// Whether time went by on it as it does for people.
+    /// Whether its time was real.
     pub is_live: bool,
-    /// The bit rate in bit/s at the begin, where it was known.
+    /// The bit rate in bit/s at the begin, if known.
     pub bit_rate: Option<u32>,
-    /// When it began.
+    /// Time of the begin.
     pub begin: Timestamp,
-    /// For each frame, how often there was none before it.
+    /// For each frame, the number of timeouts before it.
     waits: Vec<u64>,
-    /// Where the time does not follow from the frames: after how many questions that did, and what it was.
+    /// Times that do not follow from the frames, each with the number of predictable answers before it.
     clock: Vec<(u64, Timestamp)>,
-    /// Where the health had changed: after how many questions without change, and what it was.
+    /// Changes of the health, each with the number of unchanged answers before it.
     health: Vec<(u64, Health)>,
-    /// For each change of the bit rate, whether this end of the bus could make it.
+    /// For each change of the bit rate, whether it succeeded.
     bit_rates: Vec<bool>,
-    /// What can't be done again, if something can't.
+    /// An event that can't be repeated, if there was one.
     trouble: Option<String>,
 }
 
 impl Transcript {
-    /// Why the run can't be done again: what went wrong on the bus, which no recording holds.
+    /// Why the run can't be repeated: an error of the bus, which no recording holds.
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.as_deref()
     }
 }
 
-/// The time as it follows from what came, on both sides the same.
+/// The time that follows from the frames; the same on both sides.
 #[derive(Clone, Copy, Debug)]
 struct Clock(Timestamp);
 
 impl Clock {
-    /// A frame came, or there was none until the deadline.
+    /// Handles a frame, or a timeout at the deadline.
     fn advance(&mut self, received: Option<&Record>, deadline: Timestamp) {
         let to = received.map_or(deadline, |record| record.timestamp);
-        // A wait without end that ends has no time of its own.
+        // A wait without end that ends all the same has no time of its own.
         if to < Timestamp::MAX {
             self.0 = self.0.max(to);
         }

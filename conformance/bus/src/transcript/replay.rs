@@ -1,4 +1,4 @@
-//! A recording as the bus of a tester that does again what it did.
+//! A recording as the bus of a tester that repeats its run.
 
 use super::{Clock, Transcript};
 use crate::{Bus, BusError, Health};
@@ -6,24 +6,25 @@ use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
-/// The recording does not go on as the tester does.
+/// The place at which tester and recording diverge.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{at}: {why}")]
 pub struct Divergence {
-    /// Where in the recording: `frame 12`.
+    /// The place in the recording: `frame 12`.
     pub at: String,
-    /// What was expected, and what is there.
+    /// The expected and the recorded event.
     pub why: String,
 }
 
-/// A recording that answers as its bus did. What is sent must be what was sent; what came then, at its time, is what comes.
+/// A bus that answers from a recording. The tester must send the recorded frames, and receives the recorded frames at
+/// their times.
 pub struct Replay {
     records: VecDeque<Record>,
-    /// What is to be sent, oldest first.
+    /// The frames that must be sent, oldest first.
     expected: VecDeque<Frame>,
-    /// How many frames were sent and have not come back.
+    /// Number of sent frames without echo.
     under_way: usize,
-    /// How many records have come.
+    /// Number of delivered records.
     number: u64,
     waits: VecDeque<u64>,
     empty: u64,
@@ -34,7 +35,7 @@ pub struct Replay {
     divergence: Option<Divergence>,
 }
 
-/// What is answered to questions that change nothing.
+/// Recorded answers, each repeated until the next change.
 struct Answers {
     clock: Clock,
     readings: VecDeque<(u64, Timestamp)>,
@@ -42,7 +43,7 @@ struct Answers {
     changes: VecDeque<(u64, Health)>,
 }
 
-/// The next of a row of answers, once so many questions have passed.
+/// The next answer of a list, after the given number of questions.
 fn next<T>(row: &mut VecDeque<(u64, T)>) -> Option<T> {
     match row.front_mut() {
         Some((0, _)) => row.pop_front().map(|(_, answer)| answer),
@@ -55,7 +56,7 @@ fn next<T>(row: &mut VecDeque<(u64, T)>) -> Option<T> {
 }
 
 impl Replay {
-    /// The bus of that recording.
+    /// The bus of a recording.
     pub fn new(records: impl IntoIterator<Item = Record>, transcript: Transcript) -> Self {
         let records: VecDeque<Record> = records.into_iter().collect();
         let sent = records.iter().filter(|record| record.direction == Direction::Tx);
@@ -80,12 +81,13 @@ impl Replay {
         }
     }
 
-    /// Where the tester and the recording went different ways first, if they did.
+    /// The first divergence, if there is one.
     pub fn divergence(&self) -> Option<Divergence> {
         let unsent = || self.expected.front().map(|frame| (frame, self.expected.len()));
         self.divergence.clone().or_else(|| {
             let (frame, count) = unsent()?;
-            let why = format!("{count} frames that were sent are not sent again, the first is {frame}");
+            let why =
+                format!("the number of frames in the recording that were not sent is {count}, the first is {frame}");
             Some(Divergence { at: "the end".to_owned(), why })
         })
     }
@@ -95,7 +97,7 @@ impl Replay {
         self.divergence.get_or_insert(Divergence { at, why }).clone().into()
     }
 
-    /// Whether it is the next record's turn.
+    /// Whether the next record is due.
     fn is_due(&mut self) -> bool {
         if self.records.is_empty() || self.waits.front().is_none_or(|wait| *wait > self.empty) {
             self.empty += 1;
@@ -122,8 +124,8 @@ impl Bus for Replay {
                 self.under_way += 1;
                 Ok(())
             }
-            Some(expected) => Err(self.diverge(format!("{frame} is sent, and {expected} was sent"))),
-            // The last frames of a run may not have come back to it.
+            Some(expected) => Err(self.diverge(format!("expected {expected}, but {frame} is sent"))),
+            // The echoes of a run's last frames may be missing.
             None => Ok(()),
         }
     }
@@ -137,11 +139,11 @@ impl Bus for Replay {
             self.number += 1;
             let is_own = record.direction == Direction::Tx;
             if is_own && self.under_way == 0 {
-                return Err(self.diverge(format!("{} was on the bus and is not sent", record.frame)));
+                return Err(self.diverge(format!("expected {} to be sent", record.frame)));
             }
             self.under_way -= usize::from(is_own);
             if !self.is_live && record.timestamp > deadline {
-                return Err(self.diverge(format!("{} comes later than was waited", record.frame)));
+                return Err(self.diverge(format!("{} comes after the end of the wait", record.frame)));
             }
         }
         self.answers.get_mut().clock.advance(record.as_ref(), deadline);
@@ -175,7 +177,10 @@ impl Bus for Replay {
                 Ok(())
             }
             Some(false) => Err(BusError::FixedBitRate { bit_rate }),
-            None => Err(self.diverge(format!("the bit rate is changed to {bit_rate} bit/s, and was not changed"))),
+            None => {
+                Err(self
+                    .diverge(format!("the bit rate is changed to {bit_rate} bit/s, which the recording does not have")))
+            }
         }
     }
 }

@@ -102,7 +102,7 @@ fn what_is_not_sent_any_more_shows() {
     let (_, records, transcript) = transcribed(&[100, 600, 200]);
     let mut replay = Replay::new(records.clone(), transcript.clone());
     work(&mut replay, &[100, 600]).unwrap();
-    assert!(replay.divergence().unwrap().why.contains("1 frames"), "{:?}", replay.divergence());
+    assert!(replay.divergence().unwrap().why.contains("not sent is 1, the first is 0C8#"), "{:?}", replay.divergence());
     // Only listening, a frame of its own comes that it has not sent.
     let mut replay = Replay::new(records, transcript);
     let heard: Result<Vec<_>, _> = (0..9).map(|_| replay.receive(Timestamp(5_000))).collect();

@@ -1,12 +1,12 @@
-//! A transcript as text, a line for each thing:
+//! A transcript as text, one item per line:
 //!
 //! ```text
 //! canvass-transcript 1
 //! live no
 //! bit-rate 250000
 //! begin 0
-//! frames 0 0 1 0               how often there was none before each frame
-//! time 12 1700000000000000000  after so many questions as expected, the clock said
+//! frames 0 0 1 0               number of timeouts before each frame
+//! time 12 1700000000000000000  after this many predictable answers, the time
 //! health 3 0 0 0 0 0 / 3:1 7:2 / 4:9 ; 5:1 / the controller is bus-off
 //! health 4 0 0 0 0 0 / 3:1 / 4:1 ; 5:1 ; still /    the adapter's time stamps stand still
 //! rate set                     or fixed
@@ -20,16 +20,16 @@ use std::fmt;
 use std::str::FromStr;
 
 const HEAD: &str = "canvass-transcript 1";
-/// So many frames stand in a line.
+/// Number of frames per line.
 const IN_LINE: usize = 64;
 
-/// What can't be read as a transcript.
+/// Why a text is no transcript.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line}: {why}")]
 pub struct NotATranscript {
-    /// From 1.
+    /// The line, from 1.
     pub line: usize,
-    /// What is wrong there.
+    /// The error in that line.
     pub why: String,
 }
 
@@ -127,10 +127,10 @@ fn health(text: &str) -> Option<(u64, Health)> {
     let mut number = || numbers.next().flatten();
     let after = number()?;
     let (lost, interruptions, error_frames, waits) = (number()?, number()?, number()?, number()?);
-    // Older transcripts do not tell how long interruptions lasted.
+    // Older transcripts lack the duration of interruptions.
     let (interrupted_for, interrupted_since) = (Duration(number().unwrap_or_default()), number().map(Timestamp));
     let (receive, sent) = (latencies(parts.next()?)?, parts.next()?);
-    // Older transcripts have no third sort, and only an adapter that can't be trusted has trouble with its time stamps.
+    // Older transcripts lack the third field, and only an untrustworthy adapter has an entry about its time stamps.
     let mut sorts = sent.split(';');
     let (transmit, stamping) = (sorts.next()?, sorts.next().unwrap_or_default());
     let stamps = match sorts.next() {

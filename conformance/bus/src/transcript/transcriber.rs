@@ -1,4 +1,4 @@
-//! Stands between a tester and a bus, and writes down what the recording does not hold.
+//! Stands between a tester and a bus, and writes the transcript.
 
 use super::{Clock, Transcript};
 use crate::{Bus, BusError, Health};
@@ -6,20 +6,20 @@ use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
-/// A bus that is listened to.
+/// A bus whose use is transcribed.
 pub struct Transcriber<'a> {
     bus: &'a mut dyn Bus,
-    /// Sees each frame that the tester gets.
+    /// Sees each frame that the tester receives.
     observe: &'a mut dyn FnMut(&Record),
     written: RefCell<Written>,
-    /// What was sent and has not been on the bus yet.
+    /// Sent frames that have not been on the bus yet.
     sent: VecDeque<Frame>,
 }
 
 struct Written {
     transcript: Transcript,
     clock: Clock,
-    /// Questions since the last answer that had to be written down.
+    /// Number of questions since the last written answer.
     asked_time: u64,
     asked_health: u64,
     health: Health,
@@ -33,7 +33,7 @@ impl Written {
 }
 
 impl<'a> Transcriber<'a> {
-    /// Begins.
+    /// Begins a transcript.
     pub fn new(bus: &'a mut dyn Bus, observe: &'a mut dyn FnMut(&Record)) -> Self {
         let begin = bus.now();
         let transcript =
@@ -43,7 +43,7 @@ impl<'a> Transcriber<'a> {
         Self { bus, observe, written: RefCell::new(written), sent: VecDeque::new() }
     }
 
-    /// What was written down.
+    /// Ends the transcript.
     pub fn finish(self) -> Transcript {
         self.written.into_inner().transcript
     }
@@ -51,7 +51,7 @@ impl<'a> Transcriber<'a> {
     fn is_next(&mut self, record: &Record) {
         if record.direction == Direction::Tx && self.sent.pop_front() != Some(record.frame) {
             let frame = record.frame;
-            self.written.get_mut().trouble(|| format!("{frame} was on the bus in another order than it was sent"));
+            self.written.get_mut().trouble(|| format!("{frame} was on the bus in another order than sent"));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The addresses of buses, as they stand on the command line.
+//! The addresses of buses, as typed on the command line.
 //!
 //! ```text
 //! can0                              a SocketCAN interface
@@ -31,7 +31,7 @@ use canvass_traces::Timestamp;
 use std::fmt;
 use std::str::FromStr;
 
-/// Where a bus is.
+/// The place of a bus.
 #[derive(Clone, Debug)]
 pub enum BusAddress {
     /// An interface of Linux.
@@ -43,7 +43,7 @@ pub enum BusAddress {
     SlCan {
         /// The path of its port.
         port: String,
-        /// In bit/s, if it was given.
+        /// The bit rate in bit/s, if given.
         bit_rate: Option<u32>,
     },
     /// An adapter of PEAK.
@@ -52,7 +52,7 @@ pub enum BusAddress {
     Simulated(Vec<SimulatedDevice>),
 }
 
-/// A bus that is ready, and what is known of the device on it.
+/// An open bus, with the devices known on it.
 pub struct Opened {
     pub bus: Box<dyn Bus>,
     /// The model of the first simulated device.
@@ -82,7 +82,7 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
     open_seeded(address, 0)
 }
 
-/// As [`open`]; `seed` chooses what is left to chance in a simulated device.
+/// As [`open`]; `seed` determines the random choices of a simulated device.
 ///
 /// # Errors
 /// As [`open`].
@@ -90,8 +90,7 @@ pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
     open_seeded_at(address, seed, None)
 }
 
-/// As [`open_seeded`]; a simulated device that is alone on its bus, and whose node-ID the address does not tell, gets
-/// `node`.
+/// As [`open_seeded`]; a single simulated device whose address gives no node-ID gets `node`.
 ///
 /// # Errors
 /// As [`open`].
@@ -128,7 +127,7 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
     }
 }
 
-/// The simulated bus itself, for whoever switches its devices off and on or wants it a second time.
+/// The simulated bus itself, for callers that switch its devices off and on or copy it.
 ///
 /// # Errors
 /// [`BusError::Address`] if a device description or a motion can't be read.
@@ -142,7 +141,7 @@ pub fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<(SimulatedBus, V
     let mut bus = SimulatedBus::new(bit_rate);
     let mut devices = Vec::with_capacity(known.len());
     for (n, ((device, model), node)) in (0..).zip(known.iter().zip(simulated::assign(&known))) {
-        // Each device has a chance of its own.
+        // Each device has its own random sequence.
         let mut simulated = Device::new(model, node, device.firmware, seed.wrapping_add(n));
         if let Some(motion) = device.motion()? {
             simulated.set_motion(Timestamp::ZERO, motion);

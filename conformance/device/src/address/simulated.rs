@@ -23,18 +23,18 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// One device of a simulated bus, as it was named.
+/// A device of a simulated bus, as typed.
 #[derive(Clone, Debug)]
 pub struct SimulatedDevice {
-    /// What it is.
+    /// Its model or description.
     pub device: DeviceName,
-    /// Its node-ID, if it was given.
+    /// Its node-ID, if given.
     pub node: Option<GivenNode>,
-    /// In bit/s, if it was given.
+    /// Its bit rate in bit/s, if given.
     pub bit_rate: Option<u32>,
-    /// How its shaft moves, if it was given.
+    /// The motion of its shaft, if given.
     pub motion: Option<MotionSpec>,
-    /// What its firmware does wrong, or in its own way.
+    /// The faults and liberties of its firmware.
     pub firmware: Firmware,
 }
 
@@ -47,33 +47,33 @@ pub enum DeviceName {
     File(String),
 }
 
-/// A node-ID that the address gives.
+/// The node-ID in an address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GivenNode {
-    /// This one.
+    /// This node-ID.
     Id(NodeId),
-    /// None: LSS has to give one.
+    /// No node-ID: LSS must assign one.
     Unconfigured,
 }
 
-/// A device of a simulated bus that is ready.
+/// A device on a simulated bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Attached {
-    /// What it is.
+    /// Its model.
     pub model: &'static Model,
     /// Its node-ID; `None` while it has none.
     pub node: Option<NodeId>,
-    /// What is wrong with its firmware or its description, and what is done in its own way.
+    /// Its faults and liberties, including those of its description.
     pub firmware: Firmware,
 }
 
-/// The endings of device descriptions.
+/// Extensions of device descriptions.
 const DESCRIPTIONS: [&str; 4] = [".eds", ".dcf", ".xdd", ".xdc"];
 
-/// The devices that the part of an address after `sim:` names; at least one.
+/// Parses the devices after `sim:` in an address; at least one.
 ///
 /// # Errors
-/// What is wrong and what would be right.
+/// The error, and the expected form.
 pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
     let mut devices: Vec<SimulatedDevice> = Vec::new();
     let mut rest = Some(text);
@@ -100,7 +100,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
     }
 }
 
-/// What stands before the first `~~`, and the liberties after it.
+/// Splits the text at the first `~~` into the device and its liberties.
 fn liberties(text: &str) -> Result<(&str, Vec<Liberty>), String> {
     let mut pieces = text.split("~~");
     let head = pieces.next().unwrap_or_default();
@@ -116,7 +116,7 @@ fn split_once(text: &str, at: char) -> (&str, Option<&str>) {
     text.split_once(at).map_or((text, None), |(before, after)| (before, Some(after)))
 }
 
-/// The device that the text begins with, if it is one and no fault; and what follows it.
+/// The device at the beginning of the text, and the rest; `None` for a fault.
 fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     let id = head(piece);
     if let Some(model) = Model::by_id(id) {
@@ -125,7 +125,7 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     if Fault::from_str(piece.split("~~").next().unwrap_or(piece)).is_ok() {
         return None;
     }
-    // A path may hold any of the separators: it goes on to the first ending that something of the syntax follows.
+    // A path may contain separators: it ends at the first extension that is followed by one.
     let lower = text.to_ascii_lowercase();
     let ends = DESCRIPTIONS.iter().flat_map(|ending| lower.match_indices(ending).map(|(at, _)| at + ending.len()));
     let end = ends
@@ -143,12 +143,12 @@ fn no_model(found: &str) -> String {
     format!("expected a device description (.eds) or one of the models {}, found \"{found}\"", known.join(", "))
 }
 
-/// `:NODE` and `@BITRATE` in any order, `~MOTION`, `~~LIBERTY`.
+/// Parses `:NODE` and `@BITRATE` in any order, `~MOTION`, `~~LIBERTY`.
 fn device(device: DeviceName, options: &str) -> Result<SimulatedDevice, String> {
     let (options, liberties) = liberties(options)?;
     let firmware = liberties.into_iter().collect::<Liberties>().into();
     let mut named = SimulatedDevice { device, node: None, bit_rate: None, motion: None, firmware };
-    // The motion comes last: a file's name may hold anything.
+    // The motion comes last, because the name of its file may contain any character.
     let (options, motion) = split_once(options, '~');
     if let Some(motion) = motion {
         named.motion = Some(motion.parse().map_err(|error: crate::MotionError| error.to_string())?);
@@ -178,7 +178,7 @@ fn node(text: &str) -> Result<GivenNode, String> {
 }
 
 impl SimulatedDevice {
-    /// The node-ID, if one was given that is none for a device that waits for LSS.
+    /// The given node-ID; `None` also for a device that waits for LSS.
     pub fn given_id(&self) -> Option<NodeId> {
         match self.node {
             Some(GivenNode::Id(node)) => Some(node),
@@ -186,7 +186,7 @@ impl SimulatedDevice {
         }
     }
 
-    /// The model; that of a file is read.
+    /// The model; a description is read from its file.
     ///
     /// # Errors
     /// [`BusError::Address`] if the file can't be read.
@@ -197,7 +197,7 @@ impl SimulatedDevice {
         }
     }
 
-    /// The motion, if one was given; the points of a file are read.
+    /// The motion, if given; its points are read from their file.
     ///
     /// # Errors
     /// [`BusError::Address`] if the file can't be read.
@@ -218,7 +218,7 @@ fn unreadable(path: &str, reason: &str) -> BusError {
     BusError::Address { address: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// The node-IDs of the devices: the given ones, then each model's own or the next one that is free.
+/// The node-IDs of the devices: the given one, else that of the model, else the next free one.
 pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Option<NodeId>> {
     let mut taken: Vec<NodeId> = devices.iter().filter_map(|(device, _)| device.given_id()).collect();
     let assign = |(device, model): &(&SimulatedDevice, &'static Model)| match device.node {
@@ -235,10 +235,10 @@ pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Opti
     devices.iter().map(assign).collect()
 }
 
-/// Models of files live as long as the program, as the built-in ones do: each file's content is kept once.
+/// Models of files live as long as the program, like the built-in ones; each content is kept once.
 static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
 
-/// By path and content.
+/// Models by path and content.
 type Described = BTreeMap<(String, Vec<u8>), &'static Model>;
 
 fn described(path: &str) -> Result<&'static Model, String> {

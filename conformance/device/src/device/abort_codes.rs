@@ -1,10 +1,10 @@
-//! The abort codes of a firmware: a wrong one, or one of several that the standard has for the same reason.
+//! The abort codes of a firmware: a wrong one, or one of several that the standard allows for the same reason.
 
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::wire::sdo::AbortCode;
 
 impl Firmware {
-    /// The abort code for what the standard has that one for.
+    /// The firmware's code for the standard's one.
     pub(super) fn abort_code(&self, code: AbortCode) -> AbortCode {
         let wrong = match code {
             AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW => {
@@ -23,7 +23,7 @@ impl Firmware {
         if self.has(wrong.0) { wrong.1 } else { self.free_code(code) }
     }
 
-    /// The abort code for an object, or a sub-index, that does not exist.
+    /// The code for an object, or a sub-index, that does not exist.
     pub(super) const fn missing_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::NO_OBJECT if self.has(Fault::SdoWrongCodeForNoObject) => AbortCode::NO_SUB_INDEX,
@@ -32,12 +32,12 @@ impl Firmware {
         }
     }
 
-    /// The abort code for a write to what can only be read.
+    /// The code for writing a read-only entry.
     pub(super) const fn read_only_code(&self) -> AbortCode {
         if self.has(Fault::SdoReadOnlyWrongCode) { AbortCode::DEVICE_STATE } else { AbortCode::READ_ONLY }
     }
 
-    /// A code that is as right as that one.
+    /// A code that is as right as the given one.
     const fn free_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW if self.takes(Liberty::LengthCodeGeneral) => {
@@ -50,7 +50,7 @@ impl Firmware {
         }
     }
 
-    /// For a value above what a service knows.
+    /// The code for a value above a service's limit.
     pub(super) const fn limit_code(&self) -> AbortCode {
         if self.takes(Liberty::LimitCodePrecise) { AbortCode::VALUE_TOO_HIGH } else { AbortCode::INVALID_VALUE }
     }

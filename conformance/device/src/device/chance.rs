@@ -1,17 +1,17 @@
-//! Chance that comes back: how response times vary.
+//! Repeatable random numbers, for varying response times.
 
-/// Repeatable chance (xorshift64*).
+/// A repeatable random generator (xorshift64*).
 #[derive(Clone, Debug)]
 pub(super) struct Chance(u64);
 
 impl Chance {
-    /// The same seed gives the same numbers.
+    /// A generator with this seed; equal seeds give equal numbers.
     pub const fn new(seed: u64) -> Self {
-        // 0 would stay 0 for ever.
+        // A state of 0 would stay 0 for ever.
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
-    /// A number from 0 to `limit - 1`; 0 where `limit` is 0.
+    /// A number from 0 to `limit - 1`; 0 if `limit` is 0.
     pub const fn below(&mut self, limit: u64) -> u64 {
         if limit == 0 {
             return 0;

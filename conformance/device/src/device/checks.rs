@@ -1,4 +1,4 @@
-//! Which numbers an object takes: limits, the rules of its service, and those of the model's sheet.
+//! Checks of written numbers: limits, rules of the service, and rules of the model's sheet.
 
 use super::emcy::{check_cob_id, check_peer_cob_id};
 use super::lss_slave::UNCONFIGURED;
@@ -17,7 +17,7 @@ use std::cmp::Ordering;
 const SCALING: u64 = 1 << 2;
 
 impl Objects {
-    /// Whether the object takes that number now.
+    /// Checks whether the object accepts that number now.
     ///
     /// # Errors
     /// The abort code of this model if it does not.
@@ -46,7 +46,7 @@ impl Objects {
             return Ok(());
         }
         let checked = match command {
-            // One function checks both signatures.
+            // With this fault, one check accepts both signatures.
             _ if self.firmware.has(Fault::StoreSignatureUnchecked) => false,
             StoreCommand::Save(_) => true,
             StoreCommand::Restore(_) => !self.firmware.has(Fault::RestoreSignatureUnchecked),
@@ -54,7 +54,7 @@ impl Objects {
         if checked { command.check(value, &self.model.sheet().storage) } else { Ok(()) }
     }
 
-    /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
+    /// Checks node-ID and bit rate: a valid value, or "not configured" if the device is delivered so.
     fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
@@ -72,7 +72,7 @@ impl Objects {
         }
     }
 
-    /// 1000h to 1FFFh.
+    /// Checks objects from 1000h to 1FFFh.
     fn check_communication(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let (parameters, firmware, network) = (&self.parameters, &self.firmware, &self.model.sheet().network);
         let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
@@ -107,7 +107,7 @@ impl Objects {
         }
     }
 
-    /// What the encoder and the sheet refuse.
+    /// Checks by the encoder's rules and the sheet.
     fn check_application(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         self.compare(at, value)?;
@@ -131,7 +131,7 @@ impl Objects {
         }
     }
 
-    /// Whether the limits of the object are checked when it is stored.
+    /// Whether the limits of the object are checked only when it is stored.
     fn is_checked_later(&self, at: Multiplexer) -> bool {
         let quirks = &self.model.sheet().quirks;
         quirks.limits_checked_at_store && quirks.acts_when_stored.contains(&at)
@@ -143,13 +143,13 @@ impl Objects {
         if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
     }
 
-    /// A faulty firmware takes a work area whose low limit is above its high limit.
+    /// A faulty firmware accepts a work area whose low limit is above its high limit.
     fn is_swap_accepted(&self, at: Multiplexer) -> bool {
         matches!(at.index.0, encoder::WORK_AREA_LOW_LIMIT | encoder::WORK_AREA_HIGH_LIMIT)
             && self.firmware.has(Fault::WorkAreaLimitsSwappedAccepted)
     }
 
-    /// Objects that are limits of each other.
+    /// Checks objects that limit each other.
     fn compare(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
         for check in self.model.sheet().checks.iter().filter(|check| check.at.contains(at)) {

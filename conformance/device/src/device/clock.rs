@@ -1,4 +1,4 @@
-//! The clock of a device, which TIME sets and tells, and the high resolution time stamp (1013h).
+//! The clock of a device, which TIME sets and sends, and the high resolution time stamp (1013h).
 
 use super::parameters::Parameters;
 use crate::models::Network;
@@ -8,29 +8,29 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::time::TimeOfDay;
 use canvass_traces::{Duration, Timestamp};
 
-/// The device's clock: at power-on it shows the beginning of 1984.
+/// The device's clock; at power-on it shows the beginning of 1984.
 #[derive(Clone, Debug)]
 pub(super) struct Clock {
     /// Milliseconds since 1984-01-01 at `set`.
     base: u64,
     set: Timestamp,
-    /// What was written to 1013h, and when.
+    /// The value written to 1013h, and its time.
     stamp: (u32, Timestamp),
     cob_id: CobId,
     consumes: bool,
-    /// Zero: TIME is not sent.
+    /// The period of TIME; zero if it is not sent.
     period: Duration,
     due: Timestamp,
     firmware: Firmware,
 }
 
-/// 1012h bit 31.
+/// 1012h bit 31: consumes TIME.
 pub(super) const CONSUMES: u32 = 1 << 31;
-/// 1012h bit 30.
+/// 1012h bit 30: produces TIME.
 pub(super) const PRODUCES: u32 = 1 << 30;
 
 impl Clock {
-    /// At power-on.
+    /// A clock at power-on.
     pub const fn new(now: Timestamp, firmware: &Firmware) -> Self {
         Self {
             base: 0,
@@ -44,7 +44,7 @@ impl Clock {
         }
     }
 
-    /// Takes 1012h over.
+    /// Takes over 1012h.
     pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
         self.cob_id = CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32);
         self.consumes = network.time_consumer && self.cob_id.0 & CONSUMES != 0;
@@ -53,23 +53,23 @@ impl Clock {
         self.restart(now, may_send);
     }
 
-    /// Begins to send anew, or stops.
+    /// Restarts sending, or stops it.
     pub fn restart(&mut self, now: Timestamp, may_send: bool) {
         let sends = may_send && self.period > Duration::ZERO && !self.firmware.has(Fault::TimeNotProduced);
         self.due = if sends { now + self.period } else { Timestamp::MAX };
     }
 
-    /// The CAN-ID on which TIME is awaited, if it is.
+    /// The CAN-ID on which the device consumes TIME, if it does.
     pub fn can_id(&self) -> Option<u16> {
         self.consumes.then_some(self.cob_id.can_id() as u16)
     }
 
-    /// The CAN-ID that a produced TIME has.
+    /// The CAN-ID of the produced TIME.
     pub const fn own_can_id(&self) -> u16 {
         self.cob_id.can_id() as u16
     }
 
-    /// TIME came.
+    /// Handles TIME.
     pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
         if !self.firmware.has(Fault::TimeIgnored) {
             self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
@@ -77,7 +77,7 @@ impl Clock {
         }
     }
 
-    /// 1013h was written.
+    /// Handles a write to 1013h.
     pub const fn stamp(&mut self, now: Timestamp, micros: u32) {
         self.stamp = (micros, now);
     }
@@ -97,12 +97,12 @@ impl Clock {
         TimeOfDay { raw_milliseconds: (millis % day) as u32, days: (millis / day) as u16 }
     }
 
-    /// When [`Clock::poll`] wants to be called.
+    /// Time of the next call of [`Clock::poll`].
     pub const fn timeout(&self) -> Timestamp {
         self.due
     }
 
-    /// The TIME to send, if it is time for one.
+    /// The TIME message, if it is due.
     pub fn poll(&mut self, now: Timestamp) -> Option<TimeOfDay> {
         if now < self.due {
             return None;

@@ -1,37 +1,37 @@
-//! What can be wrong with a device, and how it is signalled.
+//! Error conditions of a device, and their signals.
 
 use crate::models::Quirks;
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 
-/// Something that can be wrong with the device. Each is present or not; only changes are reported.
+/// An error condition. Each is present or absent; only changes are reported.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Condition {
     /// The temperature is outside the limits of 2120h.
     Temperature { now: u8, low: u8, high: u8 },
     /// The shaft is too fast (6505h bit 0).
     Overspeed,
-    /// The master's guarding is missing.
+    /// The master's guarding requests are missing.
     Guarding,
     /// The position is wrong (6503h bit 0).
     Position,
     /// The heartbeat of that node is missing.
     Heartbeat { node: u8 },
-    /// RPDO of that number, from 1: shorter than its mapping.
+    /// The RPDO of this number, from 1, is shorter than its mapping.
     RpdoTooShort { rpdo: u16 },
-    /// RPDO of that number, from 1: longer than its mapping.
+    /// The RPDO of this number, from 1, is longer than its mapping.
     RpdoTooLong { rpdo: u16 },
-    /// RPDO of that number, from 1: not within its deadline.
+    /// The RPDO of this number, from 1, missed its deadline.
     RpdoLate { rpdo: u16 },
-    /// SYNC does not have the length that 1019h asks for.
+    /// SYNC does not have the length that 1019h requires.
     SyncLength,
-    /// A parameter that was to be stored is out of its limits (6503h bit 13).
+    /// A parameter to be stored is outside its limits (6503h bit 13).
     Parameter,
-    /// Something of the hardware, by its EMCY code, as the model's sheet describes it.
+    /// A hardware error, by its EMCY code in the model's sheet.
     Hardware { code: EmcyCode, register: u8, bytes: [u8; 5] },
 }
 
 impl Condition {
-    /// Conditions with equal keys are the same one, with other details.
+    /// The identity of the condition; other details may differ.
     pub const fn key(self) -> (u8, u16) {
         match self {
             Self::Temperature { .. } => (0, 0),
@@ -70,14 +70,14 @@ impl Condition {
         }
     }
 
-    /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
+    /// The bits of the error register. Bit 0 is always among them, if the device supports it.
     pub fn register(self, quirks: &Quirks) -> u8 {
         if let Self::Hardware { register: documented @ 1.., .. } = self {
             return documented;
         }
         let is_alarm = matches!(self, Self::Parameter | Self::Position);
         let profile = if is_alarm { ErrorRegister::PROFILE.0 } else { 0 };
-        // Whatever its code is, a lost master is an error of communication.
+        // A lost master is a communication error, whatever its code.
         let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
         let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
         match quirks.error_register_bits {
@@ -87,12 +87,13 @@ impl Condition {
         }
     }
 
-    /// The sub-index of 1029h that says what the device does about it.
+    /// The sub-index of 1029h for the device's reaction.
     pub const fn behaviour(self) -> Option<u8> {
         match self {
             Self::Guarding | Self::Heartbeat { .. } => Some(1),
             Self::Temperature { .. } | Self::Overspeed => Some(2),
-            // Temperature and sensors are of the profile, communication is communication, the rest the manufacturer's.
+            // Temperature and sensor errors belong to the profile, communication errors to communication, others to
+            // the manufacturer.
             Self::Hardware { code, .. } => Some(match code.0 {
                 0x4000..0x5000 | 0x5050..0x5060 | 0xFF00 => 2,
                 0x8000..0x9000 => 1,

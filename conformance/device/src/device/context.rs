@@ -1,4 +1,4 @@
-//! What the services of a device share.
+//! State that the services of a device share.
 
 use super::PLACEHOLDER;
 use super::condition::Condition;
@@ -14,32 +14,32 @@ use canvass_analyzer::wire::error_control::{self, ErrorControl};
 use canvass_traces::{Frame, Timestamp};
 use std::collections::VecDeque;
 
-/// The state that services share, and what they want of the device.
+/// The shared state of the services, and their requests to the device.
 #[derive(Clone, Debug)]
 pub(super) struct Context {
     pub node: Option<NodeId>,
     pub phase: Phase,
     pub objects: Objects,
     pub store: Store,
-    /// Until then the device neither hears nor sends anything; [`Timestamp::ZERO`]: it works.
+    /// Until this time the device neither receives nor sends; [`Timestamp::ZERO`] if it works.
     pub silent_until: Timestamp,
-    /// What is ready to be sent.
+    /// Frames ready to be sent.
     pub outbox: VecDeque<Frame>,
-    /// What has happened and nobody was told yet.
+    /// Events that were not handled yet.
     pub events: VecDeque<Event>,
-    /// COB-IDs have changed.
+    /// Whether COB-IDs have changed.
     pub routes_changed: bool,
-    /// It is too late for synchronous PDOs.
+    /// Whether the window of synchronous PDOs is over.
     pub sync_closed: bool,
-    /// Heartbeats are sent, so that guarding is not answered.
+    /// Whether heartbeats are sent, so that guarding is not answered.
     pub is_heartbeat_active: bool,
 }
 
-/// More frames than that don't wait: a device that can't get rid of its frames loses them.
+/// Maximum number of waiting frames: a device that can't send loses further frames.
 const LONGEST_OUTBOX: usize = 256;
 
 impl Context {
-    /// Before the first start.
+    /// A context before the first start.
     pub fn new(node: Option<NodeId>, objects: Objects, store: Store) -> Self {
         Self {
             node,
@@ -55,7 +55,7 @@ impl Context {
         }
     }
 
-    /// A reset: nothing waits any more, to be sent or to be acted on.
+    /// Handles a reset: drops waiting frames and events.
     pub fn clear(&mut self) {
         self.outbox.clear();
         self.objects.written.clear();
@@ -64,7 +64,7 @@ impl Context {
         self.silent_until = Timestamp::ZERO;
     }
 
-    /// What the firmware does otherwise.
+    /// The faults and liberties of the firmware.
     pub const fn firmware(&self) -> &Firmware {
         &self.objects.firmware
     }
@@ -84,7 +84,7 @@ impl Context {
         self.node.unwrap_or(PLACEHOLDER)
     }
 
-    /// Whether a service works in the state of now.
+    /// Whether a service works in the current state.
     pub fn serves(&self, service: Service) -> bool {
         self.phase.serves(service, self.firmware())
     }
@@ -103,12 +103,12 @@ impl Context {
         }
     }
 
-    /// Has the device do something.
+    /// Requests an action of the device.
     pub fn order(&mut self, order: Order) {
         self.events.push_back(Event::Order(order));
     }
 
-    /// A condition is there or gone.
+    /// Reports that a condition is present or gone.
     pub fn report(&mut self, condition: Condition, present: bool) {
         let reacts_to_return = self.firmware().has(Fault::ConsumerReturnLeaves);
         let next = if self.objects.errors.set(condition, present) && (present || reacts_to_return) {
@@ -122,13 +122,13 @@ impl Context {
         next.into_iter().for_each(|phase| self.order(Order::Enter(phase)));
     }
 
-    /// As [`Context::report`] of a condition that is there, without telling anybody.
+    /// As [`Context::report`] of a present condition, but without an EMCY.
     pub fn react(&mut self, condition: Condition) {
         self.reaction(condition).into_iter().for_each(|phase| self.order(Order::Enter(phase)));
     }
 
-    /// 1029h: the NMT state that follows an error. Without its first entry operational is left when the master or a
-    /// watched node is missing.
+    /// The NMT state after an error, by 1029h. Without its first entry the device leaves operational when the master
+    /// or a watched node is missing.
     fn reaction(&self, condition: Condition) -> Option<Phase> {
         let firmware = self.firmware();
         let sub = condition.behaviour().filter(|_| !firmware.has(Fault::ErrorBehaviourIgnored))?;

@@ -1,4 +1,4 @@
-//! The loop over the services: which frame goes to which of them, what follows, and what goes out when.
+//! The loop over the services: routes frames and events to them, and collects their frames.
 
 use super::Device;
 use super::lss_slave;
@@ -44,7 +44,7 @@ impl Device {
         self.follow_up(now);
     }
 
-    /// What services said that has happened is told to the others, or done.
+    /// Passes the services' events to the other services, or carries them out.
     pub(super) fn follow_up(&mut self, now: Timestamp) {
         while let Some(event) = self.context.events.pop_front() {
             match event {
@@ -55,7 +55,7 @@ impl Device {
         }
     }
 
-    /// Acts on everything that was written since.
+    /// Handles all writes since the last call.
     fn act_on_writes(&mut self, now: Timestamp) {
         let mut any = false;
         while let Some((at, value)) = self.context.objects.written.pop() {
@@ -67,15 +67,14 @@ impl Device {
         }
     }
 
-    /// Finds all routes anew: COB-IDs or the node-ID have changed.
+    /// Recomputes all routes, because COB-IDs or the node-ID have changed.
     pub(super) fn find_routes(&mut self) {
         self.context.routes_changed = false;
         self.routes = Routes::new();
         self.services.find_routes(&self.context, &mut self.routes);
     }
 
-    /// After every event: what has become ready goes into the outbox, so that nothing stays due. Finds out when the next
-    /// event is.
+    /// Moves ready frames to the outbox, and computes the time of the next event; to be called after every event.
     pub(super) fn settle(&mut self, now: Timestamp) {
         if self.context.routes_changed {
             self.find_routes();
@@ -84,7 +83,7 @@ impl Device {
         self.beside_sdo = Timestamp::ZERO;
         self.wake = match self.context.phase {
             Phase::Unconfigured => self.activation_timeout().min(self.services.lss.timeout(&self.context)),
-            // What services still waited for at the reset is settled when they start again.
+            // Services settle their waiting work when they start again after the reset.
             Phase::Initialising { until } => {
                 let ready = self.services.emcy.timeout(&self.context).min(self.services.sdo.next());
                 until.min(self.activation_timeout()).min(ready)
@@ -97,7 +96,7 @@ impl Device {
         };
     }
 
-    /// As [`Device::settle`], after something that concerned the SDO servers alone.
+    /// As [`Device::settle`], after an event that concerned only the SDO servers.
     fn settle_sdo(&mut self, now: Timestamp) {
         if self.beside_sdo == Timestamp::ZERO {
             return self.settle(now);
@@ -106,7 +105,7 @@ impl Device {
         self.wake = self.beside_sdo.min(self.services.sdo.next());
     }
 
-    /// Which service a frame of the device itself belongs to.
+    /// The service of a frame of the device itself.
     pub(super) fn service_of(&self, frame: &Frame) -> Option<Service> {
         let (can_id, node) = (frame.id().as_standard()?, self.context.node?);
         let clock = &self.context.objects.clock;
@@ -120,13 +119,13 @@ impl Device {
         })
     }
 
-    /// Whether a synchronous PDO that has not begun is too late.
+    /// Whether a waiting synchronous PDO is too late to be sent.
     fn is_too_late(&self, pending: &Frame) -> bool {
         let can_id = pending.id().as_standard();
         self.context.sync_closed && can_id.is_some_and(|id| self.services.tpdos.use_synchronously(id))
     }
 
-    /// A frame as the services get it.
+    /// Handles a frame as the services get it.
     fn receive(&mut self, now: Timestamp, frame: &Frame) {
         let confuses = self.context.has(Fault::ExtendedFrameObeyed);
         let standard = frame.id().as_standard();

@@ -1,4 +1,4 @@
-//! EMCY: what is sent of the device's own errors (1014h, 1015h), and what is heard of others' (1028h).
+//! EMCY: sends the device's own errors (1014h, 1015h), and receives those of other nodes (1028h).
 
 use super::context::Context;
 use super::nmt;
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::emcy;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Sends what is to be said of errors, and hears what others say of theirs.
+/// Sends EMCY messages, and handles those of other nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmcyService;
 
@@ -26,11 +26,11 @@ impl EmcyService {
         let inhibit =
             Duration::from_micros(100 * context.objects.parameters.number_or_zero(object::INHIBIT_TIME_EMCY, 0));
         if inhibit > Duration::ZERO && context.has(Fault::EmcyMutedByInhibitTime) {
-            // What is in the queue is lost.
+            // The waiting messages are lost.
             while context.objects.errors.poll(now, Duration::ZERO).is_some() {}
             return None;
         }
-        // One that 1014h silences is gone, the next one may follow at once.
+        // A message disabled by 1014h is dropped, and the next one may follow at once.
         loop {
             let emcy = context.objects.errors.poll(now, inhibit)?;
             let cob_id = Self::cob_id(context)?;
@@ -59,7 +59,7 @@ impl EmcyService {
 }
 
 impl Service for EmcyService {
-    /// The EMCY of a node of 1028h.
+    /// Handles the EMCY of a node in 1028h.
     fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         if frame.len() == 8 && context.phase.is_running() {
             context.objects.received_emcy = u64::from_le_bytes(frame.bytes());
@@ -107,7 +107,7 @@ impl Service for EmcyService {
     }
 }
 
-/// The conditions of a write to 1014h: 11 bits, not restricted, and another CAN-ID only while bit 31 is set.
+/// Checks a write to 1014h: 11 bits, not restricted, and another CAN-ID only while bit 31 is set.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -119,7 +119,7 @@ pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmw
     check_peer_cob_id(value, old, firmware, !firmware.has(Fault::EmcyIdChangeWhileValid))
 }
 
-/// The same for the COB-IDs of 1028h and of the further SDO channels.
+/// As [`check_cob_id`], for the COB-IDs of 1028h and of the further SDO channels.
 ///
 /// # Errors
 /// "Invalid value" otherwise.

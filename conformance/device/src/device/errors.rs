@@ -1,4 +1,4 @@
-//! What is wrong with a device, as the error register (1001h), the history (1003h) and the EMCY messages tell it.
+//! The errors of a device, in the error register (1001h), the history (1003h) and the EMCY messages.
 
 use super::condition::Condition;
 use crate::models::Quirks;
@@ -14,28 +14,28 @@ pub(super) struct Errors {
     present: Vec<Condition>,
     /// 1003h, newest first.
     history: VecDeque<u32>,
-    /// How many the history holds.
+    /// Number of entries of the history.
     capacity: usize,
-    /// Not sent yet.
+    /// Messages that were not sent yet.
     queue: VecDeque<Emcy>,
-    /// 1015h: no EMCY before then.
+    /// 1015h: the time before which no EMCY is sent.
     inhibited_until: Timestamp,
-    /// Bits that a firmware forgets to clear.
+    /// Bits that a faulty firmware forgets to clear.
     stuck: u8,
     quirks: Quirks,
     firmware: Firmware,
 }
 
-/// More EMCY messages than that don't wait; the oldest stay.
+/// Maximum number of waiting EMCY messages; the oldest stay.
 const LONGEST_QUEUE: usize = 16;
 
-/// As many errors are counted where 1003h shows fewer.
+/// Number of counted errors, if 1003h shows fewer.
 const MOST_COUNTED: usize = 16;
 
 impl Errors {
-    /// No error; the history holds `capacity` entries.
+    /// The state without errors; the history holds `capacity` entries.
     pub fn new(capacity: usize, quirks: &Quirks, firmware: &Firmware) -> Self {
-        // Errors that can only be cleared one by one are counted beyond those that are shown.
+        // Errors that can only be cleared one by one are counted beyond the shown ones.
         let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
             quirks: quirks.clone(),
@@ -80,7 +80,7 @@ impl Errors {
         }
     }
 
-    /// 0 was written to 1003h:00.
+    /// Handles a write of 0 to 1003h:00.
     pub fn clear_history(&mut self) {
         if self.firmware.has(Fault::ErrorHistoryNotCleared) {
             return;
@@ -93,7 +93,7 @@ impl Errors {
         }
     }
 
-    /// 1001h was read by SDO.
+    /// Handles the reading of 1001h by SDO.
     pub fn register_was_read(&mut self) {
         if self.firmware.has(Fault::ErrorRegisterReadClears) {
             self.present.clear();
@@ -106,7 +106,7 @@ impl Errors {
         }
     }
 
-    /// The last error of the history is gone: so is what the register shows.
+    /// Clears the register when the last error of the history is gone.
     fn acknowledge(&mut self) {
         self.present.clear();
         self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
@@ -117,7 +117,7 @@ impl Errors {
         self.present.iter().fold(0, |alarms, condition| alarms | condition.alarm())
     }
 
-    /// A condition is there or gone. Reports it only when that changes, and says whether it does.
+    /// Sets a condition. Only a change is reported; returns whether there was one.
     pub fn set(&mut self, condition: Condition, present: bool) -> bool {
         let position = self.present.iter().position(|other| other.key() == condition.key());
         match (position, present) {
@@ -150,7 +150,7 @@ impl Errors {
         true
     }
 
-    /// The code that is signalled.
+    /// The code of the EMCY.
     fn code(&self, condition: Condition) -> EmcyCode {
         match condition {
             _ if self.firmware.takes(Liberty::GenericErrorCodes) => EmcyCode::GENERIC,
@@ -173,7 +173,7 @@ impl Errors {
         }
     }
 
-    /// The next message to send, unless the inhibit time runs.
+    /// The next message to send, unless the inhibit time is running.
     pub fn poll(&mut self, now: Timestamp, inhibit: Duration) -> Option<Emcy> {
         if now < self.inhibited_until {
             if self.firmware.has(Fault::EmcyLostWhenInhibited) {
@@ -188,22 +188,22 @@ impl Errors {
         Some(emcy)
     }
 
-    /// When [`Errors::poll`] has something again.
+    /// Time at which [`Errors::poll`] returns the next message.
     pub fn timeout(&self) -> Timestamp {
         match self.queue.is_empty() {
             true => Timestamp::MAX,
-            // What is lost is lost at once.
+            // Messages that get lost are due at once.
             false if self.firmware.has(Fault::EmcyLostWhenInhibited) => Timestamp::ZERO,
             false => self.inhibited_until,
         }
     }
 
-    /// 1015h was written, by a device whose inhibit time begins with that.
+    /// Handles a write to 1015h, for a device whose inhibit time then begins.
     pub fn inhibit_until(&mut self, end: Timestamp) {
         self.inhibited_until = end;
     }
 
-    /// The device is in stopped.
+    /// Handles the state stopped.
     pub fn on_stopped(&mut self) {
         if self.firmware.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
@@ -211,7 +211,7 @@ impl Errors {
         }
     }
 
-    /// The device has left stopped: what came meanwhile may be signalled now.
+    /// Handles leaving stopped: messages from meanwhile may be sent now.
     pub fn after_stopped(&mut self) {
         if self.firmware.takes(Liberty::StoppedEmcyDropped) {
             self.queue.clear();
@@ -221,8 +221,8 @@ impl Errors {
         }
     }
 
-    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off, unless a reset
-    /// clears it too.
+    /// Handles a reset: conditions are detected anew, waiting messages are lost, the history stays until power-off,
+    /// unless a reset clears it too.
     pub fn reset(&mut self) {
         self.present.clear();
         if !self.firmware.has(Fault::EmcySurvivesReset) {
@@ -234,7 +234,7 @@ impl Errors {
         }
     }
 
-    /// Off and on again: nothing is remembered, and nothing said.
+    /// Handles power-off and on: all errors and messages are gone.
     pub fn power_on(&mut self) {
         self.history.clear();
         self.reset();

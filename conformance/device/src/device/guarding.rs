@@ -9,29 +9,29 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
-/// Answers the master's remote frames, and misses them.
+/// Answers the master's remote frames, and detects their absence.
 #[derive(Clone, Debug)]
 pub(super) struct NodeGuarding {
     toggle: bool,
-    /// Guard time times life time factor; zero: the master is not watched.
+    /// Guard time times life time factor; zero if the master is not monitored.
     life_time: Duration,
-    /// The master is lost then. [`Timestamp::MAX`] until its first remote frame.
+    /// The time at which the master counts as lost; [`Timestamp::MAX`] until its first remote frame.
     due: Timestamp,
 }
 
 impl NodeGuarding {
-    /// Before the first remote frame.
+    /// The state before the first remote frame.
     pub const fn new() -> Self {
         Self { toggle: false, life_time: Duration::ZERO, due: Timestamp::MAX }
     }
 
-    /// A reset: as new.
+    /// Handles a reset.
     const fn reset(&mut self, firmware: &Firmware) {
         let toggle = self.toggle && firmware.has(Fault::GuardingToggleNotReset);
         *self = Self { toggle, ..Self::new() };
     }
 
-    /// 100Ch in milliseconds and 100Dh were set.
+    /// Takes over 100Ch, in milliseconds, and 100Dh.
     fn set(&mut self, now: Timestamp, guard_millis: u64, factor: u64, firmware: &Firmware) {
         let life_time = Duration::from_millis(guard_millis).times(life_time_factor(factor, firmware));
         if life_time == Duration::ZERO && firmware.has(Fault::LifeGuardingNotStopped) {
@@ -43,7 +43,7 @@ impl NodeGuarding {
         self.due = if watched { now + life_time } else { Timestamp::MAX };
     }
 
-    /// A remote frame came.
+    /// Handles a remote frame.
     fn answer(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
         if self.life_time == Duration::ZERO && firmware.has(Fault::GuardingSilentWhenOff) {
             return None;
@@ -60,14 +60,14 @@ impl NodeGuarding {
         Some(ErrorControl { toggle, state })
     }
 
-    /// Takes 100Ch and 100Dh over.
+    /// Takes over 100Ch and 100Dh from the context.
     fn configure(&mut self, now: Timestamp, context: &Context) {
         let number = |index| context.objects.parameters.number_or_zero(index, 0);
         self.set(now, number(object::GUARD_TIME), number(object::LIFE_TIME_FACTOR), context.firmware());
     }
 
-    /// The master asks for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301,
-    /// 7.2.8.2.2).
+    /// Handles the master's request for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA
+    /// 301, 7.2.8.2.2).
     pub fn on_request(&mut self, now: Timestamp, context: &mut Context) {
         let sheet = context.objects.model.sheet();
         let beside = !context.is_heartbeat_active || context.has(Fault::GuardingBesideHeartbeat);
@@ -84,7 +84,7 @@ impl NodeGuarding {
     }
 }
 
-/// The factor of the life time, by 100Dh.
+/// The life time factor of 100Dh.
 fn life_time_factor(factor: u64, firmware: &Firmware) -> u64 {
     let factor = if firmware.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
     factor + u64::from(firmware.has(Fault::LifeTimeFactorOffByOne) && factor > 0)
@@ -106,7 +106,7 @@ impl Service for NodeGuarding {
         if now < self.due {
             return;
         }
-        // Said once, until the master's next remote frame.
+        // The loss is reported once, until the master's next remote frame.
         self.due = Timestamp::MAX;
         if !context.has(Fault::LifeGuardingUnreported) {
             context.report(Condition::Guarding, true);

@@ -11,24 +11,24 @@ use canvass_traces::{Duration, Timestamp};
 /// The resolution of a coarse timer, in milliseconds.
 const COARSE: u64 = 64;
 
-/// Sends the state at fixed times.
+/// Sends the state periodically.
 #[derive(Clone, Debug)]
 pub(super) struct HeartbeatProducer {
     period: Duration,
     due: Timestamp,
-    /// Heartbeats that a faulty firmware makes up for.
+    /// Number of missed heartbeats that a faulty firmware sends later.
     burst: u8,
-    /// The state of the heartbeat before.
+    /// The state in the last heartbeat.
     last: State,
 }
 
 impl HeartbeatProducer {
-    /// Silent.
+    /// A producer that is off.
     pub const fn new() -> Self {
         Self { period: Duration::ZERO, due: Timestamp::MAX, burst: 0, last: State::PRE_OPERATIONAL }
     }
 
-    /// Begins anew with the time of 1017h in milliseconds; 0 is never.
+    /// Restarts with the time of 1017h in milliseconds; 0 switches off.
     fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         if millis == 0 && firmware.has(Fault::HeartbeatNotStopped) {
             return;
@@ -40,7 +40,8 @@ impl HeartbeatProducer {
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
-    /// The end of initialisation: the boot-up message is the first heartbeat, the next one follows one period later.
+    /// Handles the end of initialisation: the boot-up message is the first heartbeat, the next one follows one period
+    /// later.
     fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         self.start(now, millis, firmware);
         self.burst = 0;
@@ -50,23 +51,23 @@ impl HeartbeatProducer {
         }
     }
 
-    /// Initialisation: no heartbeat.
+    /// Handles initialisation: no heartbeat.
     const fn stop(&mut self) {
         self.due = Timestamp::MAX;
         self.burst = 0;
     }
 
-    /// Whether there is one at all.
+    /// Whether heartbeats are produced.
     fn is_active(&self) -> bool {
         self.due < Timestamp::MAX
     }
 
-    /// The heartbeat of now.
+    /// The current heartbeat.
     fn heartbeat(&mut self, phase: Phase, firmware: &Firmware) -> ErrorControl {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
-            // From the time planned, not from now: periods don't add up delays.
+            // The next one is due relative to the planned time, so that delays do not add up.
             self.due += self.period;
         }
         let wrong = firmware.has(Fault::HeartbeatWrongState);

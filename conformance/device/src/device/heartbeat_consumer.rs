@@ -1,4 +1,4 @@
-//! The heartbeat consumer (1016h): misses the nodes that it has heard once.
+//! The heartbeat consumer (1016h): detects the absence of nodes that it has heard once.
 
 use super::condition::Condition;
 use super::context::Context;
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// What is awaited of other nodes, one for each sub-index of 1016h.
+/// The consumed heartbeats, one for each sub-index of 1016h.
 #[derive(Clone, Debug)]
 pub(super) struct HeartbeatConsumer {
     watched: Vec<Watched>,
@@ -22,20 +22,20 @@ pub(super) struct HeartbeatConsumer {
 #[derive(Clone, Copy, Debug)]
 struct Watched {
     node: u8,
-    /// Zero: the entry is not in use.
+    /// The consumer time; zero if the entry is not in use.
     time: Duration,
-    /// [`Timestamp::MAX`] until the first heartbeat.
+    /// The time at which the heartbeat is missing; [`Timestamp::MAX`] until the first one.
     due: Timestamp,
     lost: bool,
 }
 
 impl HeartbeatConsumer {
-    /// Nobody is watched.
+    /// A consumer without entries.
     pub const fn new() -> Self {
         Self { watched: Vec::new() }
     }
 
-    /// Begins anew with the entries of 1016h.
+    /// Restarts with the entries of 1016h.
     fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
         let most = if firmware.has(Fault::HeartbeatConsumerFirstOnly) { 1 } else { 127 };
@@ -51,7 +51,7 @@ impl HeartbeatConsumer {
         }));
     }
 
-    /// An error control message of that node came; whether the node was missing.
+    /// Handles an error control message of a node; returns whether the node was missing.
     fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
         let mut back = false;
         let everyone = firmware.has(Fault::HeartbeatConsumerWatchesEveryone);
@@ -66,7 +66,7 @@ impl HeartbeatConsumer {
         back
     }
 
-    /// A node that is missed from now on, if there is one: called until there is none.
+    /// A newly missing node, if there is one; called until there is none.
     fn next_lost(&mut self, now: Timestamp) -> Option<u8> {
         let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
         watched.due = Timestamp::MAX;
@@ -82,7 +82,7 @@ fn acts(at: Multiplexer, context: &Context) -> bool {
 }
 
 impl Service for HeartbeatConsumer {
-    /// An error control message of another node.
+    /// Handles an error control message of another node.
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let node = (frame.id().raw() & 0x7F) as u8;
         let hears = context.phase.is_running()
@@ -140,14 +140,14 @@ const fn split(entry: u64) -> (u8, u64) {
     ((entry >> 16) as u8, entry & 0xFFFF)
 }
 
-/// Whether another entry watches another node.
+/// Whether another entry monitors another node.
 fn watches_another(at: Multiplexer, node: u8, parameters: &Parameters) -> bool {
     let others = (1..=127).filter(|&sub| sub != at.sub.0);
     let mut others = others.map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub)).map(split);
     others.any(|(other, time)| other != node && time > 0)
 }
 
-/// The conditions of a write to 1016h: one entry for each node; another node only after the entry was erased.
+/// Checks a write to 1016h: one entry for each node; another node only after the entry was erased.
 ///
 /// # Errors
 /// "General parameter incompatibility" otherwise.

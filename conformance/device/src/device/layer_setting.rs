@@ -1,29 +1,30 @@
-//! What the slaves of LSS and LMT have in common: the two states, and what has to come in order.
+//! State that LSS and LMT slaves share: the two states, and sequences of messages.
 
 use canvass_analyzer::wire::layer_setting::{Dialect, Limit, Numbered};
 
-/// Where a slave is.
+/// The state of a slave.
 #[derive(Clone, Debug)]
 pub(super) struct LayerSetting {
-    /// In configuration, and not in waiting (LSS) or operation (LMT).
+    /// Whether it is in configuration, not in waiting (LSS) or operation (LMT).
     pub configuring: bool,
-    /// The parts of the address.
+    /// Progress in the parts of the address.
     pub selected: InOrder,
-    /// The bounds of "identify remote slave".
+    /// Progress in the bounds of "identify remote slave".
     pub identified: InOrder,
 }
 
-/// How many of several values have come in their order and fitted; a first one begins anew.
+/// The number of values received in order that matched; a first value restarts.
 #[derive(Clone, Debug)]
 pub(super) struct InOrder(usize);
 
 impl LayerSetting {
-    /// Waiting, or in operation.
+    /// The state waiting, or operation.
     pub const fn new() -> Self {
         Self { configuring: false, selected: InOrder(0), identified: InOrder(0) }
     }
 
-    /// "Switch global"; `reserved` is what a faulty firmware takes a reserved mode for. Whether it was obeyed.
+    /// Handles "switch global"; `reserved` is the interpretation of a reserved mode by a faulty firmware. Returns
+    /// whether it was obeyed.
     pub const fn switch(&mut self, mode: u8, reserved: Option<bool>) -> bool {
         let configuring = match mode {
             0 => Some(false),
@@ -38,14 +39,14 @@ impl LayerSetting {
 }
 
 impl InOrder {
-    /// One has come: whether it was the last of all.
+    /// Handles a value; returns whether it was the last.
     pub fn takes<N: Numbered>(&mut self, which: N, fits: bool) -> bool {
         let position = which.position();
         let in_order = position == 0 || position == self.0;
         self.reach(if fits && in_order { position + 1 } else { 0 }, N::ALL)
     }
 
-    /// One has come, and a faulty firmware only counts those that fit.
+    /// Handles a value in a faulty firmware that ignores the order.
     pub fn counts<N: Numbered>(&mut self, fits: bool) -> bool {
         self.reach(if fits { self.0 + 1 } else { 0 }, N::ALL)
     }
@@ -57,7 +58,7 @@ impl InOrder {
     }
 }
 
-/// Whether a part of the own address is within a bound of "identify remote slave".
+/// Whether an own part of the address is within a bound of "identify remote slave".
 pub(super) fn is_within<D: Dialect>(limit: Limit, value: D::Value, own: D::Value) -> bool {
     match limit {
         Limit::Equal => value == own,

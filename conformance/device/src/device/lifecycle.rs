@@ -1,4 +1,4 @@
-//! From power-on and reset to operational and back: what the device as a whole does.
+//! The life cycle of a device: power-on, resets, NMT states.
 
 use super::clock::Clock;
 use super::condition::Condition;
@@ -21,7 +21,7 @@ use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Frame, Timestamp};
 
 impl Device {
-    /// Off and on again: what was not stored is lost.
+    /// Switches off and on: values that were not stored are lost.
     pub fn power_cycle(&mut self, now: Timestamp) {
         let context = &mut self.context;
         context.objects.errors.power_on();
@@ -40,7 +40,7 @@ impl Device {
         self.settle(now);
     }
 
-    /// What a service wants of the device.
+    /// Carries out a service's request to the device.
     pub(super) fn obey(&mut self, now: Timestamp, order: Order) {
         let resets = matches!(order, Order::ResetCommunication | Order::ResetNode);
         let hangs = self.context.phase == Phase::Stopped && self.context.has(Fault::ResetWhenStoppedHangs);
@@ -66,7 +66,7 @@ impl Device {
         }
     }
 
-    /// Begins to initialise, with the stored values of those groups.
+    /// Begins initialisation, with the stored values of these groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
         if self.context.node.is_none() && self.context.has(Fault::UnconfiguredNodeBoots) {
             self.context.node = Some(PLACEHOLDER);
@@ -89,7 +89,7 @@ impl Device {
         }
     }
 
-    /// Parameters of those groups get the stored values, or their defaults.
+    /// Loads the stored or default values of these groups.
     fn load(&mut self, groups: Groups) {
         let node = self.context.node_or_placeholder();
         let super::Context { objects, store, .. } = &mut self.context;
@@ -140,7 +140,7 @@ impl Device {
         }
     }
 
-    /// 1F80h, or local control: whether the device goes to operational without its master.
+    /// Whether the device enters operational without its master, by 1F80h or local control.
     fn starts_by_itself(&self) -> bool {
         if self.context.takes(Liberty::SelfStart) {
             return true;
@@ -151,7 +151,7 @@ impl Device {
             && !self.context.has(Fault::StartUpIgnored)
     }
 
-    /// Another NMT state: services that don't work in it end.
+    /// Enters another NMT state and ends the services that don't work in it.
     fn enter(&mut self, now: Timestamp, phase: Phase) {
         if self.context.phase == phase {
             return;
@@ -164,7 +164,7 @@ impl Device {
     }
 
     fn reset_communication(&mut self, now: Timestamp) {
-        // A node-ID that LSS configured acts from a reset communication on (CiA 305).
+        // A node-ID configured by LSS takes effect at the next reset communication (CiA 305).
         self.take_pending_node_id();
         let firmware = self.context.firmware();
         let groups = match () {
@@ -207,7 +207,7 @@ impl Device {
         }
     }
 
-    /// An object that can't be written shows the node-ID in use, not the one that is stored.
+    /// A read-only object shows the current node-ID, not the stored one.
     fn show_node_id(&mut self) {
         let objects = &mut self.context.objects;
         let Some(at) = objects.model.sheet().network.node_id_object else { return };
@@ -217,7 +217,7 @@ impl Device {
         }
     }
 
-    /// A node-ID that was written acts without being stored.
+    /// Takes over a written node-ID that need not be stored.
     fn take_written_node_id(&mut self) {
         let Objects { model, parameters, .. } = &self.context.objects;
         let written = model.sheet().network.node_id_object.and_then(|at| parameters.number(at.index.0, at.sub.0));
@@ -232,7 +232,7 @@ impl Device {
         }
     }
 
-    /// Node-ID and bit rate that were stored act from a reset node on.
+    /// Takes over the stored node-ID and bit rate, at reset node.
     fn take_stored_node_id(&mut self) {
         let super::Context { objects, store, .. } = &self.context;
         let stored = match objects.model.sheet().network.node_id_object {

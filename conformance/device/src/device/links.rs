@@ -1,4 +1,4 @@
-//! Objects whose values hang together, as the model's sheet says.
+//! Objects with linked values, from the model's sheet.
 
 use super::objects::Objects;
 use super::store::Groups;
@@ -9,7 +9,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::object::encoder;
 
 impl Objects {
-    /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
+    /// Handles a written number: linked objects get the same value, with all effects of a write.
     pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
         let unlinked = match at.index.0 {
             encoder::CYCLIC_TIMER if value == 0 && self.firmware.has(Fault::CyclicTimerNotStopped) => true,
@@ -29,8 +29,8 @@ impl Objects {
         }
     }
 
-    /// Groups of parameters were loaded: of objects that hold the same value, one that was loaded with another value
-    /// than its default decides, else the first one that was loaded.
+    /// Handles the loading of groups: among linked objects, one with another value than its default decides, else the
+    /// first loaded one.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let sheet = self.model.sheet();
         let is_torn =
@@ -47,7 +47,7 @@ impl Objects {
         }
     }
 
-    /// The object whose value that one shows, if it follows one.
+    /// The object whose value the given one shows, if there is one.
     pub(super) fn followed(&self, at: Multiplexer) -> Option<Multiplexer> {
         if at.index.0 == encoder::OPERATING_STATUS && self.firmware.has(Fault::OperatingStatusStuck) {
             return None;

@@ -1,11 +1,11 @@
-//! The LMT slave: node-ID and bit rate over the bus, before there was LSS (CiA DS-205).
+//! The LMT slave: node-ID and bit rate over the bus, the predecessor of LSS (CiA DS-205).
 //!
 //! ```text
 //! operation --04h mode 1, or 01h 02h 03h with the own address--> configuration --04h mode 0--> operation
 //! ```
 //!
-//! Nothing but inquiries, configurations and "identify" is answered. What is configured is stored by 17h and acts after
-//! power-off; only 15h takes a new bit rate over before that.
+//! The slave answers only inquiries, configurations and "identify". 17h stores the configuration, which takes
+//! effect after power-off; only 15h activates a new bit rate earlier.
 
 use super::context::Context;
 use super::layer_setting::{LayerSetting, is_within};
@@ -20,10 +20,10 @@ use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lmt::{self, Bound, ConfigureCommand, Lmt, Part, Request, Response, Seven};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// What a slave says of a value outside its range: the standard leaves the codes of the manufacturer open.
+/// The error code for a value outside its range: the standard leaves the manufacturer's codes open.
 const OUT_OF_RANGE: u8 = 3;
 
-/// The error code for which the specific error counts.
+/// The error code that announces a specific error.
 const SPECIFIC: u8 = 255;
 
 /// The state of the slave.
@@ -31,30 +31,30 @@ const SPECIFIC: u8 = 255;
 pub(super) struct LmtSlave {
     at: LayerSetting,
     pending: Pending,
-    /// What power-on brings back.
+    /// The bit rate after power-on.
     stored_kbit: u32,
     in_use_kbit: u32,
 }
 
-/// A configuration that is not stored yet.
+/// A configuration that was not stored yet.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pending {
     node_id: Option<NodeId>,
     kbit: Option<u32>,
 }
 
-/// What the device has to do.
+/// The consequence for the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Effect {
     Store,
-    /// Changes the bit rate; silent for this long before and after.
+    /// Change the bit rate; silent for this time before and after.
     Activate(Duration),
-    /// A firmware does not wait for power-off.
+    /// Take over the node-ID without power-off, in a faulty firmware.
     TakeNodeId(NodeId),
 }
 
 impl LmtSlave {
-    /// In operation, at the bit rate of delivery.
+    /// The state operation, at the default bit rate.
     pub const fn new(kbit: u32) -> Self {
         Self {
             at: LayerSetting::new(),
@@ -64,12 +64,12 @@ impl LmtSlave {
         }
     }
 
-    /// Off and on again: what was not stored is lost.
+    /// Handles power-off and on: values that were not stored are lost.
     pub const fn power_on(&mut self) {
         *self = Self::new(self.stored_kbit);
     }
 
-    /// The bit rate in use.
+    /// The current bit rate in kbit/s.
     pub const fn bit_rate_kbit(&self) -> u32 {
         self.in_use_kbit
     }
@@ -113,11 +113,11 @@ impl LmtSlave {
         };
         let fits = unchecked || own(part, address, firmware) == value;
         self.at.configuring = self.at.selected.takes(part, fits);
-        // What LSS answers.
+        // The answer of LSS.
         (self.at.configuring && firmware.has(Fault::LmtSwitchSelectiveAnswered)).then_some(Response::Switched)
     }
 
-    /// The names have to be equal, the serial number within the bounds.
+    /// The names must be equal, and the serial number within the bounds.
     fn on_identify(
         &mut self,
         bound: Bound,
@@ -171,7 +171,7 @@ impl LmtSlave {
     }
 }
 
-/// A part of the address, as the firmware holds it.
+/// A part of the address in this firmware.
 fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
     let name = |name: Seven| match firmware.has(Fault::LmtNameUnpadded) {
         true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
@@ -187,7 +187,7 @@ fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
 
 /// The rate in kbit/s of a row of a table; `None` for a reserved one.
 fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
-    // The rows of LSS: the fifth is reserved, and what follows is shifted by one.
+    // The rows of LSS: row 5 is reserved, and the following ones are shifted by one.
     let index = match index {
         5 if firmware.has(Fault::LmtBitTimingUnshifted) => return None,
         6.. if firmware.has(Fault::LmtBitTimingUnshifted) => index - 1,
@@ -196,7 +196,7 @@ fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
     Lmt::bit_rate(index).filter(|_| table == 0).map(|rate| rate / 1000)
 }
 
-/// The number that BCD digits stand for, little-endian.
+/// The number of BCD digits, little-endian.
 fn binary(digits: Seven) -> Seven {
     let number =
         digits.0.iter().fold(0_u64, |number, byte| number * 100 + u64::from(byte >> 4) * 10 + u64::from(byte & 0xF));
@@ -213,7 +213,7 @@ impl LmtSlave {
         }
     }
 
-    /// Silent for one delay before the change and one after it.
+    /// Activates the bit rate: silence for one delay before the change and one after it.
     fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
         self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
         if !context.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {

@@ -17,7 +17,7 @@ use canvass_analyzer::wire::layer_setting::{Dialect, Limit};
 use canvass_analyzer::wire::lss::{self, Bound, ConfigureCommand, Lss, Part, Request, Response};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The node-ID that says "not configured".
+/// The node-ID that means "not configured".
 pub(super) const UNCONFIGURED: u8 = 255;
 
 /// LSS address: 1018h:1 to 4.
@@ -27,15 +27,15 @@ pub(super) type Address = [u32; 4];
 #[derive(Clone, Debug)]
 pub(super) struct LssSlave {
     at: LayerSetting,
-    /// Which part Fastscan compares.
+    /// The part that Fastscan compares.
     scanning: u8,
-    /// What was configured and not yet taken over.
+    /// The configured values that were not taken over yet.
     pub pending: Pending,
-    /// An answer that takes its time.
+    /// A delayed answer.
     later: Option<(Timestamp, Frame)>,
 }
 
-/// How long a slow memory takes.
+/// Duration of a store in a slow memory.
 const SLOW_STORE: Duration = Duration::from_millis(2_000);
 
 /// A new configuration.
@@ -47,26 +47,26 @@ pub(super) struct Pending {
     pub bit_timing: Option<u8>,
 }
 
-/// What the device has to do.
+/// The consequence for the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Effect {
-    /// Store what is pending.
+    /// Store the pending values.
     Store,
-    /// Configuration is over: the new node-ID is taken over by a restart.
+    /// Configuration is left: a restart takes over the new node-ID.
     Leave,
-    /// Change to the new bit rate, silent for that time before and after.
+    /// Change to the new bit rate; silent for this time before and after.
     Activate(Duration),
-    /// A faulty firmware does nothing any more.
+    /// Hang, in a faulty firmware.
     Hang,
 }
 
 impl LssSlave {
-    /// Waiting.
+    /// The state waiting.
     pub const fn new() -> Self {
         Self { at: LayerSetting::new(), scanning: 0, pending: Pending { node_id: None, bit_timing: None }, later: None }
     }
 
-    /// A message of the master came. `node` is the node-ID in use, or [`UNCONFIGURED`].
+    /// Handles a message of the master. `node` is the current node-ID, or [`UNCONFIGURED`].
     fn on_request(
         &mut self,
         request: Request,
@@ -136,7 +136,7 @@ impl LssSlave {
         self.at.configuring.then_some(Response::Switched)
     }
 
-    /// Vendor-ID and product code have to be equal, revision and serial number within bounds.
+    /// Vendor-ID and product code must be equal, revision and serial number within bounds.
     fn on_identify(&mut self, bound: Bound, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
         let (part, limit) = Lss::limits(bound);
         let own = address[part as usize];
@@ -166,7 +166,7 @@ impl LssSlave {
             return None;
         }
         if bit_check == 0 {
-            // Only the last part ends the scan, and only from there back to the first.
+            // Only the last part ends the scan, if the next part is the first.
             self.at.configuring = (sub == 3 || firmware.has(Fault::FastscanEarlyMatch)) && next < sub;
             self.scanning = next;
         }
@@ -232,8 +232,8 @@ impl LssSlave {
         });
     }
 
-    /// A new node-ID is taken over by a restart: at once where the manual says so, or where there was none; else at the
-    /// next reset communication (CiA 305).
+    /// A restart takes over a new node-ID: at once if the manual says so, or if there was none; else at the next
+    /// reset communication (CiA 305).
     fn leave(&mut self, context: &mut Context) {
         let restarts = context.objects.model.sheet().network.lss_restarts || context.node.is_none();
         if restarts && let Some(node_id) = self.pending.node_id.take() {
@@ -310,7 +310,7 @@ pub(super) fn address(parameters: &Parameters) -> Address {
     [1, 2, 3, 4].map(|sub| parameters.number_or_zero(object::IDENTITY, sub) as u32)
 }
 
-/// The bit rate with that code of LSS.
+/// The bit rate with that LSS code.
 pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
     model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
 }

@@ -1,5 +1,5 @@
-//! The non-volatile memory of a simulated device as a text, so that it can outlive the program: TOML, one line for each
-//! stored value.
+//! The non-volatile memory of a simulated device as a text, to keep it between runs: TOML, one line for each stored
+//! value.
 
 use super::Device;
 use super::parameters::Content;
@@ -11,41 +11,41 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// What a device has stored. Reading and writing the file is the caller's matter.
+/// The stored values of a device. The caller reads and writes the file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
     /// The id of the model.
     model: String,
-    /// What a preset added to the position.
+    /// The preset's offset of the position.
     #[serde(skip_serializing_if = "Option::is_none")]
     offset: Option<i64>,
-    /// The node-ID that LSS stored; 255 for none.
+    /// The node-ID stored by LSS; 255 for none.
     #[serde(skip_serializing_if = "Option::is_none")]
     node_id: Option<u8>,
-    /// The index of the bit rate that LSS stored.
+    /// The index of the bit rate stored by LSS.
     #[serde(skip_serializing_if = "Option::is_none")]
     bit_timing: Option<u8>,
-    /// `"1017:00" = "0x3E8"` for numbers, `"2010:00" = "bytes 41 42"` for anything else.
+    /// `"1017:00" = "0x3E8"` for numbers, `"2010:00" = "bytes 41 42"` for other values.
     #[serde(default)]
     values: BTreeMap<String, String>,
 }
 
-/// Why a text is no memory of a device.
+/// Why a text is no memory of this device.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum MemoryError {
-    /// No TOML, or not this one.
+    /// The text is no TOML, or has other fields.
     #[error("expected the stored values of a device, {0}")]
     Text(#[from] toml::de::Error),
-    /// Of another device.
+    /// The memory is of another model.
     #[error("expected the stored values of a {expected}, found those of a {found}")]
     Model {
-        /// The model that it is for.
+        /// The model of the device.
         expected: String,
-        /// The model that it is of.
+        /// The model of the memory.
         found: String,
     },
-    /// A line that the device has no place for.
+    /// A line for which the device has no object.
     #[error("expected a stored value such as \"1017:00\" = \"0x3E8\" of an object of the device, found \"{0}\"")]
     Value(String),
 }
@@ -65,7 +65,7 @@ impl FromStr for Memory {
 }
 
 impl Device {
-    /// What the device has stored by now.
+    /// The currently stored values of the device.
     pub fn memory(&self) -> Memory {
         let (contents, offset) = self.context.store.contents(&self.context.objects.parameters);
         let network = self.context.store.network();
@@ -78,11 +78,10 @@ impl Device {
         }
     }
 
-    /// Puts in a memory and switches the device on with it.
+    /// Loads a memory and switches the device on with it.
     ///
     /// # Errors
-    /// [`MemoryError`] if it is of another model, or holds what this one has no object for; the device is then as it
-    /// was.
+    /// [`MemoryError`] if the memory is of another model, or has values for absent objects; the device is then unchanged.
     pub fn insert_memory(&mut self, now: Timestamp, memory: &Memory) -> Result<(), MemoryError> {
         let expected = self.context.objects.model.id();
         if memory.model != expected {

@@ -1,7 +1,7 @@
-//! Faults that show in single frames: what comes in is misread, what goes out is wrong or is not sent.
+//! Faults in single frames: the firmware misreads received frames, or alters or drops sent ones.
 //!
-//! They stand between the bus and the services: a firmware has such faults in its drivers,
-//! in its tables and in the glue between a stack and an application.
+//! They act between the bus and the services: a real firmware has such faults in its drivers, in its tables, and
+//! between the stack and the application.
 
 mod layer_setting;
 mod tables;
@@ -14,48 +14,48 @@ use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sync};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Frame};
 
-/// What is behind the frames of a device with such faults.
+/// The state behind such faults.
 #[derive(Clone, Debug)]
 pub(super) struct Mischief {
     faults: Faults,
-    /// The last SDO request that writes.
+    /// The last SDO download request.
     download: Option<(Multiplexer, u32)>,
-    /// The SDO server works on a request that writes.
+    /// Whether the SDO server is working on a download.
     writing: bool,
-    /// 1800h:01 as it was last read.
+    /// The last read value of 1800h:01.
     cob_id: Option<u32>,
     /// The last LSS request.
     request: [u8; 8],
-    /// By what the master has said.
+    /// Whether the master has switched to configuration.
     configuring: bool,
-    /// Nothing goes out until the next reset.
+    /// Whether sending is blocked until the next reset.
     muted: bool,
-    /// The node whose heartbeat came last, and how many.
+    /// The node of the last heartbeats, and their number.
     beats: u32,
-    /// SYNC messages in and out.
+    /// Number of SYNC messages received and sent.
     syncs: u32,
-    /// By what the master has said.
+    /// Whether the master has started the node.
     operational: bool,
-    /// Another LSS slave has answered.
+    /// Whether another LSS slave has answered.
     yielded: bool,
-    /// A mapping was refused since the last reset.
+    /// Whether a mapping was refused since the last reset.
     mapping_refused: bool,
-    /// Refusals of downloads to sub-indexes that don't exist.
+    /// Number of refused downloads to absent sub-indexes.
     refusals: u32,
 }
 
-/// What becomes of a frame that came in.
+/// The result for a received frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Incoming {
-    /// The device gets these, one after the other.
+    /// The device gets these frames, one after the other.
     Frames(Frame, Option<Frame>),
-    /// The device does not see it.
+    /// The device does not get the frame.
     Lost,
-    /// The device does not see it, and this goes out.
+    /// The device does not get the frame, and this answer is sent.
     Answered(Frame),
 }
 
-/// The CAN-ID that a master moves PDOs to: no predefined object has it.
+/// A CAN-ID without predefined use, to which masters move PDOs.
 const FREE: u16 = 0x6A0;
 
 impl Mischief {
@@ -77,7 +77,7 @@ impl Mischief {
         }
     }
 
-    /// Whether frames have to go through here at all: the firmware has a fault.
+    /// Whether the firmware has such a fault, so that frames must pass through here.
     pub fn is_active(&self) -> bool {
         !self.faults.is_empty()
     }
@@ -86,7 +86,7 @@ impl Mischief {
         self.faults.has(fault)
     }
 
-    /// A frame of the bus. `address` is the LSS address.
+    /// Handles a received frame. `address` is the LSS address.
     pub fn on_receive(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
         let id = u16::try_from(frame.id().raw()).unwrap_or(u16::MAX);
         let own = node.map_or(0, |node| u16::from(node.raw()));
@@ -138,7 +138,7 @@ impl Mischief {
 
     fn on_remote(&mut self, frame: &Frame, id: u16, own: u16) -> Incoming {
         if id == sdo::REQUEST_BASE + own && self.has(Fault::SdoRemoteAnswered) {
-            // Its data is what was in the buffer: zeros, a segment of no transfer.
+            // The data is an old buffer: zeros, a segment without transfer.
             return pass(Frame::full(frame.id(), [0; 8]));
         }
         if id == error_control::CAN_ID_BASE + own && self.has(Fault::GuardingAnsweredUnsupported) {
@@ -225,7 +225,7 @@ impl Mischief {
         (same && self.has(Fault::SameCobIdRefused)).then_some(AbortCode::INVALID_VALUE)
     }
 
-    /// A frame that the device sends; `None`: it does not go out.
+    /// Handles a frame to be sent; `None` drops it.
     pub fn on_send(&mut self, frame: Frame, node: Option<NodeId>) -> Option<Frame> {
         let id = frame.id().as_standard().unwrap_or(u16::MAX);
         let own = node.map_or(0, |node| u16::from(node.raw()));
@@ -275,14 +275,14 @@ impl Mischief {
                 }
                 let wrong = self.planted(multiplexer, value).to_le_bytes();
                 let wrong = wrong.get(..bytes.len()).unwrap_or(&wrong);
-                // A segment of a block may look like this, too.
+                // A segment of a block may look the same.
                 if wrong == bytes { frame } else { Response::upload(multiplexer, wrong).to_frame(id) }
             }
             _ => frame,
         }
     }
 
-    /// A download was refused, for the reason that the server gives or for another one.
+    /// Handles a refused download: the server's reason, or another one.
     fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
         let is_mapping = object::is_pdo_mapping(at.index.0);
         self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);

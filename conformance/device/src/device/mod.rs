@@ -1,9 +1,10 @@
-//! Simulated devices: the state machines of a CANopen device, without I/O and without a clock.
+//! Simulated devices: the state machines of a CANopen device, without I/O and clock.
 //!
-//! One file for each service. `service` says what they have in common, `services` which there are and in which order they
-//! are called, `context` what they share; `dispatch` is the loop over them, `lifecycle` what the device as a whole does.
-//! Where firmwares differ, a service asks whether its own has the fault or takes the liberty: `context.has(Fault::…)`,
-//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, those of the object dictionary in `overlay`.
+//! Each service is one file. `service` defines their interface, `services` lists them in the order of calls,
+//! `context` holds their shared state; `dispatch` is the loop over them, `lifecycle` the behaviour of the whole
+//! device. A service asks the firmware for faults and liberties where they act: `context.has(Fault::…)`,
+//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, those of the object dictionary in
+//! `overlay`.
 
 mod abort_codes;
 mod bit_rate;
@@ -90,35 +91,35 @@ use tpdo::Tpdos;
 pub struct Device {
     services: Services,
     context: Context,
-    /// The node-ID while none is stored.
+    /// The default node-ID while none is stored.
     delivered_node: Option<NodeId>,
-    /// In bit/s; `None`: that of the bus.
+    /// The bit rate in bit/s; `None` for that of the bus.
     bit_rate: Option<u32>,
-    /// The bit rate while none is stored.
+    /// The default bit rate while none is stored.
     delivered_bit_rate: Option<u32>,
     activation: Option<Activation>,
     routes: Routes,
     overload: Overload,
     mischief: Mischief,
-    /// Resets since power-on.
+    /// Number of resets since power-on.
     resets: u32,
-    /// A faulty firmware that does nothing any more until power-off.
+    /// Whether a faulty firmware hangs until power-off.
     hangs: bool,
-    /// When something happens next.
+    /// Time of the next event.
     wake: Timestamp,
-    /// When the next thing happens that is no answer to an SDO request; [`Timestamp::ZERO`]: that is not known.
+    /// Time of the next event other than an SDO answer; [`Timestamp::ZERO`] if it must be recomputed.
     beside_sdo: Timestamp,
 }
 
-/// The node-ID that a device without one takes its defaults from.
+/// The node-ID in the defaults of a device without node-ID.
 const PLACEHOLDER: NodeId = NodeId::MAX;
 
-/// The position of a shaft that nobody turns, in physical steps.
+/// The position of a resting shaft, in physical steps.
 const REST_POSITION: i64 = 0x4CBA;
 
 impl Device {
-    /// A device of that model, switched on at time 0, as delivered but for its node-ID; `None`: it has none, and has
-    /// to be given one by LSS. `seed` chooses what is left to chance: how response times vary.
+    /// A device of a model as delivered, switched on at time 0. `node` is its node-ID; `None` if LSS must assign one.
+    /// `seed` determines random response times.
     pub fn new(model: &Model, node: Option<NodeId>, firmware: impl Into<Firmware>, seed: u64) -> Self {
         Self::with_motion(model, node, firmware, seed, Motion::still(REST_POSITION))
     }
@@ -172,28 +173,28 @@ impl Device {
         device
     }
 
-    /// The node-ID in use.
+    /// The current node-ID.
     pub fn node(&self) -> Option<NodeId> {
         self.context.node
     }
 
-    /// The NMT state; boot-up also stands for a device that has no node-ID.
+    /// The NMT state; boot-up also for a device without node-ID.
     pub const fn state(&self) -> State {
         self.context.phase.state()
     }
 
-    /// Whether the non-volatile memory is being written: power-off would lose that.
+    /// Whether the non-volatile memory is being written, so that power-off would lose data.
     pub fn is_storing(&self) -> bool {
         self.context.store.timeout() < Timestamp::MAX
     }
 
-    /// The bit rate that the device would use, in kbit/s: LMT sets it. The simulated bus has one of its own.
+    /// The device's bit rate in kbit/s, which LMT sets. The simulated bus has its own.
     pub const fn bit_rate_kbit(&self) -> u32 {
         self.services.lmt.bit_rate_kbit()
     }
 
-    /// Something in the hardware breaks, or works again: the error with that EMCY code. Error register and
-    /// manufacturer-specific bytes are those of the model's sheet, where it lists the code.
+    /// Sets or clears a hardware error with that EMCY code. The model's sheet gives the error register and
+    /// manufacturer-specific bytes of the codes that it lists.
     pub fn set_error(&mut self, now: Timestamp, code: EmcyCode, present: bool) {
         let model = &self.context.objects.model;
         let listed = model.sheet().emergencies.iter().find(|emergency| emergency.code() == code);
@@ -204,7 +205,7 @@ impl Device {
         self.settle(now);
     }
 
-    /// Lets the shaft move so from now on; the position at time 0 is part of the motion.
+    /// Sets the motion of the shaft from now on; the motion includes the position at time 0.
     pub fn set_motion(&mut self, now: Timestamp, motion: Motion) {
         if let Some(encoder) = &mut self.context.objects.encoder {
             encoder.set_motion(motion);

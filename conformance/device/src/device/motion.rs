@@ -1,8 +1,8 @@
-//! How the shaft of a simulated encoder moves: position, speed, acceleration and jerk of one course, so that they fit
-//! together at every instant.
+//! The motion of a simulated encoder's shaft: position, speed, acceleration and jerk of one course, consistent at
+//! every instant.
 //!
-//! The unit of length is what the sensor repeats: a revolution of a rotary encoder, a millimetre of a linear one. Time
-//! counts from the power-on of the bus.
+//! The unit of length is the period of the sensor: a revolution of a rotary encoder, a millimetre of a linear one.
+//! Time counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ pub struct Motion {
     course: Course,
 }
 
-/// Where it goes from the start. Lengths in units, times in seconds.
+/// The course from the start. Lengths in units, times in seconds.
 #[derive(Clone, PartialEq, Debug)]
 enum Course {
     /// Thousandths of a unit per minute; negative is backwards.
@@ -34,10 +34,10 @@ impl Default for Course {
     }
 }
 
-/// No course goes farther: what is calculated with positions does not overflow.
+/// Limit of positions, which keeps calculations from overflowing.
 const FARTHEST: i128 = 1 << 80;
 
-/// A point that the motion passes, and how fast it does.
+/// A point of the course, with its speed.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Knot {
     seconds: f64,
@@ -46,7 +46,7 @@ struct Knot {
     speed: f64,
 }
 
-/// Position, speed, acceleration, jerk: units by no, one, two, three powers of seconds.
+/// Position, speed, acceleration, jerk: in units, and units per second, square second and cubic second.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Kinematics {
     position: f64,
@@ -72,14 +72,14 @@ impl Motion {
         Self { start, course: Course::Sine { amplitude: finite(amplitude), period } }
     }
 
-    /// From rest to `per_minute` revolutions or millimetres per minute within `rise`, then on at that speed.
+    /// From rest to `per_minute` revolutions or millimetres per minute within `rise`, then at constant speed.
     pub fn ramp(start: i64, per_minute: f64, rise: Duration) -> Self {
         let rise = seconds(rise).max(1e-6);
         Self { start, course: Course::Ramp { speed: finite(per_minute) / 60.0, rise } }
     }
 
-    /// Through points: seconds and revolutions or millimetres from the start. In between the speed has no jumps; before
-    /// the first and after the last point it stands still. Points whose time does not rise are left out.
+    /// Through points: seconds, and revolutions or millimetres from the start. Between them the speed has no jumps;
+    /// before the first and after the last point it is zero. Points out of time order are left out.
     pub fn through(start: i64, points: &[(f64, f64)]) -> Self {
         let mut rising: Vec<(f64, f64)> = Vec::with_capacity(points.len());
         for &(time, units) in points {
@@ -97,14 +97,14 @@ impl Motion {
         Self { start, course: Course::Points((0..rising.len()).filter_map(knot).collect()) }
     }
 
-    /// Whether it never moves.
+    /// Whether the shaft never moves.
     pub const fn is_still(&self) -> bool {
         matches!(self.course, Course::Steady(0))
     }
 
     /// The position in steps since time 0, over all revolutions.
     pub fn position(&self, now: Timestamp, steps_per_unit: u64) -> i128 {
-        // Per minute and thousand, to nanoseconds.
+        // Conversion from thousandths per minute to nanoseconds.
         const PER_NANOSECOND: i128 = 1_000 * 60 * 1_000_000_000;
         let moved = match &self.course {
             Course::Steady(0) => 0,
@@ -174,7 +174,7 @@ fn swing(t: f64, amplitude: f64, period: f64) -> Kinematics {
     }
 }
 
-/// Cubic from each point to the next, with the speeds of both (Hermite).
+/// Cubic interpolation between two points, with the speeds of both (Hermite).
 fn between(t: f64, knots: &[Knot]) -> Kinematics {
     let after = knots.partition_point(|knot| knot.seconds <= t);
     let (before, next) = (after.checked_sub(1).and_then(|n| knots.get(n)), knots.get(after));

@@ -1,4 +1,4 @@
-//! Motions as they are typed, such as the `~MOTION` of a simulated device.
+//! Motions as typed, such as the `~MOTION` of a simulated device.
 //!
 //! ```text
 //! still  still=STEPS          stands, at that physical position
@@ -14,19 +14,19 @@ use canvass_traces::Duration;
 use std::fmt;
 use std::str::FromStr;
 
-/// A motion as it was typed. That of a file has its points still to be read.
+/// A motion as typed. A motion in a file still lacks its points.
 #[derive(Clone, PartialEq, Debug)]
 pub enum MotionSpec {
-    /// All is known.
+    /// A complete motion.
     Known(Motion),
     /// `csv=FILE`: the caller reads the file and gives its text to [`MotionSpec::from_csv`].
     File(String),
 }
 
-/// Why a text is no motion.
+/// Why a text describes no motion.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MotionError {
-    /// None of the forms.
+    /// The text has none of the forms.
     #[error(
         "expected a motion such as still, still=1000, rpm=60, mm/s=250, sine=2,10 (revolutions, seconds), ramp=3000,5 \
          (rpm, seconds) or csv=FILE, found \"{0}\""
@@ -35,39 +35,39 @@ pub enum MotionError {
     /// A number is missing or outside its range.
     #[error("{motion}: expected {expected}, found \"{found}\"")]
     Number {
-        /// The motion, as it was typed.
+        /// The motion as typed.
         motion: String,
-        /// What should stand there, with its range.
+        /// The expected number, with its range.
         expected: &'static str,
-        /// What does.
+        /// The text found.
         found: String,
     },
-    /// A line of a file.
+    /// A line without a valid point.
     #[error("line {line}: expected seconds and revolutions or millimetres, such as 1.5,0.25, found \"{found}\"")]
     Point {
-        /// Its number, from 1.
+        /// The line, from 1.
         line: usize,
-        /// What stands there.
+        /// The text found.
         found: String,
     },
-    /// Points have to follow each other.
+    /// A point that is not later than the one before.
     #[error("line {line}: expected a time after the {before} s of the point before, found {found} s")]
     Order {
-        /// Its number, from 1.
+        /// The line, from 1.
         line: usize,
-        /// Of the point before.
+        /// The time of the point before.
         before: String,
-        /// Of this one.
+        /// The time of this point.
         found: String,
     },
-    /// A file without points.
+    /// The file has no points.
     #[error("expected points, one in a line: seconds and revolutions or millimetres, such as 1.5,0.25; found none")]
     Empty,
 }
 
-/// The highest speed and the widest swing that can be typed.
+/// Maximum speed and amplitude that can be typed.
 const MOST: f64 = 1e6;
-/// The longest time in seconds that can be typed: a day.
+/// Maximum time that can be typed, in seconds: a day.
 const LONGEST: f64 = 86_400.0;
 
 impl MotionSpec {
@@ -83,7 +83,7 @@ impl MotionSpec {
     /// comma, a semicolon or white space. Empty lines, lines that begin with `#` and a heading are skipped.
     ///
     /// # Errors
-    /// [`MotionError`] with the line that holds no point, or one that is not later than the one before.
+    /// [`MotionError`] with the line of the first invalid point.
     pub fn from_csv(text: &str) -> Result<Motion, MotionError> {
         let mut points: Vec<(f64, f64)> = Vec::new();
         for (n, line) in text.lines().enumerate() {
@@ -157,7 +157,7 @@ impl FromStr for MotionSpec {
     }
 }
 
-/// What can be typed, for help texts.
+/// The forms that can be typed, for help texts.
 impl fmt::Display for MotionSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,4 +1,4 @@
-//! The NMT slave: states, commands, and which service works in which state (CiA 301, 7.3.2).
+//! The NMT slave: states, commands, and the services of each state (CiA 301, 7.3.2).
 
 use super::context::Context;
 use super::routes::{Route, Routes};
@@ -13,9 +13,9 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// An NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Phase {
-    /// Without a node-ID: only LSS works.
+    /// Without node-ID: only LSS works.
     Unconfigured,
-    /// Initialisation: nothing works until the boot-up message.
+    /// Initialisation: no service works until the boot-up message.
     Initialising {
         until: Timestamp,
     },
@@ -24,7 +24,7 @@ pub(super) enum Phase {
     Stopped,
 }
 
-/// What a state allows or not.
+/// A service that a state allows or not.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Service {
     Sdo,
@@ -36,24 +36,24 @@ pub(super) enum Service {
     Broadcast,
 }
 
-/// What a service makes the device as a whole do.
+/// A service's request to the device as a whole.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Order {
     Enter(Phase),
     ResetNode,
     ResetCommunication,
-    /// LSS is over: a new node-ID, or none, is taken over by a restart.
+    /// LSS configuration is left: a restart takes over the node-ID, or none.
     Restart(Option<NodeId>),
-    /// LMT has a new node-ID taken over while the device goes on.
+    /// LMT takes over a new node-ID without a restart.
     MoveTo(NodeId),
-    /// A new bit rate, silent for that time before and after.
+    /// A new bit rate, with silence for this time before and after.
     ActivateBitRate(Duration),
-    /// A faulty firmware does nothing any more.
+    /// Hang, in a faulty firmware.
     Hang,
 }
 
 impl Phase {
-    /// As error control messages say it.
+    /// The state in error control messages.
     pub const fn state(self) -> State {
         match self {
             Self::Unconfigured | Self::Initialising { .. } => State::BOOT_UP,
@@ -63,7 +63,7 @@ impl Phase {
         }
     }
 
-    /// Whether RPDOs act.
+    /// Whether RPDOs are processed.
     pub const fn receives_pdos(self, firmware: &Firmware) -> bool {
         match self {
             Self::Operational => true,
@@ -97,7 +97,7 @@ impl Phase {
     }
 }
 
-/// What an NMT message means to the node; `None` if it is for others or has no meaning.
+/// The meaning of an NMT message for the node; `None` if it is for other nodes or has no meaning.
 fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Option<Order> {
     let addressed = match message.node {
         0 => !firmware.has(Fault::NmtBroadcastIgnored),
@@ -134,18 +134,18 @@ fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Optio
     })
 }
 
-/// NMT commands that follow each other faster than that are too much for a firmware that keeps only one.
+/// Minimum interval of NMT commands for a firmware that keeps only one.
 const ONE_COMMAND: Duration = Duration::from_millis(1);
 
-/// Takes the commands of the master.
+/// Handles the master's commands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NmtSlave {
-    /// When the last command came.
+    /// Time of the last command.
     last: Option<Timestamp>,
 }
 
 impl NmtSlave {
-    /// Before the first command.
+    /// The state before the first command.
     pub const fn new() -> Self {
         Self { last: None }
     }

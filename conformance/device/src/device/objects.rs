@@ -1,4 +1,4 @@
-//! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
+//! The object dictionary as seen by an SDO client: access rights, lengths, limits, and objects with behaviour.
 
 use super::PLACEHOLDER;
 use super::clock::Clock;
@@ -19,7 +19,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
-/// The values, and what stands behind them.
+/// The values, and the state behind them.
 #[derive(Clone, Debug)]
 pub(super) struct Objects {
     pub model: Model,
@@ -27,14 +27,14 @@ pub(super) struct Objects {
     pub errors: Errors,
     pub encoder: Option<Encoder>,
     pub clock: Clock,
-    /// The bytes of the last EMCY of a node of 1028h.
+    /// The bytes of the last EMCY from a node of 1028h.
     pub received_emcy: u64,
     pub firmware: Firmware,
-    /// What was written by SDO and not yet acted on.
+    /// Values written by SDO that were not acted on yet.
     pub written: Vec<(Multiplexer, u64)>,
-    /// The firmware hangs: nothing is answered until a reset.
+    /// Whether the firmware hangs: no answers until a reset.
     pub wedged: bool,
-    /// What was written to objects that act only when they are stored.
+    /// Values written to objects that act only when they are stored.
     waiting: Vec<(Multiplexer, u64)>,
 }
 
@@ -77,8 +77,8 @@ impl Objects {
         self.encoder.as_ref().is_some_and(|encoder| !encoder.motion().is_still())
     }
 
-    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before: of an encoder
-    /// with redundant channels that is the other channel. `None` for a string or no object.
+    /// The current number of an object for a PDO; `again` if the PDO has the object a second time: for an encoder
+    /// with redundant channels that is the other channel. `None` for a string or an absent object.
     pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
         let encoder = self.encoder.as_ref().filter(|_| at.index.0 >= 0x2000);
         encoder
@@ -87,7 +87,7 @@ impl Objects {
             .or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
 
-    /// The value of an object that is not simply what was written last.
+    /// The value of an object that is more than the last written value.
     fn live(&self, now: Timestamp, at: Multiplexer) -> Result<Option<u64>, AbortCode> {
         let network = &self.model.sheet().network;
         Ok(match at.index.0 {
@@ -132,7 +132,7 @@ impl Objects {
         }
     }
 
-    /// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
+    /// 6501h and 6502h while scaling is on: units per revolution, and the number of revolutions in the range.
     fn scaled_resolution(&self, at: Multiplexer) -> Option<u64> {
         let number = |index| self.parameters.number_or_zero(index, 0);
         if number(encoder::OPERATING_PARAMETERS) & SCALING == 0 {
@@ -144,7 +144,7 @@ impl Objects {
         }
     }
 
-    /// What an SDO upload of that object gives.
+    /// The value for an SDO upload.
     ///
     /// # Errors
     /// The abort code if it can't be read.
@@ -156,13 +156,13 @@ impl Objects {
         Ok(entry.reading(self.live(now, at)?))
     }
 
-    /// The abort code that this model has for the reason of a standard one.
+    /// This model's abort code for the reason of a standard one.
     fn own(&self, code: AbortCode) -> AbortCode {
         self.model.sheet().quirks.abort_code(code)
     }
 
-    /// Whether an SDO download to that object may begin, of so many bytes where their number is known. The largest
-    /// number of bytes that the object takes.
+    /// Checks whether an SDO download to that object may begin; `len` is the number of bytes, if known. Returns the
+    /// largest number of bytes that the object accepts.
     ///
     /// # Errors
     /// The abort code if it can't be written.
@@ -181,7 +181,7 @@ impl Objects {
         Ok(entry.longest())
     }
 
-    /// The length of values of that object, where it is fixed.
+    /// The length of the object's values, if it is fixed.
     pub fn size(&self, at: Multiplexer) -> Option<usize> {
         self.parameters.entry(at).ok()?.size()
     }
@@ -209,14 +209,14 @@ impl Objects {
         Ok(())
     }
 
-    /// An RPDO carries a value for an object. What the object does not take is left out; nothing is reported.
+    /// Handles an RPDO's value for an object. Values that the object does not accept are ignored without a report.
     pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         if self.firmware.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
             self.put(now, at, value);
         }
     }
 
-    /// Writes a number that was checked.
+    /// Writes a checked number.
     fn put(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         if self.model.sheet().quirks.acts_when_stored.contains(&at) {
             self.waiting.retain(|(object, _)| *object != at);
@@ -232,19 +232,19 @@ impl Objects {
         self.written.push((at, value));
     }
 
-    /// What waits to be stored acts from now on.
+    /// Activates the values that waited for a store.
     pub fn take_waiting(&mut self) {
         for (at, value) in std::mem::take(&mut self.waiting) {
             self.parameters.set(at, Content::Number(value));
         }
     }
 
-    /// A reset: what waits to be stored is lost.
+    /// Drops the values that waited for a store, at a reset.
     pub fn drop_waiting(&mut self) {
         self.waiting.clear();
     }
 
-    /// Whether all that waits to be stored is within its limits; that it is not is an alarm.
+    /// Checks whether all waiting values are within their limits; one outside is an alarm.
     fn check_waiting(&mut self) -> Result<(), AbortCode> {
         if !self.model.sheet().quirks.limits_checked_at_store {
             return Ok(());
@@ -257,7 +257,7 @@ impl Objects {
         if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
     }
 
-    /// What switching scaling off does beside that.
+    /// The additional effects of switching scaling off.
     pub fn reset_scaling(&mut self, node: NodeId) {
         self.waiting
             .retain(|(at, _)| !matches!(at.index.0, encoder::UNITS_PER_REVOLUTION | encoder::TOTAL_MEASURING_RANGE));
@@ -277,7 +277,7 @@ impl Objects {
         }
     }
 
-    /// A firmware that keeps strings in arrays: each has the length of what it holds.
+    /// Checks the length in a firmware that keeps strings in arrays: each must keep its current length.
     fn check_usual_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
         if entry.size().is_some() || !self.firmware.takes(Liberty::StringsOfOneLength) {
@@ -291,19 +291,19 @@ impl Objects {
         }
     }
 
-    /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
+    /// Bit 31 of a COB-ID that has it as delivered: in 1005h of DS-301 V3.0 it means that SYNC is consumed.
     fn consumer_bit(&self, at: Multiplexer) -> u64 {
         self.parameters.entry(at).map_or(0, |entry| entry.default_bits()) & u64::from(CobId::INVALID)
     }
 
-    /// Whether SYNC is listened to.
+    /// Whether SYNC is consumed.
     pub fn consumes_sync(&self) -> bool {
         let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
         self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
             || self.firmware.has(Fault::SyncConsumerBitIgnored)
     }
 
-    /// Whether a write to the object does something instead of leaving a value.
+    /// Whether a write to the object is a command that leaves no value.
     fn is_command(&self, at: Multiplexer) -> bool {
         at == Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0)
             || StoreCommand::of(at, &self.model.sheet().storage).is_some()

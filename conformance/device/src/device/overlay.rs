@@ -1,4 +1,5 @@
-//! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
+//! Faults and liberties in the content of the dictionary, not in the behaviour of the firmware: an overlay over the
+//! description.
 
 use super::parameters::{Content, Parameters};
 use crate::{Fault, Firmware};
@@ -12,7 +13,7 @@ const SINGLE_TURN: u64 = 0x0001_0000;
 /// A bit of 6503h and 6504h that is reserved.
 const RESERVED_ALARM: u64 = 1 << 3;
 
-/// Changes what the dictionary says, as the firmware has it.
+/// Changes the dictionary by the faults and liberties of the firmware.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     plant_encoder(parameters, firmware);
     let vendor_id = Multiplexer::new(object::IDENTITY, 1);
@@ -50,7 +51,7 @@ pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     }
 }
 
-/// The same for an encoder.
+/// As [`plant`], for an encoder.
 fn plant_encoder(parameters: &mut Parameters, firmware: &Firmware) {
     let wrong = |fault: Fault, at: Multiplexer, number: u64, parameters: &mut Parameters| {
         if firmware.has(fault) {

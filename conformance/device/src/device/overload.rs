@@ -1,33 +1,33 @@
-//! What a busy firmware does wrong: a watchdog that resets it under load, and memory that is never given back.
+//! Faults of a busy firmware: a watchdog that resets it under load, and leaked memory.
 
 use crate::{Fault, Firmware};
 use canvass_traces::{Duration, Timestamp};
 
-/// Counts what the device had to do.
+/// Counts the device's work.
 #[derive(Clone, Debug)]
 pub(super) struct Overload {
-    /// When the count began.
+    /// Begin of the counted time.
     since: Timestamp,
     frames: u32,
 }
 
-/// Counts SDO requests since power-on.
+/// Number of SDO requests since power-on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Requests(u32);
 
-/// So many frames within [`WINDOW`] are too much for a watchdog that is fed by the main loop.
+/// Maximum number of frames within [`WINDOW`] for a watchdog that the main loop feeds.
 const MOST_FRAMES: u32 = 80;
 const WINDOW: Duration = Duration::from_millis(100);
-/// After so many requests a heap that loses a block with each is full.
+/// Number of requests after which the simulated heap is exhausted; each request leaks one block.
 const MOST_REQUESTS: u32 = 500;
 
 impl Overload {
-    /// At power-on.
+    /// The state at power-on.
     pub const fn new() -> Self {
         Self { since: Timestamp::ZERO, frames: 0 }
     }
 
-    /// A frame for the device came; whether the watchdog bites.
+    /// Counts a frame for the device; returns whether the watchdog resets it.
     pub fn on_frame(&mut self, now: Timestamp, firmware: &Firmware) -> bool {
         if !firmware.has(Fault::WatchdogResetUnderLoad) {
             return false;
@@ -45,12 +45,12 @@ impl Overload {
 }
 
 impl Requests {
-    /// At power-on.
+    /// The state at power-on.
     pub const fn new() -> Self {
         Self(0)
     }
 
-    /// A request came; whether there is memory left for it.
+    /// Counts a request; returns whether memory is left for it.
     pub fn count(&mut self, firmware: &Firmware) -> bool {
         self.0 = self.0.saturating_add(1);
         !firmware.has(Fault::SdoMemoryLeak) || self.0 <= MOST_REQUESTS

@@ -1,4 +1,5 @@
-//! What some devices send that no master asked for: requests of an SDO client of their own, and frames of the application.
+//! Frames that some devices send without a master's request: requests of their own SDO client, and application
+//! frames.
 
 use super::context::Context;
 use super::nmt::Phase;
@@ -10,19 +11,19 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// How often the client asks.
+/// Interval of the client's requests.
 const ASKED: Duration = Duration::from_millis(500);
-/// The nodes that the client asks: the first one that it is not itself.
+/// The nodes that the client asks: the first one other than itself.
 const SERVERS: [u16; 2] = [127, 126];
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// How often there is a burst, and how long it is.
+/// Interval and length of bursts.
 const BURSTS: Duration = Duration::from_millis(250);
 const BURST: u8 = 20;
-/// No predefined object has it.
+/// A CAN-ID without predefined use.
 const BURST_ID: u32 = 0x6D0;
 
-/// Sends by itself.
+/// Sends unrequested frames.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnTraffic {
     request: Timestamp,
@@ -30,7 +31,7 @@ pub(super) struct OwnTraffic {
 }
 
 impl OwnTraffic {
-    /// Silent.
+    /// A device that sends none.
     pub const fn new() -> Self {
         Self { request: Timestamp::MAX, burst: Timestamp::MAX }
     }

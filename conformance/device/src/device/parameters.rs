@@ -1,4 +1,4 @@
-//! The values of the object dictionary at run time, with what the device description says about each.
+//! The values of the object dictionary at run time, with their descriptions.
 
 use crate::models::Model;
 use canvass_analyzer::dictionary::{DataType, Entry, Setting, Value};
@@ -12,11 +12,11 @@ use std::sync::Arc;
 pub(super) struct Parameters {
     /// The addresses alone, so that a search touches few cache lines.
     keys: Arc<[u32]>,
-    /// Where the keys of each sixteen indexes begin, so that a search is short.
+    /// The index of the first key of each sixteen indexes, so that a search is short.
     sections: Arc<[u16]>,
-    /// What does not change while the device runs: devices in other states share it.
+    /// The constant parts, shared by devices in different states.
     entries: Arc<Vec<Parameter>>,
-    /// The value of each.
+    /// The value of each entry.
     contents: Vec<Content>,
 }
 
@@ -36,7 +36,7 @@ impl Deref for Held<'_> {
 }
 
 impl<'a> Held<'a> {
-    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
+    /// Whether the value differs from the delivered one; a COB-ID that follows the node-ID always does.
     pub fn is_changed(&self) -> bool {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()) != *self.content,
@@ -55,7 +55,7 @@ impl<'a> Held<'a> {
     }
 }
 
-/// What the description says of an entry.
+/// The description of an entry.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     /// Its address.
@@ -87,10 +87,10 @@ enum Default {
     NodeIdPlus(u32),
 }
 
-/// What an SDO upload finds.
+/// The result of an SDO upload.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Reading<'a> {
-    /// A number of so many bytes, little-endian.
+    /// A number of this many bytes, little-endian.
     Number([u8; 8], usize),
     /// A string or domain.
     Bytes(&'a [u8]),
@@ -106,11 +106,11 @@ impl Reading<'_> {
     }
 }
 
-/// The longest string or domain that the device takes.
+/// Maximum length of a string or domain.
 const LONGEST: usize = 1 << 16;
 
 impl Parameters {
-    /// The object dictionary of a device of that model, as delivered.
+    /// The object dictionary of a model, as delivered.
     pub fn new(model: &Model, node: NodeId) -> Self {
         let entries: Vec<Parameter> =
             model.description().dictionary.entries().filter_map(|(at, entry)| Parameter::new(at, entry)).collect();
@@ -130,19 +130,19 @@ impl Parameters {
         parameters
     }
 
-    /// All values as delivered.
+    /// Resets all values to the delivered ones.
     pub fn restore(&mut self, node: NodeId) {
         self.entries_mut().for_each(|(entry, content)| *content = entry.default_content(node));
     }
 
-    /// The parameters of the profile area (6000h to 9FFFh) as delivered.
+    /// Resets the parameters of the profile area (6000h to 9FFFh) to the delivered ones.
     pub fn restore_profile(&mut self, node: NodeId) {
         for (entry, content) in self.entries_mut().filter(|(entry, _)| matches!(entry.at.index.0, 0x6000..0xA000)) {
             *content = entry.default_content(node);
         }
     }
 
-    /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
+    /// Removes an entry, or a whole object if `sub` is `None`, as if the firmware did not have it.
     pub fn remove(&mut self, index: u16, sub: Option<u8>) {
         let stays = |entry: &Parameter| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub);
         let mut entries = self.entries.iter();
@@ -154,26 +154,26 @@ impl Parameters {
     fn find_keys(&mut self) {
         self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
         let begin = |section: u32| self.keys.partition_point(|key| key >> SECTION < section);
-        // Far fewer entries than an index of 16 bits can name: a description with more has none of these sections.
+        // A dictionary has far fewer entries than 16 bits can number; a larger one gets no sections.
         let sections = (0..=SECTIONS).map(|section| u16::try_from(begin(section)).ok());
         self.sections = sections.collect::<Option<_>>().unwrap_or_default();
     }
 
-    /// Gives an entry another data type, as if the firmware had it so.
+    /// Changes the data type of an entry.
     pub fn retype(&mut self, at: Multiplexer, data_type: DataType) {
         if let Some((entry, _)) = self.redefined(at) {
             entry.data_type = data_type;
         }
     }
 
-    /// Makes an entry writable, as if the firmware had it so.
+    /// Makes an entry writable.
     pub fn open(&mut self, at: Multiplexer) {
         if let Some((entry, _)) = self.redefined(at) {
             entry.writable = true;
         }
     }
 
-    /// Gives an entry another value as delivered.
+    /// Changes the delivered value of an entry.
     pub fn redefine(&mut self, at: Multiplexer, content: Content) {
         if let Some((entry, held)) = self.redefined(at) {
             let content = entry.fitted(content);
@@ -197,7 +197,7 @@ impl Parameters {
         self.entries.get(position).zip(self.contents.get_mut(position))
     }
 
-    /// The entry at that address, to be made another one than that of the description.
+    /// The entry at that address, for changing it.
     fn redefined(&mut self, at: Multiplexer) -> Option<(&mut Parameter, &mut Content)> {
         let position = self.position(at).ok()?;
         Arc::make_mut(&mut self.entries).get_mut(position).zip(self.contents.get_mut(position))
@@ -216,7 +216,7 @@ impl Parameters {
         })
     }
 
-    /// The keys among which that one is, if it is there, and the position of the first.
+    /// The keys in the section of that key, and the index of the first.
     fn section(&self, key: u32) -> (usize, &[u32]) {
         let section = (key >> SECTION) as usize;
         let bounds = self.sections.get(section).zip(self.sections.get(section + 1));
@@ -235,19 +235,19 @@ impl Parameters {
         }
     }
 
-    /// The number at that address, 0 if there is none: most features are switched off by 0.
+    /// The number at that address, 0 if there is none: 0 switches most features off.
     pub fn number_or_zero(&self, index: u16, sub: u8) -> u64 {
         self.number(index, sub).unwrap_or(0)
     }
 
-    /// Sets a number, whatever its access type; bits that don't fit are cut.
+    /// Sets a number, regardless of its access type; surplus bits are cut.
     pub fn set_number(&mut self, index: u16, sub: u8, number: u64) {
         if let Some((entry, content)) = self.entry_mut(Multiplexer::new(index, sub)) {
             *content = entry.fitted(Content::Number(number));
         }
     }
 
-    /// Sets a value whose length and range were checked.
+    /// Sets a value with checked length and range.
     pub fn set(&mut self, at: Multiplexer, content: Content) {
         if let Some((_, held)) = self.entry_mut(at) {
             *held = content;
@@ -259,13 +259,13 @@ impl Parameters {
         self.entries.iter().zip(&self.contents).map(|(parameter, content)| Held { parameter, content })
     }
 
-    /// All entries, and their values to change.
+    /// All entries, with their values for changing.
     pub fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
         self.entries.iter().zip(&mut self.contents)
     }
 }
 
-/// A section has the keys that are equal but for these lowest bits: sixteen indexes.
+/// Number of lowest bits that keys of one section may differ in: sixteen indexes.
 const SECTION: u32 = 8 + 4;
 const SECTIONS: u32 = 1 << (16 - 4);
 
@@ -274,7 +274,7 @@ const fn key(at: Multiplexer) -> u32 {
 }
 
 impl Parameter {
-    /// `None` for a type that has no value.
+    /// `None` for a type without values.
     fn new(at: Multiplexer, entry: &Entry) -> Option<Self> {
         let default = match (&entry.default, entry.data_type.bytes()) {
             (Some(Setting::NodeIdPlus(offset)), Some(_)) => Default::NodeIdPlus(*offset),
@@ -300,7 +300,7 @@ impl Parameter {
         })
     }
 
-    /// The value as delivered.
+    /// The delivered value.
     pub fn default_content(&self, node: NodeId) -> Content {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()),
@@ -308,7 +308,7 @@ impl Parameter {
         }
     }
 
-    /// The bits of the number as delivered, whatever the node-ID; 0 for a string.
+    /// The bits of the delivered number, without the node-ID; 0 for a string.
     pub const fn default_bits(&self) -> u64 {
         match &self.default {
             Default::Fixed(Content::Number(number)) => *number,
@@ -325,12 +325,12 @@ impl Parameter {
         }
     }
 
-    /// The length of values in bytes, where it is fixed.
+    /// The length of values in bytes, if it is fixed.
     pub fn size(&self) -> Option<usize> {
         self.data_type.bytes()
     }
 
-    /// Whether a value of that length fits.
+    /// Checks the length of a value.
     ///
     /// # Errors
     /// The abort code for too few or too many bytes.
@@ -343,12 +343,12 @@ impl Parameter {
         }
     }
 
-    /// The largest number of bytes that a value can have.
+    /// Maximum number of bytes of a value.
     pub fn longest(&self) -> usize {
         self.size().unwrap_or(LONGEST)
     }
 
-    /// Whether a number lies within the limits of the device description.
+    /// Checks a number against the limits of the device description.
     ///
     /// # Errors
     /// The abort code for a value that is too high or too low.
@@ -364,13 +364,13 @@ impl Parameter {
         Ok(())
     }
 
-    /// How two values of this type compare; `None` for a type without order.
+    /// Compares two values of this type; `None` for a type without order.
     pub fn compare(&self, one: u64, other: u64) -> Option<std::cmp::Ordering> {
         let number = |raw| Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
         Some(number(one)?.cmp(&number(other)?))
     }
 
-    /// The content that those bytes, little-endian, encode.
+    /// Decodes these bytes, little-endian.
     pub fn decode(&self, bytes: &[u8]) -> Content {
         match self.size() {
             Some(size) => {
@@ -382,7 +382,7 @@ impl Parameter {
     }
 }
 
-/// The lower `bits` bits.
+/// A mask of the lower `bits` bits.
 pub(super) const fn mask(bits: u32) -> u64 {
     if bits >= 64 { u64::MAX } else { (1 << bits) - 1 }
 }

@@ -1,5 +1,5 @@
-//! What RPDOs and TPDOs have in common: communication parameters (1400h.., 1800h..), mapping (1600h.., 1A00h..), and
-//! which values both take.
+//! The common part of RPDOs and TPDOs: communication parameters (1400h.., 1800h..), mapping (1600h.., 1A00h..), and
+//! their checks.
 
 use super::objects::Objects;
 use super::parameters::Parameters;
@@ -10,12 +10,12 @@ use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 
-/// A PDO has at most so many entries, of one bit each.
+/// Maximum number of entries of a PDO, of one bit each.
 const MOST_ENTRIES: u64 = 64;
-/// There are so many PDOs of each kind.
+/// Maximum number of PDOs of each direction.
 const PDOS: u16 = 0x200;
 
-/// Seen from the device.
+/// The direction, seen from the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Direction {
     Receive,
@@ -56,7 +56,7 @@ pub(super) fn numbers(direction: Direction, parameters: &Parameters) -> impl Ite
     indexes.filter_map(move |index| index.checked_sub(direction.communication())).filter(|&number| number < PDOS)
 }
 
-/// The entries of a mapping as far as it is in use.
+/// The used entries of a mapping.
 pub(super) fn mapping(
     direction: Direction,
     parameters: &Parameters,
@@ -67,14 +67,14 @@ pub(super) fn mapping(
     (1..=count).filter_map(move |sub| parameters.number(index, sub)).map(|raw| MappingEntry(raw as u32))
 }
 
-/// The entry after the last one that is in use, if it is filled.
+/// The entry after the last used one, if it is filled.
 pub(super) fn entry_beyond(direction: Direction, parameters: &Parameters, number: u16) -> Option<MappingEntry> {
     let index = direction.mapping() + number;
     let next = u8::try_from(parameters.number_or_zero(index, 0)).ok()?.checked_add(1)?;
     parameters.number(index, next).filter(|&raw| raw != 0).map(|raw| MappingEntry(raw as u32))
 }
 
-/// The conditions of a write to 1400h.. or 1800h..
+/// Checks a write to 1400h.. or 1800h..
 ///
 /// # Errors
 /// The abort code for a value that is not possible, or not now.
@@ -98,7 +98,7 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
-        // Where the PDO can't be switched off, its inhibit time changes while it is valid.
+        // If the PDO can't be switched off, its inhibit time may change while it is valid.
         (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
         (3, Direction::Transmit) => !is_valid_and_changes || firmware.has(Fault::InhibitTimeChangeWhileValid),
         (6, Direction::Transmit) => {
@@ -132,7 +132,7 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     (known && possible) || objects.has(Fault::ReservedTransmissionTypeAccepted)
 }
 
-/// Whether the COB-ID of a PDO can change so: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
+/// Checks a new COB-ID of a PDO: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
 /// 7.5.2.37), and a PDO without mapping can't become valid.
 fn check_cob_id(
     at: Multiplexer,
@@ -158,7 +158,7 @@ fn check_cob_id(
     let restricted = new.is_restricted() && !firmware.has(Fault::RestrictedCanIdAccepted);
     let asks_for_rtr =
         direction == Direction::Transmit && new.allows_rtr() && !objects.model.sheet().network.rtr && new != old;
-    // A PDO that is delivered without mapping can be as it was delivered.
+    // A PDO that is delivered without mapping may keep its delivered COB-ID.
     let is_empty = mapping(direction, &objects.parameters, number).next().is_none()
         && !is_delivered_empty(direction, number, objects);
     let impossible = new.is_valid()
@@ -171,7 +171,7 @@ fn check_cob_id(
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
-/// Whether a PDO is valid and maps nothing as delivered.
+/// Whether a PDO is delivered valid and without mapping.
 fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> bool {
     let delivered = |index: u16, sub| {
         objects.parameters.entry(Multiplexer::new(index + number, sub)).map(|entry| entry.default_bits())
@@ -180,8 +180,8 @@ fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> b
     delivered(direction.mapping(), 0) == Ok(0) && delivered(direction.communication(), 1).is_ok_and(is_valid)
 }
 
-/// The conditions of a write to 1600h.. or 1A00h..: only while the PDO is not valid, entries only while sub-index 0
-/// is 0.
+/// Checks a write to 1600h.. or 1A00h..: allowed only while the PDO is not valid, entries only while sub-index 0 is
+/// 0.
 ///
 /// # Errors
 /// The abort code for a mapping that is not possible, or not now.
@@ -204,7 +204,7 @@ pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> R
     check_count(at, value, direction, objects).map_err(|code| firmware.count_code(code))
 }
 
-/// An entry was written: those up to it have to fit into a PDO, for a firmware that looks at once.
+/// Checks a written entry: the entries up to it must fit into a PDO, in a firmware that checks at once.
 fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     if !objects.takes(Liberty::MappingLengthAtEntry) || objects.has(Fault::MappingTooLongAccepted) {
         return Ok(());
@@ -214,7 +214,7 @@ fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result
     if bits <= 64 { Ok(()) } else { Err(objects.firmware.count_code(AbortCode::PDO_LENGTH)) }
 }
 
-/// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.
+/// Checks a write to sub-index 0: the entries must exist, be mappable, and fit into a PDO.
 fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
     if firmware.has(Fault::MappingCountUnchecked) {
@@ -236,7 +236,7 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     if bits <= 64 || firmware.has(Fault::MappingTooLongAccepted) { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
 }
 
-/// Whether an object can be mapped, with that length.
+/// Checks whether an object can be mapped, with that length.
 fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let firmware = &objects.firmware;
     if firmware.takes(Liberty::MappingInBytes) && !entry.bits().is_multiple_of(8) {
@@ -267,14 +267,14 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     }
 }
 
-/// What is mapped as delivered can be mapped again, a part of an object too.
+/// Delivered mappings, also of a part of an object, may be mapped again.
 fn is_delivered(entry: MappingEntry, direction: Direction, objects: &Objects) -> bool {
     let indexes = direction.mapping()..direction.mapping() + PDOS;
     let mut mapped = objects.parameters.entries().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
     mapped.any(|it| it.default_bits() == u64::from(entry.0))
 }
 
-/// Dummies are for RPDOs, of the types that `DummyUsage` of the description allows, in their full length.
+/// Checks a dummy entry: allowed in RPDOs, for types in `DummyUsage` of the description, in full length.
 fn check_dummy(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let description = objects.model.description();
     let data_type = canvass_analyzer::dictionary::DataType(entry.object().index.0);

@@ -1,18 +1,18 @@
-//! Which CAN-ID belongs to which service of the device: most frames of a bus are for others, and are told by one look.
+//! The service of each CAN-ID: most frames of a bus are for other nodes, which one look-up tells.
 
-/// What a data frame on a CAN-ID is to the device. Of services that are configured onto the same CAN-ID the later one
-/// of these gets it.
+/// The service for data frames of a CAN-ID. If several services are configured for one CAN-ID, the later one of these
+/// variants gets it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Route {
-    /// Nothing.
+    /// No service of this device.
     Others,
-    /// The RPDO at that position.
+    /// The RPDO with this index.
     Rpdo(u16),
     /// An EMCY of a node of 1028h.
     PeerEmcy,
     Time,
     Sync,
-    /// The further SDO channel at that position.
+    /// The further SDO channel with this index.
     FurtherSdo(u8),
     /// An error control message of another node.
     PeerErrorControl,
@@ -29,17 +29,17 @@ pub(super) struct Routes(Box<[Route]>);
 const CAN_IDS: usize = 0x800;
 
 impl Routes {
-    /// Nothing is for the device.
+    /// Routes without services.
     pub fn new() -> Self {
         Self(vec![Route::Others; CAN_IDS].into_boxed_slice())
     }
 
-    /// What a data frame is.
+    /// The route of a data frame.
     pub fn of(&self, can_id: u16) -> Route {
         self.0.get(usize::from(can_id)).copied().unwrap_or(Route::Others)
     }
 
-    /// Gives a CAN-ID to a service, unless it is of one that comes before it.
+    /// Assigns a CAN-ID to a service, unless it has a service of higher rank.
     pub fn set(&mut self, can_id: u16, route: Route) {
         if let Some(slot) = self.0.get_mut(usize::from(can_id)).filter(|slot| **slot <= route) {
             *slot = route;

@@ -1,4 +1,4 @@
-//! Receive PDOs: when their values act, their length, and their deadline (CiA 301, 7.2.2.4).
+//! Receive PDOs: activation, length, and deadline (CiA 301, 7.2.2.4).
 
 use super::condition::Condition;
 use super::context::Context;
@@ -15,32 +15,32 @@ use canvass_traces::{Duration, Frame, Timestamp};
 
 #[derive(Clone, Debug)]
 struct Rpdo {
-    /// 0 for 1400h and 1600h.
+    /// The number; 0 for 1400h and 1600h.
     number: u16,
     cob_id: CobId,
     transmission: TransmissionType,
     mapping: Vec<MappingEntry>,
-    /// What the mapping takes, in bytes.
+    /// The length of the mapping in bytes.
     len: usize,
-    /// Zero: the PDO is not awaited.
+    /// The deadline; zero if there is none.
     deadline: Duration,
-    /// [`Timestamp::MAX`] until the first PDO.
+    /// The time of the deadline; [`Timestamp::MAX`] until the first PDO.
     due: Timestamp,
-    /// Received, and not yet acting: it waits for SYNC.
+    /// A received PDO that waits for SYNC.
     held: Option<Payload>,
 }
 
 /// The data of a PDO, filled up with zeros.
 type Payload = [u8; 8];
 
-/// What a received PDO means.
+/// The consequence of a received PDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Received {
     /// The values act now.
     Act(Payload),
     /// The values act at the next SYNC.
     Hold,
-    /// Shorter than its mapping: not processed.
+    /// The PDO is shorter than its mapping, and not processed.
     TooShort,
 }
 
@@ -60,12 +60,12 @@ impl Rpdo {
         pdo::numbers(Direction::Receive, parameters).map(new).collect()
     }
 
-    /// 1 for 1400h and 1600h.
+    /// The number; 1 for 1400h and 1600h.
     const fn ordinal(&self) -> u16 {
         self.number + 1
     }
 
-    /// Takes the parameters over.
+    /// Takes over the parameters.
     fn configure(&mut self, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(object::RPDO_COMMUNICATION_PARAMETER + self.number, sub);
         self.cob_id = CobId(number(1) as u32);
@@ -79,13 +79,13 @@ impl Rpdo {
         }
     }
 
-    /// Its CAN-ID, if it is received.
+    /// Its CAN-ID, if it is valid.
     fn can_id(&self, firmware: &Firmware) -> Option<u16> {
         let received = self.cob_id.is_valid() || firmware.has(Fault::RpdoReceivedWhenInvalid);
         (received && !self.mapping.is_empty()).then_some(self.cob_id.can_id() as u16)
     }
 
-    /// The device is not operational any more: what was held is forgotten.
+    /// Handles leaving operational: a held PDO is dropped.
     fn stop(&mut self, firmware: &Firmware) {
         if !firmware.has(Fault::RpdoHeldOverStop) {
             self.held = None;
@@ -95,12 +95,12 @@ impl Rpdo {
         }
     }
 
-    /// How many bytes are mapped.
+    /// The length of the mapping in bytes.
     const fn len(&self) -> usize {
         self.len
     }
 
-    /// A PDO came.
+    /// Handles a PDO.
     fn on_frame(&mut self, now: Timestamp, data: &[u8], firmware: &Firmware) -> Received {
         if data.len() < self.len && !firmware.has(Fault::RpdoLengthUnchecked) {
             return Received::TooShort;
@@ -123,22 +123,22 @@ impl Rpdo {
         self.transmission.0 <= 240
     }
 
-    /// A SYNC came: what was held acts now.
+    /// Handles SYNC: returns the held PDO, which acts now.
     fn on_sync(&mut self) -> Option<Payload> {
         self.held.take()
     }
 
-    /// The window of synchronous PDOs is over.
+    /// Handles the end of the window of synchronous PDOs.
     fn forget(&mut self) {
         self.held = None;
     }
 
-    /// When the PDO is missed.
+    /// The time of the deadline.
     const fn timeout(&self) -> Timestamp {
         self.due
     }
 
-    /// Whether the PDO is missed now; says so once, until the next one.
+    /// Whether the deadline is missed; reported once, until the next PDO.
     fn is_late(&mut self, now: Timestamp) -> bool {
         let late = now >= self.due;
         if late {
@@ -147,7 +147,7 @@ impl Rpdo {
         late
     }
 
-    /// The values of a payload act.
+    /// Activates the values of a payload.
     fn apply(&self, now: Timestamp, payload: Payload, context: &mut Context) {
         let most = if context.has(Fault::RpdoFirstObjectOnly) { 1 } else { usize::MAX };
         for (at, value) in self.values(payload).into_iter().take(most) {
@@ -177,7 +177,7 @@ impl Rpdo {
 pub(super) struct Rpdos(Vec<Rpdo>);
 
 impl Rpdos {
-    /// Those of the dictionary.
+    /// The RPDOs of the dictionary.
     pub fn new(parameters: &Parameters) -> Self {
         Self(Rpdo::all(parameters))
     }
@@ -190,8 +190,9 @@ impl Rpdos {
         self.0.iter_mut().for_each(|rpdo| rpdo.configure(objects));
     }
 
-    /// Data came for the RPDO at that position.
+    /// Handles data for the RPDO with this index.
     pub fn receive(&mut self, now: Timestamp, position: u16, data: &[u8], context: &mut Context) {
+        debug_assert!(usize::from(position) < self.0.len(), "routes lead to RPDOs of the device");
         let Some(rpdo) = self.0.get_mut(usize::from(position)) else { return };
         if !context.phase.receives_pdos(context.firmware()) {
             return;

@@ -18,18 +18,18 @@ use canvass_traces::{CanId, Frame, Timestamp};
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 const READ_ERROR_REGISTER: Request = Request::upload(ERROR_REGISTER);
 
-/// All channels.
+/// All SDO channels.
 #[derive(Clone, Debug)]
 pub(super) struct SdoChannels {
     server: SdoServer,
     further: Vec<FurtherChannel>,
     requests: Requests,
-    /// A request of stopped, for a firmware that answers it later.
+    /// A request received in stopped, for a firmware that answers it later.
     kept: Option<Frame>,
 }
 
 impl SdoChannels {
-    /// The channels of that dictionary. `seed` chooses how response times vary.
+    /// The channels of a dictionary. `seed` determines random response times.
     pub fn new(objects: &Objects, seed: u64) -> Self {
         let sheet = objects.model.sheet();
         let (timing, blocks) = (sheet.timing, sheet.network.sdo_block_transfer);
@@ -41,7 +41,7 @@ impl SdoChannels {
         }
     }
 
-    /// Off and on again.
+    /// Handles power-off and on.
     pub const fn power_on(&mut self) {
         self.requests = Requests::new();
     }
@@ -52,12 +52,12 @@ impl SdoChannels {
             || self.further.iter().any(|channel| channel.responds_with(can_id))
     }
 
-    /// When the next answer is ready or the next transfer expires.
+    /// Time of the next ready answer or expiring transfer.
     pub fn next(&self) -> Timestamp {
         self.further.iter().fold(self.server.timeout(), |next, channel| next.min(channel.server.timeout()))
     }
 
-    /// A request of the default channel.
+    /// Handles a request of the default channel.
     fn on_request(&mut self, now: Timestamp, frame: &Frame, context: &mut Context) {
         if context.phase == nmt::Phase::Stopped && context.has(Fault::SdoRequestKeptOverStop) {
             self.kept = Some(*frame);
@@ -132,7 +132,7 @@ impl Service for SdoChannels {
         }
     }
 
-    /// Transfers whose client says nothing any more end.
+    /// Ends transfers whose client is silent.
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         self.server.expire(now, &context.objects);
         self.further.iter_mut().for_each(|channel| channel.server.expire(now, &context.objects));
@@ -160,8 +160,8 @@ impl Service for SdoChannels {
     }
 }
 
-/// Whether a request does nothing but read: initiate upload or upload segment, and not the error register, reading which
-/// may acknowledge an error.
+/// Whether a request only reads: initiate upload or upload segment, but not of the error register, as reading it may
+/// acknowledge an error.
 pub(super) fn is_plain_upload(frame: &Frame) -> bool {
     let [command, low, high, ..] = frame.bytes();
     matches!(command >> 5, 2 | 3) && u16::from_le_bytes([low, high]) != ERROR_REGISTER.index.0
@@ -190,7 +190,7 @@ impl FurtherChannel {
             .collect()
     }
 
-    /// Takes the COB-IDs over.
+    /// Takes over the COB-IDs.
     fn configure(&mut self, objects: &Objects) {
         let number = |sub| objects.parameters.number(self.index, sub).map_or(CobId::INVALID, |raw| raw as u32);
         (self.request, self.response) = (CobId(number(1)), CobId(number(2)));
@@ -209,9 +209,9 @@ impl FurtherChannel {
         self.can_id().is_some() && self.response.can_id() == u32::from(can_id)
     }
 
-    /// The next answer that is ready.
+    /// The next ready answer.
     pub fn poll(&mut self, now: Timestamp, node: NodeId) -> Option<Frame> {
-        // Only the CAN-ID differs from that of the default channel.
+        // The answer differs from that of the default channel only in its CAN-ID.
         let answer = self.server.poll(now, node)?;
         Frame::new(CanId::standard_masked(self.response.can_id()), answer.data())
     }

@@ -1,7 +1,7 @@
-//! What the services of a device have in common: one trait, and what they tell each other.
+//! The interface of a device's services, and the events between them.
 //!
-//! A service gets the frames that are routed to it, is polled when its time has come, and hears of what happens in the
-//! others. It changes itself and the [`Context`] that all share, nothing else.
+//! A service gets the frames that are routed to it, is polled when its time has come, and gets the events of the
+//! others. It changes only itself and the shared [`Context`].
 
 use super::context::Context;
 use super::nmt::{Order, Phase};
@@ -9,52 +9,52 @@ use super::routes::{Route, Routes};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::{Frame, Timestamp};
 
-/// What happened in the device.
+/// An event in the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Event {
-    /// A reset: what is under way ends.
+    /// A reset: open transfers and other work end.
     Initialise,
     /// Initialisation has given all parameters their values.
     Loaded,
-    /// Initialisation is over: the parameters act.
+    /// Initialisation is complete: the parameters are active.
     Started,
-    /// The NMT state is another one than before.
+    /// The NMT state has changed.
     Entered { before: Phase },
-    /// An object was written, by SDO or PDO, with that number.
+    /// An object was written, by SDO or PDO, with this number.
     Written(Multiplexer, u64),
     /// Values may have changed.
     Changed,
     /// SYNC was received or sent.
     Sync { counter: Option<u8> },
-    /// It is too late for synchronous PDOs.
+    /// The window of synchronous PDOs is over.
     WindowClosed,
-    /// A silence is over: what became due meanwhile is not made up for.
+    /// A silence is over: work from meanwhile is not done later.
     Resumed,
-    /// Objects were written and are to be acted on.
+    /// Objects were written and must be acted on.
     Act,
-    /// The device as a whole has to do something.
+    /// A request to the device as a whole.
     Order(Order),
 }
 
 /// One service of a device.
 pub(super) trait Service {
-    /// A data frame that is routed to this service came.
+    /// Handles a data frame that is routed to this service.
     fn handle(&mut self, _now: Timestamp, _route: Route, _frame: &Frame, _context: &mut Context) {}
 
-    /// Something happened in the device.
+    /// Handles an event of the device.
     fn on_event(&mut self, _now: Timestamp, _event: Event, _context: &mut Context) {}
 
-    /// The time that [`Service::timeout`] named may have come.
+    /// Handles the time that [`Service::timeout`] named, or an earlier one.
     fn poll(&mut self, _now: Timestamp, _context: &mut Context) {}
 
-    /// When [`Service::poll`] wants to be called next.
+    /// Time of the next call of [`Service::poll`].
     fn timeout(&self, _context: &Context) -> Timestamp {
         Timestamp::MAX
     }
 
-    /// Puts into the outbox what was to be sent and may be sent now; called after every event.
+    /// Moves frames that may be sent now to the outbox; called after every event.
     fn transmit(&mut self, _now: Timestamp, _context: &mut Context) {}
 
-    /// Names the CAN-IDs of the frames that it wants.
+    /// Registers the CAN-IDs of the frames that it handles.
     fn find_routes(&self, _context: &Context, _routes: &mut Routes) {}
 }

@@ -1,4 +1,4 @@
-//! What a device is made of: its services, and the order in which they are called.
+//! The services of a device, and the order of their calls.
 
 use super::Device;
 use super::context::Context;
@@ -21,7 +21,7 @@ use super::time::TimeService;
 use super::tpdo::Tpdos;
 use canvass_traces::Timestamp;
 
-/// Defines the services of a device, and the loops over them. All calls go to them in the order of the rows.
+/// Defines the services of a device, and the loops over them in the order of the rows.
 macro_rules! services {
     ($($name:ident: $type:ty,)*) => {
         /// The services of a device.
@@ -31,26 +31,27 @@ macro_rules! services {
         }
 
         impl Services {
-            /// When the next service wants to be polled, but for SDO, of which [`SdoChannels::next`] tells.
+            /// Time of the next poll of a service other than SDO, for which [`SdoChannels::next`] tells it.
             pub fn timeout(&self, context: &Context) -> Timestamp {
                 let mut next = Timestamp::MAX;
                 $(next = next.min(self.$name.timeout(context));)*
                 next
             }
 
-            /// Everything that may be sent goes into the outbox.
+            /// Moves all frames that may be sent to the outbox.
             pub fn transmit(&mut self, now: Timestamp, context: &mut Context) {
                 $(self.$name.transmit(now, context);)*
             }
 
-            /// The routes of all services: of two that want the same CAN-ID the later one gets it.
+            /// The routes of all services: if two want the same CAN-ID the later one gets it.
             pub fn find_routes(&self, context: &Context, routes: &mut Routes) {
                 $(self.$name.find_routes(context, routes);)*
             }
         }
 
         impl Device {
-            /// Tells all services what happened. What follows from it in one happens before the next service gets it.
+            /// Passes an event to all services. Consequences in one service happen before the next one gets the
+            /// event.
             pub(super) fn deliver(&mut self, now: Timestamp, event: Event) {
                 $(
                     self.services.$name.on_event(now, event, &mut self.context);

@@ -1,4 +1,4 @@
-//! Errors of the application: of a shaft that is too fast, of a position that is wrong, of a sensor that is too hot.
+//! Errors of the application: excessive speed, a wrong position, a hot sensor.
 
 use super::condition::Condition;
 use super::context::Context;
@@ -8,23 +8,23 @@ use super::service::{Event, Service};
 use crate::Fault;
 use canvass_traces::{Duration, Timestamp};
 
-/// How often the speed of a shaft that turns is compared with its limit.
+/// Interval for comparing the speed of a turning shaft with its limit.
 const WATCH: Duration = Duration::from_millis(100);
 
-/// Watches the shaft.
+/// Monitors the shaft.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shaft {
-    /// When it is seen next whether the shaft is too fast.
+    /// Time of the next comparison of the speed.
     due: Timestamp,
 }
 
 impl Shaft {
-    /// Nothing is watched.
+    /// A monitor that is off.
     pub const fn new() -> Self {
         Self { due: Timestamp::MAX }
     }
 
-    /// A shaft that turns can become too fast, or be so no longer, without anything being written.
+    /// Starts monitoring: the speed of a turning shaft can cross its limit without any write.
     pub fn watch(&mut self, now: Timestamp, context: &Context) {
         let warns = context.objects.model.sheet().encoder.is_some_and(|encoder| encoder.speed_warning_rpm.is_some());
         let watched = warns && context.objects.is_moving() && context.phase.is_running();

@@ -1,4 +1,4 @@
-//! Non-volatile memory: 1010h and 1011h by groups, and what is loaded from it.
+//! Non-volatile memory: 1010h and 1011h by groups, and loading.
 
 use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
@@ -24,18 +24,18 @@ impl Groups {
     pub const APPLICATION: Self = Self(2);
     /// 2000h to 5FFFh, without bit rate and node-ID.
     pub const MANUFACTURER: Self = Self(4);
-    /// Bit rate, node-ID and what else only a command of its own stores.
+    /// Bit rate, node-ID and other parameters that only a command of their own stores.
     pub const BUS: Self = Self(8);
     /// Everything.
     pub const ALL: Self = Self(15);
-    /// What 1010h:01 and 1011h:01 mean.
+    /// The groups of 1010h:01 and 1011h:01.
     pub const PARAMETERS: Self = Self(7);
 
     const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// These groups but for the others.
+    /// These groups without the others.
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
@@ -70,7 +70,7 @@ impl Groups {
     }
 }
 
-/// What a write to 1010h, 1011h or the bus parameters' own object orders.
+/// The command of a write to 1010h, 1011h or the object of the bus parameters.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StoreCommand {
     Save(Groups),
@@ -79,11 +79,11 @@ pub(super) enum StoreCommand {
 }
 
 impl StoreCommand {
-    /// The command that a write to that object is; `None` if it is none.
+    /// The command of a write to that object; `None` if it is none.
     pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
-            // Where nothing else stores the bus parameters, "all" are all.
+            // If no other object stores the bus parameters, "all" includes them.
             (object::STORE_PARAMETERS, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
             (object::STORE_PARAMETERS, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
             (object::RESTORE_DEFAULT_PARAMETERS, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
@@ -91,12 +91,12 @@ impl StoreCommand {
         }
     }
 
-    /// Whether it stores.
+    /// Whether the command stores.
     pub const fn is_save(self) -> bool {
         matches!(self, Self::Save(_))
     }
 
-    /// Whether the signature is right.
+    /// Checks the signature.
     ///
     /// # Errors
     /// The abort code of this model for a wrong one.
@@ -109,7 +109,7 @@ impl StoreCommand {
     }
 }
 
-/// Node-ID and bit rate of a device that has no objects for them.
+/// Node-ID and bit rate of a device without objects for them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct StoredNetwork {
     /// 1 to 127, or 255 for none.
@@ -122,16 +122,16 @@ pub(super) struct StoredNetwork {
 #[derive(Clone, Debug)]
 pub(super) struct Store {
     storage: Arc<Storage>,
-    /// What differs from the default, by the position of the parameter.
+    /// Values that differ from the default, by the index of the parameter.
     image: Arc<Vec<Option<Content>>>,
     offset: Option<i64>,
-    /// What LSS stored and no object holds.
+    /// Values stored by LSS that no object holds.
     network: StoredNetwork,
-    /// Groups whose defaults are loaded until power-off, whatever is stored.
+    /// Groups whose defaults are loaded until power-off, regardless of stored values.
     restored: Groups,
-    /// Restored defaults are lost at power-off unless they are stored.
+    /// Whether restored defaults are lost at power-off unless they are stored.
     restore_needs_store: bool,
-    /// Being written; if a reset comes before it is done, the memory keeps what it had.
+    /// The write in progress; a reset before its end leaves the memory unchanged.
     pending: Option<(Timestamp, StoreCommand)>,
 }
 
@@ -150,7 +150,7 @@ impl Store {
         }
     }
 
-    /// Begins to write; it is done at `done`.
+    /// Begins a write that ends at `done`.
     pub fn begin(&mut self, done: Timestamp, command: StoreCommand, firmware: &Firmware) {
         let command = match command {
             StoreCommand::Save(_) if firmware.has(Fault::StoreWithoutEffect) => return,
@@ -168,7 +168,7 @@ impl Store {
         self.pending = Some((done, command));
     }
 
-    /// A reset while a faulty firmware writes: the first half of the memory is new, the other one old.
+    /// Handles a reset while a faulty firmware writes: the first half of the memory is new, the second old.
     pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
         if let Some((_, StoreCommand::Save(groups))) = self.pending {
             let half = self.image.len() / 2;
@@ -180,12 +180,12 @@ impl Store {
         }
     }
 
-    /// When writing is done.
+    /// The end of the write.
     pub fn timeout(&self) -> Timestamp {
         self.pending.map_or(Timestamp::MAX, |(done, _)| done)
     }
 
-    /// Ends writing, if it is time.
+    /// Ends the write, if it is due.
     pub fn finish(&mut self, now: Timestamp, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
         if let Some((done, command)) = self.pending
             && now >= done
@@ -202,7 +202,7 @@ impl Store {
     fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
         for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if entry.writable && groups.has(entry.at, &self.storage) {
-                // COB-IDs that are as delivered go on following the node-ID.
+                // Default COB-IDs continue to follow the node-ID, so they are not stored.
                 *slot = (*entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
         }
@@ -228,7 +228,7 @@ impl Store {
         self.offset = Some(offset);
     }
 
-    /// Off and on again: what is stored counts.
+    /// Handles power-off and on: the stored values count.
     pub const fn power_on(&mut self) {
         self.restored = Groups::NONE;
     }
@@ -241,17 +241,17 @@ impl Store {
         }
     }
 
-    /// What LSS stored and no object holds.
+    /// Values stored by LSS that no object holds.
     pub const fn network(&self) -> StoredNetwork {
         self.network
     }
 
-    /// LSS stores what no object holds.
+    /// Stores values of LSS that no object holds.
     pub const fn save_network(&mut self, network: StoredNetwork) {
         self.network = network;
     }
 
-    /// Stores one number at once, past all groups: LSS stores node-ID and bit rate so.
+    /// Stores one number at once, regardless of groups: LSS stores node-ID and bit rate in this way.
     pub fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
         let position = parameters.entries().position(|entry| entry.at == at);
         if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
@@ -284,7 +284,7 @@ impl Store {
         }
     }
 
-    /// What is stored, by address, and what a preset added.
+    /// The stored values by address, and the preset's offset.
     pub(super) fn contents<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -293,7 +293,7 @@ impl Store {
         (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.offset)
     }
 
-    /// Replaces everything: contents by address. Those of addresses that are not there are left out.
+    /// Replaces everything: values by address. Values of absent addresses are dropped.
     pub(super) fn replace(
         &mut self,
         contents: &BTreeMap<Multiplexer, Content>,
@@ -307,7 +307,7 @@ impl Store {
         (self.offset, self.network, self.pending) = (offset, network, None);
     }
 
-    /// A reset: what is stored, or the default, becomes the value.
+    /// Handles a reset: loads the stored values, or the defaults.
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
         for (slot, (entry, content)) in self.image.iter().zip(parameters.entries_mut()) {

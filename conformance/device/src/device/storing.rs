@@ -1,5 +1,5 @@
-//! What is stored when: the commands of 1010h and 1011h, objects that are stored as soon as they are written, and 1020h,
-//! which forgets its date with every other change.
+//! Storing: the commands of 1010h and 1011h, objects that are stored when written, and 1020h, which loses its date
+//! with every other change.
 
 use super::context::Context;
 use super::lss_slave::UNCONFIGURED;
@@ -16,7 +16,7 @@ const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PA
 /// Bit 2 of 6000h.
 const SCALING: u64 = 1 << 2;
 
-/// Stores; what is stored is in the [`Context`].
+/// The storing service; the stored values are in the [`Context`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Storing;
 
@@ -46,7 +46,7 @@ impl Service for Storing {
     }
 }
 
-/// Whether parameters are stored as soon as they are written.
+/// Whether parameters are stored when they are written.
 const fn stores_by_itself(context: &Context) -> bool {
     let by_itself = context.takes(Liberty::StoresByItself) || context.takes(Liberty::StoresBothWays);
     by_itself && !context.takes(Liberty::NoStore)
@@ -65,7 +65,7 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
         }
         context.objects.take_waiting();
     }
-    // A device without LSS could never get a node-ID again.
+    // Without LSS the device could never get a node-ID again.
     let restores_node_id = context.takes(Liberty::NodeIdRestored) && !context.takes(Liberty::NoLss);
     if command == StoreCommand::Restore(Groups::PARAMETERS) && restores_node_id {
         let network = context.store.network();
@@ -74,7 +74,7 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
     context.store.begin(done, command, &context.objects.firmware);
 }
 
-/// Some objects are stored as soon as they are written.
+/// Some objects are stored when they are written.
 fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     let node = context.node_or_placeholder();
     if resets_scaling(at, value, context) {
@@ -91,12 +91,12 @@ fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     }
 }
 
-/// Whether that write switches scaling off in a device that then forgets what it was.
+/// Whether that write switches scaling off in a device that then forgets the scaling.
 pub(super) fn resets_scaling(at: Multiplexer, value: u64, context: &Context) -> bool {
     at == OPERATING_PARAMETERS && value & SCALING == 0 && context.objects.model.sheet().quirks.scaling_bit_guards
 }
 
-/// 1020h: date and time of the configuration are gone as soon as it is changed.
+/// 1020h: any change of the configuration erases its date and time.
 fn forget_verification(at: Multiplexer, context: &mut Context) {
     let is_command = StoreCommand::of(at, &context.objects.model.sheet().storage).is_some();
     let kept = context.has(Fault::ConfigurationDateKept);

@@ -22,24 +22,24 @@ pub(super) struct SyncObject {
     period: Duration,
     /// The highest counter; 0: no counter.
     overflow: u8,
-    /// Whether SYNCs that are produced have a counter.
+    /// Whether produced SYNCs have a counter.
     sends_counter: bool,
-    /// Whether 1019h exists: only then a wrong length is noticed.
+    /// Whether 1019h exists: only then a wrong length is detected.
     counts: bool,
     /// The counter of the next SYNC produced.
     counter: u8,
     due: Timestamp,
-    /// Synchronous PDOs may be sent and received for this long after a SYNC; zero: for ever.
+    /// Duration after SYNC in which synchronous PDOs may be sent and received; zero for no limit.
     window: Duration,
     window_end: Timestamp,
     is_closed: bool,
 }
 
-/// The counter goes on after this one without 1019h.
+/// The counter restarts after this value without 1019h.
 const FIRST: u8 = 1;
 
 impl SyncObject {
-    /// Neither consumed nor produced.
+    /// The state in which SYNC is neither consumed nor produced.
     pub const fn new() -> Self {
         Self {
             cob_id: CobId(CobId::INVALID),
@@ -56,13 +56,13 @@ impl SyncObject {
         }
     }
 
-    /// Takes the parameters over; a producer whose parameters have changed begins anew.
+    /// Takes over the parameters; a producer with changed parameters restarts.
     fn configure(&mut self, now: Timestamp, context: &Context) {
         let (parameters, firmware) = (&context.objects.parameters, context.firmware());
         let network = &context.objects.model.sheet().network;
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
-        // Without 1005h it is the predefined one.
+        // Without 1005h the COB-ID is the predefined one.
         if !firmware.has(Fault::SyncKeepsCanId) || self.cob_id.0 == CobId::INVALID {
             self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
         }
@@ -86,7 +86,7 @@ impl SyncObject {
         }
     }
 
-    /// Begins to produce anew, or stops: in the NMT states stopped and initialisation no SYNC is sent.
+    /// Restarts the production, or stops it: in stopped and initialisation no SYNC is sent.
     fn restart(&mut self, now: Timestamp, may_send: bool, firmware: &Firmware) {
         self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
         if !firmware.has(Fault::SyncCounterNotReset) {
@@ -94,12 +94,12 @@ impl SyncObject {
         }
     }
 
-    /// The CAN-ID on which SYNC is awaited; `None` where there is no 1005h.
+    /// The CAN-ID of consumed SYNC; `None` without 1005h.
     fn can_id(&self) -> Option<u16> {
         (!self.cob_id.is_extended() && self.cob_id.can_id() != 0).then_some(self.cob_id.can_id() as u16)
     }
 
-    /// The SYNC to send, if it is time for one.
+    /// The next SYNC, if it is due.
     fn next(&mut self, now: Timestamp) -> Option<SyncMessage> {
         if now < self.due {
             return None;
@@ -118,12 +118,12 @@ impl SyncObject {
         self.cob_id.can_id() as u16
     }
 
-    /// Whether a received SYNC has the length that 1019h asks for.
+    /// Whether a received SYNC has the length that 1019h requires.
     fn has_length(&self, len: usize, firmware: &Firmware) -> bool {
         !self.counts || firmware.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
     }
 
-    /// A SYNC was received or sent: the window opens.
+    /// Handles a received or sent SYNC: opens the window.
     fn open(&mut self, now: Timestamp) {
         self.is_closed = false;
         if self.window > Duration::ZERO {
@@ -131,7 +131,7 @@ impl SyncObject {
         }
     }
 
-    /// Whether the window closes now; says so once.
+    /// Whether the window closes now; reported once.
     fn close(&mut self, now: Timestamp) -> bool {
         let closes = now >= self.window_end;
         if closes {
@@ -143,7 +143,7 @@ impl SyncObject {
 }
 
 impl Service for SyncObject {
-    /// SYNC with the length that 1019h asks for: synchronous PDOs are received and sent.
+    /// Handles SYNC of the right length: synchronous PDOs are received and sent.
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         if !context.phase.is_running() || !context.objects.consumes_sync() {
             return;
@@ -214,8 +214,8 @@ const fn is_producing(cob_id: u64) -> bool {
     cob_id & CobId::NO_RTR as u64 != 0
 }
 
-/// The conditions of a write to 1005h: 11 bits, not restricted, bit 30 only where SYNC can be produced, and another
-/// CAN-ID not while it is.
+/// Checks a write to 1005h: 11 bits, not restricted, bit 30 only if the device can produce SYNC, and no other CAN-
+/// ID during production.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -237,7 +237,7 @@ pub(super) fn check_cob_id(
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
-/// The conditions of a write to 1006h: not faster than the device can.
+/// Checks a write to 1006h: not faster than the device's limit.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -246,7 +246,7 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
     if too_fast { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
-/// The conditions of a write to 1019h: 0 or 2 to 240, and only while 1006h is 0.
+/// Checks a write to 1019h: 0 or 2 to 240, and only while 1006h is 0.
 ///
 /// # Errors
 /// "Invalid value", or "present device state".

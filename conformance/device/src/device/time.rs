@@ -76,8 +76,8 @@ impl Service for TimeService {
     }
 }
 
-/// The conditions of a write to 1012h: 11 bits, not restricted, only what the device can, and another CAN-ID not while
-/// TIME is consumed or produced.
+/// Checks a write to 1012h: 11 bits, not restricted, only supported directions, and no other CAN-ID while TIME is
+/// consumed or produced.
 ///
 /// # Errors
 /// "Invalid value" otherwise.

@@ -1,4 +1,4 @@
-//! Transmit PDOs: when they are sent, and with what (CiA 301, 7.2.2).
+//! Transmit PDOs: their times and values (CiA 301, 7.2.2).
 
 use super::context::Context;
 use super::nmt;
@@ -14,18 +14,18 @@ use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// How often the device looks whether a mapped value has changed.
+/// Interval for detecting changes of mapped values.
 const SAMPLING: Duration = Duration::from_millis(1);
 
-/// How late synchronous TPDOs of a faulty firmware are.
+/// Delay of synchronous TPDOs in a faulty firmware.
 const LATE: Duration = Duration::from_millis(30);
 
-/// How long a slow device takes for its synchronous TPDOs.
+/// Delay of synchronous TPDOs in a slow device.
 const SLOW: Duration = Duration::from_millis(40);
 
 #[derive(Clone, Debug)]
 struct Tpdo {
-    /// 0 for 1800h and 1A00h.
+    /// The number; 0 for 1800h and 1A00h.
     number: u16,
     cob_id: CobId,
     transmission: TransmissionType,
@@ -33,27 +33,27 @@ struct Tpdo {
     on_change: bool,
     inhibit: Duration,
     event_timer: Duration,
-    /// The SYNC counter with which counting begins; 0: with any.
+    /// The SYNC counter at which counting begins; 0 for any.
     sync_start: u8,
     mapping: Vec<MappingEntry>,
-    /// A faulty firmware sends a PDO that carries nothing.
+    /// Whether a faulty firmware sends an empty PDO.
     sends_empty: bool,
     running: bool,
     event_due: Timestamp,
     sample_due: Timestamp,
     inhibited_until: Timestamp,
-    /// An event came while the inhibit time ran.
+    /// Whether an event waits for the end of the inhibit time.
     waiting: bool,
-    /// The SYNC with the start value has not come yet.
+    /// Whether the SYNC with the start value has not come yet.
     awaits_start: bool,
-    /// A SYNC came before the start, for a firmware that does not forget it.
+    /// Whether a SYNC came before the start, for a firmware that remembers it.
     remembered: bool,
-    /// SYNCs since the last transmission.
+    /// Number of SYNCs since the last transmission.
     syncs: u8,
     last: Option<Frame>,
-    /// What type 252 took at the last SYNC.
+    /// The values that type 252 sampled at the last SYNC.
     sampled: Option<Frame>,
-    /// What a faulty firmware sends the next time.
+    /// The old frame that a faulty firmware sends next.
     late: Option<Frame>,
     /// Whether the frame is filled up to 8 bytes.
     padded: bool,
@@ -91,11 +91,11 @@ impl Tpdo {
         }
     }
 
-    /// Takes the parameters over, and begins anew with them.
+    /// Takes over the parameters, and restarts with them.
     fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(object::TPDO_COMMUNICATION_PARAMETER + self.number, sub);
         let firmware = &objects.firmware;
-        // What was taken at a SYNC had the identifier and the mapping of that time.
+        // The sampled values had the old identifier and mapping.
         self.sampled = None;
         self.sends_empty = firmware.has(Fault::EmptyPdoValidated);
         let cob_id = CobId(number(1) as u32);
@@ -104,7 +104,7 @@ impl Tpdo {
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
         self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
-        // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
+        // If 6200h is the only event, there is no separate event timer, and changes of values are no event.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         let unit = if firmware.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
@@ -138,7 +138,7 @@ impl Tpdo {
         self.transmission.0 <= 240
     }
 
-    /// The device became operational: event-driven PDOs are sent at once (CiA 406).
+    /// Handles entering operational: event-driven PDOs are sent at once (CiA 406).
     fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
         if !objects.has(Fault::SyncCountNotReset) {
@@ -166,7 +166,7 @@ impl Tpdo {
         self.transmit(now, objects)
     }
 
-    /// The device is not operational any more.
+    /// Handles leaving operational.
     fn stop(&mut self) {
         self.running = false;
         self.waiting = false;
@@ -190,13 +190,13 @@ impl Tpdo {
         self.transmission >= TransmissionType::EVENT_MANUFACTURER
     }
 
-    /// When [`Tpdo::poll`] wants to be called.
+    /// Time of the next call of [`Tpdo::poll`].
     fn timeout(&self) -> Timestamp {
         let waiting = if self.waiting { self.inhibited_until } else { Timestamp::MAX };
         self.event_due.min(self.sample_due).min(waiting)
     }
 
-    /// A time has come.
+    /// Handles a timeout.
     fn poll(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let mut frame = None;
         if now >= self.event_due {
@@ -214,7 +214,7 @@ impl Tpdo {
         frame
     }
 
-    /// A mapped value may have changed.
+    /// Handles a possible change of a mapped value.
     fn on_change(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let watched = self.is_active() && self.is_event_driven() && self.on_change;
         if !watched || self.last == Some(self.frame(now, objects)) {
@@ -223,7 +223,7 @@ impl Tpdo {
         self.transmit(now, objects)
     }
 
-    /// A SYNC came, with a counter where the producer counts.
+    /// Handles a SYNC, with its counter if the producer counts.
     fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
             self.remembered = !self.running && objects.has(Fault::SyncRememberedOverStart);
@@ -264,7 +264,7 @@ impl Tpdo {
         }
     }
 
-    /// A remote frame asks for the PDO.
+    /// Handles a remote frame for the PDO.
     fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let allowed = self.cob_id.allows_rtr() || objects.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
         if !self.is_active() || !allowed || objects.has(Fault::TpdoRemoteUnanswered) {
@@ -300,14 +300,14 @@ impl Tpdo {
         Some(frame)
     }
 
-    /// The PDO with the values of now.
+    /// The PDO with the current values.
     fn frame(&self, now: Timestamp, objects: &Objects) -> Frame {
         let mut payload = [0; 8];
         let mut offset = 0;
         for (n, entry) in self.mapping.iter().enumerate() {
             let again = self.mapping.iter().take(n).any(|before| before.object() == entry.object());
             let value = objects.number(now, entry.object(), again).unwrap_or(0);
-            // The mapping was checked: everything fits.
+            // The mapping was checked, so all values fit.
             insert(&mut payload, offset, entry.bits(), value);
             offset += usize::from(entry.bits());
         }
@@ -322,7 +322,7 @@ impl Tpdo {
 pub(super) struct Tpdos(Vec<Tpdo>);
 
 impl Tpdos {
-    /// Those of the dictionary.
+    /// The TPDOs of the dictionary.
     pub fn new(parameters: &Parameters) -> Self {
         Self(Tpdo::all(parameters))
     }
@@ -337,14 +337,14 @@ impl Tpdos {
         self.0.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(can_id))
     }
 
-    /// A remote frame with that CAN-ID came; whether it asks for a TPDO.
+    /// Handles a remote frame; returns whether it requests a TPDO.
     pub fn on_remote(&mut self, now: Timestamp, can_id: u16, context: &mut Context) -> bool {
         let Some(tpdo) = self.0.iter_mut().find(|tpdo| tpdo.uses(can_id)) else { return false };
         tpdo.on_remote(now, &context.objects).into_iter().for_each(|frame| context.send(frame));
         true
     }
 
-    /// Takes the parameters over.
+    /// Takes over the parameters.
     pub fn configure(&mut self, now: Timestamp, context: &Context) {
         self.0.iter_mut().for_each(|tpdo| tpdo.configure(now, &context.objects));
     }
@@ -406,7 +406,7 @@ impl Tpdos {
             // The SYNC start value counts only while SYNC has a counter.
             object::SYNCHRONOUS_COUNTER_OVERFLOW if context.has(Fault::LateSyncCounterOverlooked) => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
-            // The cyclic timer of CiA 406; in other profiles these are outputs.
+            // The cyclic timer of CiA 406; in other profiles the object is an output.
             encoder::CYCLIC_TIMER => context.objects.encoder.is_some() && !context.has(Fault::CyclicTimerIdle),
             _ => resets_scaling(at, value, context),
         };

@@ -1,8 +1,8 @@
-//! Why the fuzzer does not claim to find a fault.
+//! Reasons why the fuzzer does not claim to find a fault.
 
 use canvass_macros::Catalogue;
 
-/// Why the fuzzer does not claim to find a fault. The text says what the fault is or does: "The fault ...".
+/// Why the fuzzer does not claim to find a fault. The text continues "The fault ...".
 #[derive(Catalogue, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unfuzzed {
     /// changes a string: the models remember values of up to eight bytes

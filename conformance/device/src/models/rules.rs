@@ -5,20 +5,20 @@ use canvass_analyzer::{Index, Multiplexer, SubIndex};
 use serde::de::IgnoredAny as ForPeople;
 use serde::{Deserialize, Deserializer, de};
 
-/// Objects whose values hang together.
+/// Objects whose values depend on each other.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Link {
-    /// How.
+    /// How the values depend on each other.
     pub kind: LinkKind,
     #[serde(deserialize_with = "super::sheet::addresses")]
     pub objects: Vec<Multiplexer>,
-    /// For people: where the manual says it.
+    /// Where the manual says it: for readers of the file, not used by the program.
     #[serde(default)]
     pub source: ForPeople,
 }
 
-/// How linked objects hang together.
+/// How the values of linked objects depend on each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinkKind {
@@ -41,10 +41,10 @@ pub struct Check {
     /// The SDO abort code of a breach.
     #[serde(deserialize_with = "abort_code")]
     pub abort: AbortCode,
-    /// For people: which of these values the manual does not say.
+    /// Which of these values the manual does not say: for readers of the file.
     #[serde(default)]
     pub assumed: ForPeople,
-    /// For people: where the manual says it.
+    /// Where the manual says it: for readers of the file, not used by the program.
     #[serde(default)]
     pub source: ForPeople,
 }

@@ -56,7 +56,7 @@ pub enum Authority {
     Manual,
     /// The user: a waiver that begins at that line of the waiver file.
     Waiver {
-        /// From 1.
+        /// The line of the waiver file, counted from 1.
         line: usize,
     },
 }

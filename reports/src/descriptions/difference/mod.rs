@@ -91,11 +91,11 @@ mod tests {
             compared("DataType=5\nAccessType=rw\nDefaultValue=5\n", "DataType=6\nAccessType=ro\nDefaultValue=5\n");
         let expected = "breaking  the data type has changed  [entry/data-type]\n  \
             2000h:00 Set: UNSIGNED8 -> UNSIGNED16\n  \
-            = A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same \
-            length, the same bytes now mean another value.\n\n\
+            = Values and mappings of the old length are refused (abort 0607 0010h). With the same length, the same \
+            bytes now mean another value.\n\n\
             breaking  the entry can't be written any more  [entry/not-writable]\n  \
             2000h:00 Set: rw -> ro\n  \
-            = A DCF that sets it can't be downloaded whole: the device answers with abort 0601 0002h.\n\n";
+            = A DCF that sets it can't be downloaded completely: the device answers with abort 0601 0002h.\n\n";
         let text = written(&both, TEXT);
         assert!(text.starts_with(expected), "{text}");
         assert!(text.ends_with("old.eds -> new.eds: 2 breaking, 1 notable, no harmless\n"), "{text}");

@@ -16,7 +16,7 @@ const MARKED: Duration = Duration::from_secs(1);
 /// The rows, by CAN-ID.
 #[derive(Default)]
 pub struct Ids {
-    rows: BTreeMap<(ChannelId, CanId), Seen>,
+    rows: BTreeMap<(ChannelId, CanId), IdRow>,
     /// Number of frames with identifiers that got no row.
     omitted: u64,
     /// Index of the first row on the screen.
@@ -24,7 +24,7 @@ pub struct Ids {
 }
 
 #[derive(Default)]
-struct Seen {
+struct IdRow {
     count: u64,
     last: Timestamp,
     /// Time between the last two frames.
@@ -34,7 +34,7 @@ struct Seen {
     meaning: String,
 }
 
-impl Seen {
+impl IdRow {
     fn take(&mut self, record: &Record, meaning: &str) {
         let now = record.timestamp;
         self.cycle = (self.count > 0).then(|| now.since(self.last));

@@ -1,4 +1,4 @@
-//! Reads what a device's object dictionary holds: every described entry, or every index of a range. Nothing is written.
+//! Reads the object dictionary of a device: every described entry, or every index of a range. Nothing is written.
 
 use super::exchange::Exchange;
 use super::sdo::{Outcome, Transfer};
@@ -13,38 +13,38 @@ use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// So often an entry is asked for that is not answered, if the way to the bus was interrupted each time.
+/// Maximum number of requests for an entry when the bus is interrupted each time.
 const MOST_INTERRUPTED: u32 = 8;
-/// A device that gives no answer where it has no object is asked for no more indexes after so many.
+/// Number of silent indexes after which a device that does not answer for absent objects is not asked for more.
 const MOST_SILENT: u32 = 16;
-/// Objects have gaps, of reserved sub-indexes; none is that long.
+/// Maximum length of a gap of reserved sub-indexes in an object.
 const MOST_ABSENT: u32 = 16;
-/// The highest sub-index that an entry can have: FFh tells the structure.
+/// The highest sub-index of an entry: FFh holds the structure.
 const LAST_SUB: u8 = 0xFE;
 
-/// Why a survey came to no end.
+/// Why a survey ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum SurveyError {
     /// The bus failed.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// The device has not answered once.
-    #[error("node {0} does not answer: is it there, and is the bit rate its own?")]
+    /// The device never answered.
+    #[error("node {0} does not answer: does it exist, and does the bus have its bit rate?")]
     Unanswered(NodeId),
-    /// It has answered, and does not any more.
-    #[error("node {node} does not answer any more, from {at} on")]
+    /// The device answered at first, but no longer.
+    #[error("node {node} no longer answers, from {at} on")]
     Gone {
-        /// The device.
+        /// Node-ID of the device.
         node: NodeId,
         /// The first entry without an answer.
         at: Multiplexer,
     },
-    /// Whoever watches has ended it.
-    #[error("the device was not read to the end")]
+    /// The observer has ended the survey.
+    #[error("the survey was ended before it was complete")]
     Ended,
 }
 
-/// A device that is read.
+/// Reads a device.
 pub struct Surveyor<'a, 'b> {
     exchange: &'a mut Exchange<'b>,
     node: NodeId,
@@ -54,13 +54,13 @@ pub struct Surveyor<'a, 'b> {
     survey: Survey,
     unread: Option<Multiplexer>,
     excesses: Vec<(Multiplexer, Excess)>,
-    /// The objects of which all sub-indexes were read.
+    /// The objects whose sub-indexes were all read.
     whole: BTreeSet<Index>,
 }
 
 impl<'a, 'b> Surveyor<'a, 'b> {
-    /// Of which nothing was read. `patience` holds for each response; `watch` hears of each entry before it is read, and
-    /// ends it by `false`.
+    /// Begins a survey. `patience` is the timeout of each response; `watch` is called before each entry, and ends the
+    /// survey by `false`.
     pub fn new(
         exchange: &'a mut Exchange<'b>,
         node: NodeId,
@@ -80,18 +80,18 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         }
     }
 
-    /// The same with another limit of each upload.
+    /// Sets another limit of each upload.
     #[must_use]
     pub fn within(self, limit: UploadLimit) -> Self {
         Self { limit, ..self }
     }
 
-    /// What was read, and what was not read to its end.
+    /// The answers, and the values that exceeded the limit.
     pub fn into_survey(self) -> (Survey, Vec<(Multiplexer, Excess)>) {
         (self.survey, self.excesses)
     }
 
-    /// The entry at which reading has ended, if it was not read.
+    /// The entry at which the survey ended, if it was not read.
     pub const fn unread(&self) -> Option<Multiplexer> {
         self.unread
     }
@@ -114,11 +114,11 @@ impl<'a, 'b> Surveyor<'a, 'b> {
             }
             self.unread = None;
         }
-        // It was read, now or before.
+        // The entry was read, now or before.
         Ok(self.survey.get(at).unwrap_or(&Answer::Silent))
     }
 
-    /// Asks once more where there is no answer: a frame can be lost; a device that is busy with something else can be late.
+    /// Repeats a request without an answer: a frame may be lost, or the device busy.
     fn ask_again(&mut self, at: Multiplexer) -> Result<Answer, BusError> {
         let first = self.ask(at)?;
         if first != Answer::Silent {
@@ -148,7 +148,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         })
     }
 
-    /// A device that has not answered for some entries is asked for one that every device has.
+    /// If a device has not answered for some entries, reads an entry that every device has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
         const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
         if self.ask_again(DEVICE_TYPE)? != Answer::Silent {
@@ -159,7 +159,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         Err(if has_answered { SurveyError::Gone { node, at } } else { SurveyError::Unanswered(node) })
     }
 
-    /// Reads every entry of the description, and what its objects have beside them.
+    /// Reads every entry of the description, and further sub-indexes of its objects.
     ///
     /// # Errors
     /// [`SurveyError`] if the bus fails or the device has gone.
@@ -180,8 +180,8 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         Ok(())
     }
 
-    /// Reads sub-index 0 of every index, and the other sub-indexes of each object that is there. Returns the index from
-    /// which on it was given up, as the device lets who asks wait for what it does not have.
+    /// Reads sub-index 0 of every index, and the other sub-indexes of each existing object. Returns the index at which
+    /// it gave up, because the device does not answer for absent objects.
     ///
     /// # Errors
     /// [`SurveyError`] if the bus fails or the device has gone.
@@ -194,7 +194,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
             if silent >= MOST_SILENT {
                 return Ok(Some(Index(index)));
             }
-            // An object may have sub-indexes without having the first.
+            // An object may have sub-indexes without sub-index 0.
             let may_have_subs = answer.exists() == Some(true) || *answer == Answer::Aborted(AbortCode::NO_SUB_INDEX);
             if may_have_subs && !self.whole.contains(&Index(index)) {
                 self.subs(Index(index), 1)?;
@@ -203,8 +203,8 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         Ok(None)
     }
 
-    /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`, and goes on while there are more: in a mapping
-    /// it counts what is used.
+    /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`, and goes on while further ones exist:
+    /// in a mapping it counts only the used ones.
     fn subs(&mut self, index: Index, least: u8) -> Result<(), SurveyError> {
         self.whole.insert(index);
         let counted = self.survey.count(index).unwrap_or(0).max(least);
@@ -212,7 +212,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         for sub in 1..=LAST_SUB {
             let exists = self.read(Multiplexer { index, sub: SubIndex(sub) })?.exists() == Some(true);
             absent = if exists { 0 } else { absent + 1 };
-            // The value of an object that has no sub-indexes may look like a count.
+            // The value of an object without sub-indexes may look like a count.
             if !exists && (sub >= counted || sub >= least && absent >= MOST_ABSENT) {
                 break;
             }

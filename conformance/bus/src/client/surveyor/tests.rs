@@ -119,7 +119,10 @@ fn described_entries_are_read_with_the_gaps_between_them() {
 #[test]
 fn one_that_never_answers_and_one_that_falls_silent_are_told_apart() {
     let (_, done, all) = survey(|_| None, |surveyor| surveyor.area(0x1000..=0x1FFF));
-    assert_eq!(done.unwrap_err().to_string(), "node 5 does not answer: is it there, and is the bit rate its own?");
+    assert_eq!(
+        done.unwrap_err().to_string(),
+        "node 5 does not answer: does it exist, and does the bus have its bit rate?"
+    );
     assert!(all.len() < 6, "{all:?}");
     let mut left = 4;
     let falls_silent = |request: &Request| {
@@ -127,7 +130,7 @@ fn one_that_never_answers_and_one_that_falls_silent_are_told_apart() {
         if left > 0 { small(request) } else { None }
     };
     let (_, done, _) = survey(falls_silent, |surveyor| surveyor.area(0x1000..=0x1FFF));
-    assert_eq!(done.unwrap_err().to_string(), "node 5 does not answer any more, from 1002h:00 on");
+    assert_eq!(done.unwrap_err().to_string(), "node 5 no longer answers, from 1002h:00 on");
 }
 
 fn asked_of(request: &Request, index: u16) -> bool {

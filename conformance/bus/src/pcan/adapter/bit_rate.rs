@@ -1,12 +1,12 @@
-//! Bit rates, as PCAN-Basic wants them: the registers BTR0 and BTR1 of an SJA1000 with a clock of 8 MHz.
+//! Bit rates in the form of PCAN-Basic: the registers BTR0 and BTR1 of an SJA1000 with a clock of 8 MHz.
 //!
 //! ```text
 //! BTR0  ssbbbbbb   synchronisation jump width - 1, prescaler - 1
 //! BTR1  nttteeee   three samples, time segment 2 - 1, time segment 1 - 1
 //! ```
 
-/// Each bit rate in bit/s, and its registers: BTR0 in the upper byte. They are those that PEAK's own programs use, so that
-/// two of its adapters sample at the same place.
+/// Each bit rate in bit/s, and its registers: BTR0 in the upper byte. PEAK's own programs use the same values, so
+/// that two of its adapters have the same sample point.
 const KNOWN: [(u32, u16); 14] = [
     (1_000_000, 0x0014),
     (800_000, 0x0016),
@@ -24,7 +24,7 @@ const KNOWN: [(u32, u16); 14] = [
     (5_000, 0x7F7F),
 ];
 
-/// The registers for a bit rate in bit/s, if it is one of those that are known.
+/// The registers for a bit rate in bit/s, if it is in the table.
 pub(super) fn registers(bit_rate: u32) -> Option<u16> {
     KNOWN.iter().find(|(known, _)| *known == bit_rate).map(|(_, registers)| *registers)
 }

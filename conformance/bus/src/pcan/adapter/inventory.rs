@@ -1,37 +1,37 @@
-//! Which adapters of PEAK there are.
+//! The adapters of PEAK on this machine.
 
 use super::library::{Library, Parameter};
 use crate::pcan::{Channel, PcanError};
 use std::fmt;
 
-/// PEAK's library on this machine, and what it finds.
+/// PEAK's library on this machine, and the channels that it finds.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Installed {
-    /// The library's version, if it tells it.
+    /// The library's version, if it gives it.
     pub version: Option<String>,
-    /// The channels that are there.
+    /// The available channels.
     pub channels: Vec<Present>,
 }
 
-/// A channel that is there.
+/// An available channel.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Present {
-    /// Which.
+    /// The channel.
     pub channel: Channel,
     /// Whether it can be used.
     pub condition: Condition,
-    /// The adapter's name, such as `PCAN-USB`, if it tells it.
+    /// The adapter's name, such as `PCAN-USB`, if it gives it.
     pub adapter: Option<String>,
 }
 
 /// Whether a channel can be used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Condition {
-    /// It can.
+    /// The channel is free.
     Available,
-    /// Another program has it.
+    /// Another program uses it.
     Occupied,
-    /// PEAK's own viewer has it: it can, at that program's bit rate.
+    /// PEAK's own viewer uses it; it can be shared at that program's bit rate.
     Shared,
 }
 
@@ -46,10 +46,10 @@ impl Condition {
     }
 }
 
-/// Looks which channels there are; none is opened.
+/// Lists the channels without opening any.
 ///
 /// # Errors
-/// [`PcanError`] if the library is not there.
+/// [`PcanError`] if the library is missing.
 pub fn installed() -> Result<Installed, PcanError> {
     let library = Library::installed()?;
     let present = |channel| {

@@ -1,7 +1,7 @@
-//! PEAK's library, loaded when it is needed: the functions of `PCANBasic.h` that a bus needs. The only place that calls them.
+//! PEAK's library, loaded on demand: the functions of `PCANBasic.h` that a bus needs. Only this module calls them.
 //!
-//! It is looked for where the system's programs have their libraries: on Windows beside the program and in the system's
-//! folder, never in the folder that the user happens to be in.
+//! It is loaded from the usual places of the system: on Windows from the program's folder and the system's folder,
+//! never from the working directory, where anyone may have put a file.
 #![expect(unsafe_code, reason = "functions of a library in C")]
 
 use super::message::{Message, Stamp};
@@ -11,7 +11,7 @@ use crate::pcan::Status;
 use std::ffi::c_void;
 use std::path::Path;
 
-/// What can be asked of a channel, or set.
+/// A parameter of a channel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Parameter(u8);
 
@@ -38,7 +38,7 @@ pub(super) struct Library {
     write: Write,
     get_value: Value,
     set_value: Value,
-    /// What the functions are of: it goes last.
+    /// Keeps the functions loaded, so it is dropped last.
     _loaded: libloading::Library,
 }
 
@@ -48,14 +48,14 @@ type Read = unsafe extern "system" fn(u16, *mut Message, *mut Stamp) -> u32;
 type Write = unsafe extern "system" fn(u16, *mut Message) -> u32;
 type Value = unsafe extern "system" fn(u16, u8, *mut c_void, u32) -> u32;
 
-/// What the library is called here, and under which name it is also there.
+/// The file names of the library on this system.
 #[cfg(windows)]
 const NAMES: [&str; 1] = ["PCANBasic.dll"];
 #[cfg(not(windows))]
 const NAMES: [&str; 2] = ["libpcanbasic.so", "libpcanbasic.so.0"];
 
 impl Library {
-    /// The one that is installed.
+    /// Loads the installed library.
     pub fn installed() -> Result<Self, PcanError> {
         let mut failure = None;
         for name in NAMES {
@@ -68,7 +68,7 @@ impl Library {
         Err(PcanError::NoLibrary { name: name.to_owned(), reason })
     }
 
-    /// The one in that file.
+    /// Loads the library in this file.
     pub fn at(file: &Path) -> Result<Self, PcanError> {
         let name = file.display().to_string();
         match load(file) {
@@ -101,8 +101,8 @@ impl Library {
         }
     }
 
-    /// Opens a channel at the bit rate of those registers. The other three numbers are for cards that can't be found by
-    /// themselves.
+    /// Opens a channel with these bit rate registers. The other three arguments are for cards without automatic
+    /// detection.
     pub fn initialize(&self, channel: Channel, registers: u16) -> Status {
         // SAFETY: as declared; all are numbers.
         Status(unsafe { (self.initialize)(channel.handle(), registers, 0, 0, 0) })
@@ -114,7 +114,7 @@ impl Library {
         Status(unsafe { (self.uninitialize)(channel.handle()) })
     }
 
-    /// What the library knows of a channel's bus.
+    /// The library's status of a channel's bus.
     pub fn status(&self, channel: Channel) -> Status {
         // SAFETY: as declared; a number.
         Status(unsafe { (self.status)(channel.handle()) })
@@ -149,7 +149,7 @@ impl Library {
         }
     }
 
-    /// A text, which ends with a zero.
+    /// The value of a text parameter, up to its terminating zero.
     pub fn text(&self, channel: Channel, parameter: Parameter) -> Option<String> {
         let mut bytes = [0; 256];
         let text = (self.get(channel, parameter, &mut bytes) == Status::OK).then_some(&bytes[..])?;
@@ -175,17 +175,17 @@ impl Library {
 fn load(file: &Path) -> Result<libloading::Library, libloading::Error> {
     use libloading::os::windows::{LOAD_LIBRARY_SEARCH_DEFAULT_DIRS, LOAD_WITH_ALTERED_SEARCH_PATH, Library as Loaded};
     let flags = if file.is_absolute() { LOAD_WITH_ALTERED_SEARCH_PATH } else { LOAD_LIBRARY_SEARCH_DEFAULT_DIRS };
-    // SAFETY: what it does while it is loaded is what PEAK's library does in every program that uses it.
+    // SAFETY: loading runs the library's initialisation, as in every program that uses PEAK's library.
     unsafe { Loaded::load_with_flags(file, flags) }.map(Into::into)
 }
 
 #[cfg(not(windows))]
 fn load(file: &Path) -> Result<libloading::Library, libloading::Error> {
-    // SAFETY: what it does while it is loaded is what PEAK's library does in every program that uses it.
+    // SAFETY: loading runs the library's initialisation, as in every program that uses PEAK's library.
     unsafe { libloading::Library::new(file) }
 }
 
-/// An error and what it comes from: the system's own words stand in the latter.
+/// An error with its cause, which has the system's own text.
 fn told(error: &libloading::Error) -> String {
     match std::error::Error::source(error) {
         Some(source) => format!("{error}: {source}"),

@@ -1,4 +1,4 @@
-//! A frame and its time, as PCAN-Basic hands them over: `TPCANMsg` and `TPCANTimestamp`.
+//! A frame with its time in the form of PCAN-Basic: `TPCANMsg` and `TPCANTimestamp`.
 
 use crate::pcan::Status;
 use canvass_traces::{CanId, ErrorClass, Frame, Timestamp};
@@ -20,7 +20,7 @@ pub(super) struct Message {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Stamp {
     pub millis: u32,
-    /// How often `millis` has begun anew.
+    /// Number of overflows of `millis`.
     pub overflows: u16,
     /// 0 to 999.
     pub micros: u16,
@@ -36,22 +36,22 @@ pub(super) mod kind {
     pub const STATUS: u8 = 0x80;
 }
 
-/// What a message tells.
+/// The content of a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Content {
-    /// What was on the bus: data, remote and error frames.
+    /// A data, remote or error frame.
     Frame(Frame),
     /// The state of the bus or of a queue.
     Status(Status),
-    /// The library has put nothing into the message, or what no classical frame can be.
+    /// The library has not filled the message, or it can't be a classical frame.
     Nothing,
 }
 
 impl Message {
-    /// What no library writes: a message that still looks so was not filled.
+    /// A message that no library writes: if it is still unchanged, it was not filled.
     pub const UNTOUCHED: Self = Self { id: u32::MAX, kind: u8::MAX, length: u8::MAX, data: [u8::MAX; 8] };
 
-    /// A data or remote frame to send; `None` for all others.
+    /// A data or remote frame in the form for sending; `None` for other frames.
     pub fn to_send(frame: &Frame) -> Option<Self> {
         if frame.is_error() || frame.is_fd() || frame.is_xl() || frame.is_head() {
             return None;
@@ -85,8 +85,8 @@ impl Message {
         Frame::new(id, self.data.get(..usize::from(self.length))?)
     }
 
-    /// An error frame in Linux's form. Of the controller's error code capture the identifier tells the kind of error, the
-    /// first byte the direction and the second the place in the frame; the next two are the counters.
+    /// An error frame in Linux's form. Of the controller's error code capture, the identifier has the kind of error,
+    /// the first byte the direction and the second the position in the frame; the next two bytes are the counters.
     fn error_frame(&self) -> Option<Frame> {
         const COUNTERS: u32 = 0x200;
         const BUS_ERROR: u32 = 0x80;
@@ -95,7 +95,7 @@ impl Message {
         const ACKNOWLEDGE_SLOT: u8 = 25;
         let [direction, place, receive, transmit, ..] = self.data;
         let is_transmitting = direction == 0;
-        // A single bit, the form, the stuffing, or another one.
+        // A bit error, a form error, a stuff error, or another error.
         let violation = match self.id {
             1 => 0x01,
             2 => 0x02,
@@ -109,19 +109,19 @@ impl Message {
         };
         let told = class & PROTOCOL != 0;
         let violation = if told { violation | if is_transmitting { 0x80 } else { 0 } } else { 0 };
-        // Linux numbers the places as the controller does.
+        // Linux numbers the positions like the controller.
         let place = if told { place } else { 0 };
         Frame::error(ErrorClass(class), &[0, 0, violation, place, 0, 0, transmit, receive])
     }
 }
 
-/// Whether an error frame tells of an error, and not only how many there were.
+/// Whether an error frame reports an error, not only the counters.
 pub(super) fn is_error(frame: &Frame) -> bool {
     frame.error_class().is_some_and(|class| class.0 != 0x200)
 }
 
 impl Stamp {
-    /// On the library's clock, which counts from some moment of its own.
+    /// The time on the library's clock, whose origin is arbitrary.
     pub fn time(self) -> Timestamp {
         let millis = u64::from(self.millis) + (u64::from(self.overflows) << 32);
         Timestamp((millis * 1_000 + u64::from(self.micros)) * 1_000)

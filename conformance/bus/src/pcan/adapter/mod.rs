@@ -1,4 +1,4 @@
-//! The bus: it opens a channel, sends, and leaves receiving to a thread of its own.
+//! The bus: opens a channel and sends; a thread of its own receives.
 
 mod bit_rate;
 mod inventory;
@@ -29,30 +29,31 @@ pub struct Pcan {
     bit_rate: u32,
 }
 
-/// What the bus and its receiving thread have in common.
+/// State shared by the bus and its receiving thread.
 struct Shared {
     library: Library,
     channel: Channel,
     listen_only: bool,
     clock: SteadyClock,
     inbox: Inbox,
-    /// The receiving thread shall change the bit rate: the channel must be closed for that, and it is the one that reads.
+    /// A request to change the bit rate: the receiving thread does it, because the channel must be closed and that
+    /// thread reads from it.
     change: Mutex<Option<Change>>,
 }
 
-/// A change of the bit rate, in bit/s, and who wants to know whether it was done.
+/// A change of the bit rate, in bit/s, and the channel for its result.
 struct Change {
     bit_rate: u32,
     done: Sender<Result<(), PcanError>>,
 }
 
-/// How long a full transmit queue is waited for. The longest frame takes 16 ms at 10 kbit/s.
+/// Maximum wait for a full transmit queue. The longest frame takes 16 ms at 10 kbit/s.
 const PATIENCE: Duration = Duration::from_millis(2_000);
 
-/// How often it is tried meanwhile. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
+/// Interval between two tries. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
 const ROOM: std::time::Duration = std::time::Duration::from_micros(500);
 
-/// How long a change of the bit rate may take: closing and opening the channel, and the same to go back.
+/// Maximum duration of a change of the bit rate: closing and opening the channel, and the same to go back.
 const CHANGE: std::time::Duration = std::time::Duration::from_secs(5);
 
 impl Pcan {
@@ -64,7 +65,7 @@ impl Pcan {
         Self::with(Library::installed()?, opening)
     }
 
-    /// The same with the library in that file.
+    /// As [`Pcan::open`], with the library in that file.
     ///
     /// # Errors
     /// [`PcanError`], which says what to do.
@@ -98,7 +99,7 @@ impl Pcan {
                 return Err(PcanError::Failed { channel, action: "send on", status });
             }
             match status.failure() {
-                // The receiving thread tells what there is to tell of the bus.
+                // The receiving thread reports the state of the bus.
                 Status::OK => return Ok(()),
                 failure if !failure.is_full() => {
                     return Err(PcanError::Failed { channel, action: "send on", status: failure });
@@ -130,7 +131,7 @@ impl Bus for Pcan {
             return Err(PcanError::ListenOnly { channel: self.shared.channel }.into());
         }
         let began = self.now();
-        // Before it is written: the answer may be here before this thread goes on.
+        // The frame is recorded before it is written: the answer may arrive before this thread goes on.
         let record = Record::new(began, ChannelId(0), *frame).with_direction(Direction::Tx);
         self.shared.inbox.deliver(&mut vec![record.clone()]);
         if let Err(error) = self.write(message, began) {
@@ -173,7 +174,7 @@ impl Bus for Pcan {
         let change = Change { bit_rate, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
-            // Nor shall it be done later, when nobody expects it.
+            // The change must not happen later, when it is no longer expected.
             self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             let status = self.shared.library.status(self.shared.channel);
             let action = "change the bit rate of";
@@ -189,7 +190,7 @@ impl Drop for Pcan {
     fn drop(&mut self) {
         self.shared.inbox.close();
         if let Some(receiver) = self.receiver.take() {
-            // It panicked or not: nothing is left to do for it.
+            // Whether it panicked does not matter any more.
             let _ = receiver.join();
         }
     }

@@ -11,33 +11,33 @@ use canvass_traces::{ChannelId, Direction, ErrorClass, Frame, Record, Timestamp}
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long the thread waits for frames, so that the wish to end is seen.
+/// Maximum wait for frames, after which the thread checks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// How often the library is asked for the state of the bus.
+/// Interval between two questions for the state of the bus.
 const STATE: Duration = Duration::from_millis(50);
 
-/// How often a lost adapter is looked for.
+/// Interval between two tries to find a lost adapter.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// So many messages are fetched before they are handed on.
+/// Number of messages that are fetched before they are delivered.
 const BATCH: usize = 256;
 
 pub(super) struct Receiver {
     shared: Arc<Shared>,
     bit_rate: u32,
-    /// `None` while the channel is not open.
+    /// The wake-up signal; `None` while the channel is closed.
     wake: Option<Wake>,
     hardware: HardwareClock,
     records: Vec<Record>,
-    /// When the state of the bus was asked for last, and what it was.
+    /// Time and result of the last question for the state of the bus.
     asked: Instant,
     state: BusState,
-    /// The last status that was read reported lost frames: the next one may report the same ones again.
+    /// Whether the last status reported lost frames: the next one may repeat that.
     told_of_losses: bool,
 }
 
-/// How well the controller is, from good to bad.
+/// The state of the controller, from good to bad.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum BusState {
     Active,
@@ -60,7 +60,7 @@ impl BusState {
     }
 }
 
-/// Error frames of Linux that tell of bus-off and of its end.
+/// Classes of Linux's error frames for bus-off and its end.
 const BUS_OFF: ErrorClass = ErrorClass(0x40);
 const RESTARTED: ErrorClass = ErrorClass(0x100);
 
@@ -87,13 +87,13 @@ impl Receiver {
         let channel = *channel;
         let failed = |action| move |status| PcanError::Failed { channel, action, status };
         let done = |status: Status| if status.failure() == Status::OK { Ok(()) } else { Err(status) };
-        // Before the channel is opened, so that it never acknowledges anything.
+        // It is set before the channel is opened, so that the adapter never acknowledges a frame.
         let silent = library.set(channel, Parameter::LISTEN_ONLY, &u32::from(*listen_only).to_ne_bytes());
         if *listen_only {
             done(silent).map_err(failed("make a listener of"))?;
         }
         done(library.initialize(channel, registers)).map_err(failed("open"))?;
-        // Older libraries and some adapters lack one or the other: the bus works without.
+        // Older libraries and some adapters lack one of these; the bus works without them.
         for wanted in [Parameter::ALLOW_STATUS_FRAMES, Parameter::ALLOW_ERROR_FRAMES, Parameter::BUS_OFF_RESET] {
             library.switch_on(channel, wanted);
         }
@@ -110,7 +110,7 @@ impl Receiver {
 
     fn disconnect(&mut self) {
         self.shared.library.uninitialize(self.shared.channel);
-        // Only now: the library sets it while the channel is open.
+        // The library sets the signal only while the channel is open.
         self.wake = None;
     }
 
@@ -122,12 +122,12 @@ impl Receiver {
         while !shared.inbox.is_closed() {
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(Change { bit_rate, done }) = change {
-                // The caller may no longer be waiting.
+                // The caller may have stopped waiting.
                 let _ = done.send(self.change_bit_rate(bit_rate));
             }
             let Some(wake) = &self.wake else {
                 std::thread::sleep(RETRY);
-                // Not there yet: looked for again.
+                // The adapter is not back; the next round tries again.
                 if self.connect(self.bit_rate).is_ok() {
                     self.note_back();
                 }
@@ -147,7 +147,7 @@ impl Receiver {
         self.disconnect();
     }
 
-    /// Opens the channel at another bit rate, or at the one before if there is no such.
+    /// Opens the channel at another bit rate, or at the old one if the new one fails.
     fn change_bit_rate(&mut self, bit_rate: u32) -> Result<(), PcanError> {
         let before = self.bit_rate;
         registers(bit_rate).ok_or(PcanError::BitRate(bit_rate))?;
@@ -159,7 +159,7 @@ impl Receiver {
         changed
     }
 
-    /// Everything that waits in the library.
+    /// Fetches all messages in the library's queue.
     fn fetch(&mut self) {
         let shared = Arc::clone(&self.shared);
         let mut has_lost = false;
@@ -179,7 +179,7 @@ impl Receiver {
                     has_lost |= status.has_lost();
                     self.note_state(BusState::of(status), status);
                 }
-                // What was read is no frame. Where the library only tells of something else, that is all that there was.
+                // The message is no frame; a status alone ends the queue.
                 Content::Nothing if status.news() != Status::OK => {
                     self.note_state(BusState::of(status), status);
                     break;
@@ -201,7 +201,7 @@ impl Receiver {
         if frame.is_error() && is_error(&frame) {
             self.shared.inbox.note(|health| health.error_frames += 1);
         }
-        // Own frames were delivered when they were handed over.
+        // Own frames were delivered when they were sent.
         if !own {
             let time = self.time(stamp);
             self.push(frame, time);
@@ -212,7 +212,7 @@ impl Receiver {
         self.records.push(Record::new(time, ChannelId(0), frame).with_direction(Direction::Rx));
     }
 
-    /// Of the system's clock. A library without time stamps leaves them at zero.
+    /// The time on the system's clock. A library without time stamps leaves them at zero.
     fn time(&mut self, stamp: Stamp) -> Timestamp {
         let now = self.shared.clock.now();
         if stamp == Stamp::default() { now } else { self.hardware.system_time(stamp.time(), now) }
@@ -234,12 +234,12 @@ impl Receiver {
         self.shared.inbox.deliver(&mut self.records);
     }
 
-    /// The library does not say how many frames were lost, only that it was more than none.
+    /// The library reports only that frames were lost, not their number.
     fn note_losses(&self) {
         let channel = self.shared.channel;
         self.shared.inbox.note(|health| {
             health.lost += 1;
-            health.trouble = Some(format!("{channel}: frames were received and not fetched in time, at least one"));
+            health.trouble = Some(format!("{channel}: at least one received frame was not fetched in time"));
         });
     }
 

@@ -1,29 +1,28 @@
-//! Waiting until something was received: by what the library offers for that, an event on Windows and a file descriptor on
-//! Linux.
+//! Waits for received frames by the library's own means: an event on Windows, a file descriptor on Linux.
 
 use super::library::{Library, Parameter};
 use crate::pcan::Channel;
 use std::io;
 use std::time::Duration;
 
-/// How often a channel is looked at of which the library tells nothing.
+/// Polling interval of a channel without a signal.
 const POLL: Duration = Duration::from_millis(1);
 
-/// What tells that something was received.
+/// The signal for received frames.
 pub(super) enum Wake {
-    /// The system's own.
+    /// The system's signal.
     Signal(system::Signal),
-    /// Nothing does: the channel is asked again and again.
+    /// No signal; the channel is polled.
     Poll,
 }
 
 impl Wake {
-    /// Of a channel that is open.
+    /// The signal of an open channel.
     pub fn of(library: &Library, channel: Channel) -> io::Result<Self> {
         Ok(system::Signal::of(library, channel)?.map_or(Self::Poll, Self::Signal))
     }
 
-    /// Waits until something was received, at most so long.
+    /// Waits for received frames, at most for `patience`.
     pub fn wait(&self, patience: Duration) -> io::Result<()> {
         match self {
             Self::Signal(signal) => signal.wait(patience),
@@ -43,7 +42,7 @@ mod system {
     use std::os::fd::{BorrowedFd, RawFd};
     use std::time::Duration;
 
-    /// A file descriptor that can be read from while the receive queue holds something. The library keeps it.
+    /// A file descriptor that is readable while the receive queue holds frames. The library owns it.
     pub struct Signal(RawFd);
 
     impl Signal {
@@ -54,8 +53,8 @@ mod system {
 
         #[expect(unsafe_code, reason = "the library gives a bare number")]
         pub fn wait(&self, patience: Duration) -> io::Result<()> {
-            // SAFETY: the library has told this number for a channel that is open; it closes it with the channel, which
-            // its receiving thread, the only caller, does itself. Nothing but poll() is done with it.
+            // SAFETY: the library returned this descriptor for an open channel and closes it with the channel; only
+            // the receiving thread, the only caller, closes the channel. The descriptor is used for poll() only.
             let fd = unsafe { BorrowedFd::borrow_raw(self.0) };
             let patience = PollTimeout::try_from(patience).unwrap_or(PollTimeout::MAX);
             match poll(&mut [PollFd::new(fd, PollFlags::POLLIN)], patience) {
@@ -98,12 +97,12 @@ mod system {
 
     #[expect(unsafe_code, reason = "the standard library has no events")]
     fn event() -> io::Result<OwnedHandle> {
-        // SAFETY: no security attributes and no name are allowed; 0, 0: it resets itself and is not set at first.
+        // SAFETY: null is allowed for attributes and name; 0, 0 make an event that resets itself and is not set.
         let handle = unsafe { CreateEventW(std::ptr::null(), 0, 0, std::ptr::null()) };
         if handle.is_null() {
             return Err(io::Error::last_os_error());
         }
-        // SAFETY: the handle was just made, and nobody else has it.
+        // SAFETY: the handle was just created, and this is its only owner.
         Ok(unsafe { OwnedHandle::from_raw_handle(handle) })
     }
 }

@@ -8,17 +8,17 @@ use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 use std::cell::Cell;
 
-/// Which cams were active when somebody last looked, by channel from 1: their hysteresis begins there.
+/// The cams that were active at the last look, by channel from 1: their hysteresis starts there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cams(Cell<[u8; CHANNELS]>);
 
-/// More channels have no hysteresis.
+/// Number of channels with hysteresis.
 const CHANNELS: usize = 4;
 const CAMS: u16 = 8;
 
 impl Encoder {
-    /// 6300h: a cam is active from its low to its high limit, both included; once active it stays so until the position
-    /// is farther outside than its hysteresis.
+    /// 6300h: a cam is active from its low to its high limit, both included; an active cam stays so until the
+    /// position is further outside than its hysteresis.
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
         let slot = usize::from(channel.checked_sub(1)?);
         let register = |index| parameters.number_or_zero(index, channel) as u8;
@@ -37,7 +37,7 @@ impl Encoder {
         Some(if self.firmware.has(Fault::CamStuck) { 0 } else { ((active ^ polarity) & enabled).into() })
     }
 
-    /// Whether the position lies in a cam; one that is active ends only beyond its hysteresis.
+    /// Whether the position is inside a cam; an active cam ends only beyond its hysteresis.
     fn is_inside(&self, position: i64, cam: u16, channel: u8, was_active: bool, parameters: &Parameters) -> bool {
         let limit = |index: u16| i64::from(parameters.number_or_zero(index + cam, channel) as u32 as i32);
         let (low, high) = (limit(encoder::CAM_LOW_LIMIT), limit(encoder::CAM_HIGH_LIMIT));

@@ -1,5 +1,5 @@
-//! What the encoder says about itself: operating status (6500h), resolutions (6501h, 6502h), alarms (6503h, 6504h),
-//! warnings (6505h, 6506h), versions (6507h), operating time (6508h), serial number (650Bh).
+//! The encoder's own data: operating status (6500h), resolutions (6501h, 6502h), alarms (6503h, 6504h), warnings
+//! (6505h, 6506h), versions (6507h), operating time (6508h), serial number (650Bh).
 
 use super::Encoder;
 use crate::Fault;
@@ -8,7 +8,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
 use canvass_traces::Timestamp;
 
-/// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
+/// The temperature of the sensor in the unit of 2120h: degrees Celsius plus 64.
 pub(in crate::device) const TEMPERATURE: u8 = 0x56;
 
 /// 6503h bit 0.
@@ -37,7 +37,7 @@ impl Encoder {
         }
     }
 
-    /// In tenths of an hour.
+    /// The operating time in tenths of an hour.
     fn operating_time(&self, now: Timestamp) -> u64 {
         let seconds = now.nanos() / 1_000_000_000;
         match () {
@@ -59,7 +59,7 @@ impl Encoder {
         alarms
     }
 
-    /// 6505h, as far as 6506h says that it is supported.
+    /// 6505h, limited to the warnings that 6506h supports.
     fn warnings(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         let mut warnings = 0;
         if self.is_too_fast(now) {
@@ -78,14 +78,14 @@ impl Encoder {
         warnings
     }
 
-    /// The lowest and the highest temperature of 2120h, which is that of Kübler's encoders: of another manufacturer it is
-    /// something else.
+    /// The temperature limits in 2120h, which is an object of Kübler's encoders; other manufacturers use it
+    /// differently.
     pub fn temperature_limits(&self, parameters: &Parameters) -> Option<(u8, u8)> {
         let limit = |sub| parameters.number(0x2120, sub).map(|limit| limit as u8);
         limit(2).zip(limit(3)).filter(|_| self.is_of_kuebler)
     }
 
-    /// Whether the temperature is outside of its limits.
+    /// Whether the temperature is outside its limits.
     fn is_too_hot(&self, parameters: &Parameters) -> bool {
         self.temperature_limits(parameters).is_some_and(|(low, high)| !(low..=high).contains(&TEMPERATURE))
     }

@@ -12,7 +12,7 @@ use canvass_traces::Timestamp;
 
 /// 360 degrees.
 const FULL_TURN: i64 = 36_000;
-/// 3003h: counts upwards for clockwise rotation.
+/// 3003h: clockwise rotation counts up.
 const CLOCKWISE: u64 = 1;
 /// 3004h: from -180 to 180 degrees instead of 0 to 360.
 const SIGNED: u64 = 1;
@@ -39,7 +39,7 @@ impl Encoder {
         }
     }
 
-    /// How far the wire is out, in 0.1 mm: it can't go farther than its ends.
+    /// The length of the extended wire in 0.1 mm, limited to its ends.
     fn length(&self, now: Timestamp) -> u64 {
         let full_scale = i128::from(self.sheet.full_scale_tenth_mm);
         let per_revolution = u64::from(self.sheet.tenth_mm_per_revolution);
@@ -75,7 +75,7 @@ impl Encoder {
         if clockwise || self.firmware.has(Fault::AngleDirectionIgnored) { tilt } else { -tilt }
     }
 
-    /// In the range of 3004h.
+    /// The angle in the range of 3004h.
     fn shown(&self, angle: i64, parameters: &Parameters) -> u64 {
         let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && !self.firmware.has(Fault::AngleRangeIgnored);
         let turn = angle.rem_euclid(FULL_TURN);
@@ -83,7 +83,7 @@ impl Encoder {
         u64::from(angle as u16)
     }
 
-    /// 3010h was written: 1 makes the angle of now zero, 0 takes that back.
+    /// Handles a write to 3010h: 1 makes the current angle zero, 0 undoes that.
     pub(super) fn set_zero_point(&mut self, value: u64) {
         if !self.firmware.has(Fault::ZeroPointIgnored) {
             self.offset = if value == 0 { 0 } else { i64::from(self.sheet.tilt_hundredths) };

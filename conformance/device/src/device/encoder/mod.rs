@@ -35,18 +35,19 @@ const KUEBLER: u32 = 0x13;
 pub(super) struct Encoder {
     sheet: models::Encoder,
     motion: Motion,
-    /// What the preset adds to the position (6509h); of an inclinometer its zero point, in hundredths of a degree.
+    /// The offset that the preset adds to the position (6509h); for an inclinometer the zero point, in hundredths of
+    /// a degree.
     offset: i64,
-    /// When 6003h was written last.
+    /// Time of the last write to 6003h.
     preset_at: Option<Timestamp>,
     cams: Cams,
     firmware: Firmware,
-    /// Whether objects of the manufacturer are those of Kübler.
+    /// Whether manufacturer-specific objects are those of Kübler.
     is_of_kuebler: bool,
 }
 
 impl Encoder {
-    /// The encoder of that model, if it is one.
+    /// The encoder of a model, if it is one.
     pub fn new(model: &Model, motion: Motion, firmware: &Firmware) -> Option<Self> {
         let sheet = model.sheet().encoder?;
         let is_of_kuebler = model.vendor() == Some(KUEBLER);
@@ -54,17 +55,17 @@ impl Encoder {
         Some(Self { sheet, motion, offset: 0, preset_at: None, cams, firmware: *firmware, is_of_kuebler })
     }
 
-    /// How the shaft moves from now on.
+    /// Sets the motion of the shaft from now on.
     pub fn set_motion(&mut self, motion: Motion) {
         self.motion = motion;
     }
 
-    /// How the shaft moves.
+    /// The motion of the shaft.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// What is to be stored beside the parameters.
+    /// The offset, which is stored besides the parameters.
     pub fn offset(&self) -> i64 {
         if self.firmware.has(Fault::PresetLostAfterSave) { 0 } else { self.offset }
     }
@@ -76,7 +77,7 @@ impl Encoder {
         }
     }
 
-    /// The live value of an object, `None` if it is not one of the measurement.
+    /// The live value of an object; `None` for an object that is not measured.
     pub fn value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         if self.sheet.kind == EncoderKind::DrawWire {
             return self.wire_value(now, at, parameters);
@@ -96,7 +97,8 @@ impl Encoder {
         }
     }
 
-    /// What a PDO carries instead of [`Encoder::value`], if anything: `again` where the PDO had the object before.
+    /// The value of an object in a PDO, if it differs from [`Encoder::value`]: `again` if the PDO has the object a
+    /// second time.
     pub fn process_value(&self, now: Timestamp, at: Multiplexer, again: bool, parameters: &Parameters) -> Option<u64> {
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, parameters);
@@ -106,10 +108,10 @@ impl Encoder {
         without_preset.then(|| self.position_without_preset(now, parameters))
     }
 
-    /// The conditions of a write beyond the limits of the device description.
+    /// Checks a write beyond the limits of the device description.
     ///
     /// # Errors
-    /// The abort code for a value that does not go with the others.
+    /// The abort code for a value that is inconsistent with others.
     pub fn check(&self, at: Multiplexer, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
         match at.index.0 {
             0x6000..=0x6002 => self.check_operating(at, value, parameters),
@@ -118,7 +120,7 @@ impl Encoder {
         }
     }
 
-    /// What a written object does beside having its new value.
+    /// Handles the effects of a write besides the new value.
     pub fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, parameters: &Parameters) {
         match (at.index.0, at.sub.0) {
             (encoder::PRESET_VALUE | encoder::HIGH_PRECISION_PRESET, 0) => self.preset(now, value, parameters),

@@ -9,23 +9,22 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 
-/// Counts upwards for counter-clockwise rotation.
+/// Bit 0: counter-clockwise rotation counts up.
 pub(super) const CODE_SEQUENCE: u64 = 1 << 0;
-/// 6001h and 6002h are in use.
+/// Bit 2: 6001h and 6002h are in use.
 pub(super) const SCALING: u64 = 1 << 2;
-/// Universal scaling function (V3.2): the position goes on over the end of the physical range.
+/// Bit 12: universal scaling function (V3.2); the position continues over the end of the physical range.
 const UNIVERSAL_SCALING: u64 = 1 << 12;
-/// The device goes to operational by itself.
+/// Bit 14: the device enters operational by itself.
 const START_IN_OPERATIONAL: u64 = 1 << 14;
 
 impl Encoder {
-    /// Whether the device goes to operational by itself.
+    /// Whether the device enters operational by itself.
     pub fn starts_in_operational(parameters: &Parameters) -> bool {
         parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & START_IN_OPERATIONAL != 0
     }
 
-    /// The conditions of a write to 6000h, 6001h or 6002h: no reserved bits; at least one revolution fits into the
-    /// range.
+    /// Checks a write to 6000h, 6001h or 6002h: no reserved bits; the range covers at least one revolution.
     pub(super) fn check_operating(
         &self,
         at: Multiplexer,
@@ -82,7 +81,7 @@ impl Encoder {
         bits
     }
 
-    /// Whether 6000h turns the direction of counting.
+    /// Whether 6000h reverses the direction of counting.
     pub(super) fn is_turned(&self, parameters: &Parameters) -> bool {
         self.operating(parameters) & CODE_SEQUENCE != 0
     }
@@ -92,7 +91,7 @@ impl Encoder {
         self.operating(parameters) & SCALING != 0
     }
 
-    /// Whether the position goes on where the physical range ends, by 6000h.
+    /// Whether 6000h lets the position continue at the end of the physical range.
     pub(super) const fn goes_on(&self, operating: u64) -> bool {
         operating & SCALING != 0
             && match self.sheet.universal_scaling {
@@ -109,12 +108,12 @@ impl Encoder {
         set && !self.firmware.has(Fault::SpeedFormatIgnored)
     }
 
-    /// How many positions there are: 6002h where scaling is on, else all physical ones that 6004h has room for.
+    /// The number of positions: 6002h if scaling is on, else all physical ones that fit into 6004h.
     pub(super) fn range(&self, parameters: &Parameters) -> i128 {
         self.range_by(self.operating(parameters), parameters)
     }
 
-    /// The same where 6000h is known.
+    /// As [`Encoder::range`], for a known 6000h.
     pub(super) fn range_by(&self, operating: u64, parameters: &Parameters) -> i128 {
         if operating & SCALING == 0 {
             return physical_range(&self.sheet).min(FULL_RANGE);
@@ -127,10 +126,10 @@ impl Encoder {
     }
 }
 
-/// The positions that 32 bits can tell apart.
+/// The number of positions in 32 bits.
 const FULL_RANGE: i128 = 1 << 32;
 
-/// 6002h, of which 0 stands for 2^32.
+/// The number in 6002h, where 0 means 2^32.
 fn units_of(range: u64) -> u64 {
     if range == 0 { 1 << 32 } else { range }
 }

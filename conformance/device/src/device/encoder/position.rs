@@ -14,9 +14,9 @@ use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
 
-/// How long the faulty firmware shows nonsense after a preset.
+/// Duration of the nonsense that a faulty firmware shows after a preset.
 const GLITCH: Duration = Duration::from_millis(30);
-/// How long the position of a faulty firmware stands still after a preset.
+/// Duration for which the position of a faulty firmware stands still after a preset.
 const STANDSTILL: Duration = Duration::from_millis(400);
 
 impl Encoder {
@@ -39,7 +39,7 @@ impl Encoder {
         }
     }
 
-    /// When a faulty firmware counted last.
+    /// Time of the last update of the position, in a faulty firmware.
     fn counted_until(&self, now: Timestamp) -> Timestamp {
         let stands = self.preset_at.filter(|_| self.firmware.has(Fault::PresetStopsCounting));
         stands.filter(|&at| now.since(at) < STANDSTILL).unwrap_or(now)
@@ -49,13 +49,13 @@ impl Encoder {
         self.firmware.has(Fault::PresetGlitch) && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
     }
 
-    /// A preset has to be a position that the encoder can show.
+    /// Checks that a preset is a position that the encoder can show.
     pub(super) fn check_preset(&self, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
         let fits = i128::from(value) < self.range(parameters) || self.firmware.has(Fault::PresetOutOfRangeAccepted);
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
-    /// 6003h was written: the position takes that value now.
+    /// Handles a write to 6003h: the position takes that value now.
     pub(super) fn preset(&mut self, now: Timestamp, value: u64, parameters: &Parameters) {
         if !self.firmware.has(Fault::PresetIgnored) {
             self.offset = (i128::from(value) - self.scaled(now, parameters)) as i64;
@@ -77,7 +77,7 @@ impl Encoder {
         self.is_scaled(parameters) && parameters.number(encoder::TOTAL_MEASURING_RANGE, 0) == Some(0)
     }
 
-    /// As 6004h would be if 6003h had never been written.
+    /// 6004h, as if 6003h had never been written.
     pub(super) fn position_without_preset(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         self.scaled(now, parameters) as u64
     }
@@ -87,7 +87,7 @@ impl Encoder {
         self.scaled_by(self.operating(parameters), now, parameters)
     }
 
-    /// The same where 6000h is known.
+    /// As [`Encoder::scaled`], for a known 6000h.
     fn scaled_by(&self, operating: u64, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut physical = self.motion.position(now, steps(&self.sheet));
         if operating & CODE_SEQUENCE != 0 {
@@ -107,12 +107,12 @@ impl Encoder {
         if self.firmware.has(Fault::ScaledPositionStands) {
             return 0;
         }
-        // The steps of a revolution are a power of two: this divides by them, rounding down.
+        // The number of steps per revolution is a power of two, so the shift divides by it, rounding down.
         wrapped(product >> steps(&self.sheet).trailing_zeros(), range)
     }
 }
 
-/// The remainder, never negative. Nearly all positions fit into 64 bits, in which a division takes far less time.
+/// The remainder, never negative. Nearly all positions fit into 64 bits, where a division is much faster.
 fn wrapped(position: i128, range: i128) -> i128 {
     match (i64::try_from(position), i64::try_from(range)) {
         (Ok(position), Ok(range)) => position.rem_euclid(range).into(),

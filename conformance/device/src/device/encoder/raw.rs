@@ -1,5 +1,5 @@
-//! What the sensor gives before anything is calculated: the manufacturer's raw position with its inverse and its
-//! checksum (2160h to 2162h), and that of the profile (600Bh, 600Ch).
+//! Raw data of the sensor: the manufacturer's raw position with its inverse and its checksum (2160h to 2162h), and
+//! that of the profile (600Bh, 600Ch).
 
 use super::Encoder;
 use super::operating::{physical_range, steps};
@@ -9,7 +9,7 @@ use canvass_analyzer::object::encoder;
 use canvass_analyzer::wire::sdo::crc16;
 use canvass_traces::Timestamp;
 
-/// The checksum begins with this value, so that leading zeros count.
+/// Start value of the checksum, so that leading zeros count.
 const CRC_START: u16 = 0x1021;
 
 impl Encoder {
@@ -27,7 +27,7 @@ impl Encoder {
         })
     }
 
-    /// The steps over all revolutions, whatever the code sequence; 32-bit objects show the lower bits.
+    /// The steps over all revolutions, independent of the code sequence; 32-bit objects show the lower bits.
     fn raw(&self, now: Timestamp) -> u64 {
         let now = if self.firmware.has(Fault::RawPositionStands) { Timestamp::ZERO } else { now };
         self.motion.position(now, steps(&self.sheet)).rem_euclid(physical_range(&self.sheet)) as u64

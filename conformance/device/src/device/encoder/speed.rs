@@ -1,9 +1,9 @@
-//! Speed (6030h, 6031h, 2130h), acceleration (6040h, 6041h) and jerk (6050h): how the position changes in an
-//! integration time, how the speed does, and how the acceleration does.
+//! Speed (6030h, 6031h, 2130h), acceleration (6040h, 6041h) and jerk (6050h): the changes of position, speed and
+//! acceleration within an integration time.
 //!
 //! Speed is in revolutions per minute or in measuring units per second, as 6000h says; acceleration in the same per
-//! second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, as a gear has; of devices with
-//! 2130h they are its sub-indexes 1 and 2, and change units per second only.
+//! second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, as a gear has; of devices
+//! with 2130h they are its sub-indexes 1 and 2, and change units per second only.
 
 use super::Encoder;
 use super::operating::steps;
@@ -13,15 +13,14 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object::encoder;
 use canvass_traces::{Duration, Timestamp};
 
-/// The parts of a revolution by which the change of position is taken: so fine that the resolution of the position does
-/// not show.
+/// Parts of a revolution for calculating changes of position: far finer than the resolution of the position.
 const PARTS: u64 = 1 << 32;
-/// Speeds are calculated in these parts of their unit, so that differences of them are exact enough.
+/// Parts of a unit for calculating speeds, so that their differences are exact enough.
 const FINE: i128 = 1_000_000;
-/// Where no object says it.
+/// The integration time if no object sets it.
 const INTEGRATION_TIME: Duration = Duration::from_millis(100);
 const NANOSECONDS: i128 = 1_000_000_000;
-/// 6031h:01: the raw position, in physical steps. Otherwise it is 6004h, in measuring units.
+/// 6031h:01: use the raw position, in physical steps; otherwise 6004h, in measuring units.
 const RAW_POSITION: u64 = 2;
 
 impl Encoder {
@@ -41,7 +40,7 @@ impl Encoder {
         Some(rounded(fine, FINE).clamp(low, high) as i64 as u64)
     }
 
-    /// The speed as 6030h shows it, in parts of its unit.
+    /// The speed of 6030h, in parts of its unit.
     fn shown_speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut speed = self.speed(now, parameters);
         if self.firmware.has(Fault::SpeedSignIgnoresCodeSequence) && self.is_turned(parameters) {
@@ -53,12 +52,12 @@ impl Encoder {
         if self.firmware.has(Fault::SpeedNotZeroAtRest) { speed + 50 * FINE } else { speed }
     }
 
-    /// The speed in parts of its unit, with the sign of the direction in which the position counts.
+    /// The speed in parts of its unit, with the sign of the counting direction.
     fn speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let (time, multiplier, divisor) = self.averaging(encoder::SPEED_PARAMETER, parameters);
         let (parts, nanoseconds) = self.turned(now, time);
         let units = self.speed_in_units(parameters);
-        // Of 2130h: only the speed in units is influenced.
+        // 2130h affects only the speed in units.
         let (multiplier, divisor) = match parameters.number(0x2130, 1) {
             Some(factor) if units => (i128::from(factor), nonzero(parameters.number(0x2130, 2))),
             _ => (multiplier, divisor),
@@ -110,34 +109,34 @@ impl Encoder {
         (time.max(Duration::from_millis(1)), multiplier, divisor)
     }
 
-    /// By how much the shaft has turned in the time before now, in parts of a revolution, and that time.
+    /// The rotation of the shaft in the time before now, in parts of a revolution, and that time.
     fn turned(&self, now: Timestamp, time: Duration) -> (i128, i128) {
         let (before, nanoseconds) = window(now, time);
         (self.motion.position(now, PARTS) - self.motion.position(before, PARTS), nanoseconds)
     }
 
-    /// Whether the shaft turns faster than it may (6505h bit 0).
+    /// Whether the shaft turns faster than allowed (6505h bit 0).
     pub fn is_too_fast(&self, now: Timestamp) -> bool {
         let Some(limit) = self.sheet.speed_warning_rpm else { return false };
         let (parts, nanoseconds) = self.turned(now, INTEGRATION_TIME);
-        // Both positions are rounded down: one part more is no speed.
+        // Both positions are rounded down, so one part more is no speed.
         let turned = (parts.abs() - 1).saturating_mul(60 * NANOSECONDS);
         turned > i128::from(limit) * i128::from(PARTS) * nanoseconds
     }
 }
 
-/// The time so much before now, but not before power-on, and what lies between in nanoseconds.
+/// The time `time` before now, but not before power-on, and the nanoseconds between.
 fn window(now: Timestamp, time: Duration) -> (Timestamp, i128) {
     let before = Timestamp(now.nanos().saturating_sub(time.nanos()));
     (before, i128::from(now.since(before).nanos()).max(1))
 }
 
-/// A factor or divisor: 1 where there is none or it is 0.
+/// A factor or divisor: 1 if there is none or it is 0.
 fn nonzero(number: Option<u64>) -> i128 {
     i128::from(number.unwrap_or(1).max(1))
 }
 
-/// Divides, and rounds to the nearest.
+/// Divides, rounding to the nearest.
 fn rounded(value: i128, by: i128) -> i128 {
     (value.saturating_mul(2).saturating_add(by)).div_euclid(2 * by)
 }

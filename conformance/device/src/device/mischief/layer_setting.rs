@@ -1,4 +1,4 @@
-//! LSS messages that are misread, wrong or not sent.
+//! LSS messages that a faulty firmware misreads, alters or drops.
 
 use super::{Incoming, Mischief, pass, put};
 use crate::Fault;

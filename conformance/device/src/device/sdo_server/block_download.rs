@@ -7,12 +7,12 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
 use canvass_traces::Timestamp;
 
-/// The segments of a block where the firmware has little memory.
+/// The block size of a firmware with little memory.
 const SMALL_BLOCK: u8 = 4;
-/// The size of all blocks that this server asks for.
+/// The usual block size.
 const BLOCK_SIZE: u8 = BlockSegment::MAX;
 
-/// A download in blocks while segments come.
+/// A block download during its segments.
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownload {
     pub object: Multiplexer,
@@ -22,17 +22,17 @@ pub(super) struct BlockDownload {
     data: Vec<u8>,
     /// The last segment of this block that came in order.
     sequence: u8,
-    /// Segments of this block that came, in order or not.
+    /// Number of segments received in this block, in order or not.
     received: u8,
-    /// What is answered at the end, by a firmware that finds out only then.
+    /// The abort code at the end, in a firmware that checks only then.
     refusal: Option<AbortCode>,
 }
 
-/// A download in blocks whose data is all there.
+/// A block download after its last segment.
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownloadEnd(BlockDownload);
 
-/// The request to write an object in blocks.
+/// Handles the initiate request of a block download.
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
     if objects.has(Fault::SdoBlockDownloadRefused) {
         return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
@@ -62,12 +62,12 @@ pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, object
 }
 
 impl BlockDownload {
-    /// Whether a segment has come.
+    /// Whether a segment was received.
     pub const fn has_begun(&self) -> bool {
         self.sequence > 0
     }
 
-    /// A segment of the block.
+    /// Handles a segment of the block.
     pub fn on_segment(mut self, segment: BlockSegment, firmware: &Firmware) -> Next {
         if segment.sequence == 0 {
             return match firmware.has(Fault::SdoBlockSequenceZeroIgnored) {
@@ -88,7 +88,7 @@ impl BlockDownload {
                 return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
             }
         }
-        // One that comes twice does not end the transfer.
+        // A repeated segment does not end the transfer.
         let is_end = segment.last && taken;
         let block_size = usual_block_size(firmware);
         if !is_end && !segment.last && segment.sequence < block_size && self.received < block_size {
@@ -112,7 +112,7 @@ impl BlockDownloadEnd {
         self.0.object
     }
 
-    /// The client's end: how many bytes of the last segment don't count, and the CRC.
+    /// Handles the client's end: number of unused bytes in the last segment, and the CRC.
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
         let firmware = objects.firmware;
         let unused = if firmware.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
@@ -128,14 +128,14 @@ impl BlockDownloadEnd {
         }
         if has_crc && crc != crc16(0, &data) && !firmware.has(Fault::SdoBlockCrcIgnored) {
             if firmware.has(Fault::SdoBlockWrittenBeforeCheck) {
-                // Refused all the same.
+                // The download is refused all the same.
                 let _ = objects.download(now, object, &data);
             }
             return Next::abort(object, AbortCode::CRC);
         }
         match size {
             _ if firmware.has(Fault::SdoBlockSizeMismatchAccepted) => {
-                // What is missing is what was in memory, what is too much is dropped.
+                // Missing bytes are taken from memory, surplus bytes are dropped.
                 data.resize(objects.size(object).unwrap_or(data.len()), 0);
             }
             Some(size) if data.len() > size => return Next::abort(object, AbortCode::LENGTH_TOO_HIGH),
@@ -153,7 +153,7 @@ impl BlockDownloadEnd {
     }
 }
 
-/// The size of the blocks that the server asks for.
+/// The block size that the server requests.
 const fn usual_block_size(firmware: &Firmware) -> u8 {
     if firmware.takes(Liberty::SmallBlocks) { SMALL_BLOCK } else { BLOCK_SIZE }
 }

@@ -13,7 +13,7 @@ pub(super) struct BlockUpload {
     value: Vec<u8>,
     crc: bool,
     block_size: u8,
-    /// How many segments the client has confirmed.
+    /// Number of segments that the client has confirmed.
     confirmed: usize,
     stage: Stage,
     firmware: Firmware,
@@ -21,15 +21,15 @@ pub(super) struct BlockUpload {
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Stage {
-    /// The client has not said yet that it is ready.
+    /// The client has not sent its start message yet.
     Announced,
-    /// So many segments of the block are out.
+    /// This many segments of the block are sent.
     Sent(u8),
-    /// All is out and confirmed, the end is announced.
+    /// All segments are sent and confirmed, and the end is announced.
     Ending,
 }
 
-/// The request to read an object in blocks.
+/// Handles the initiate request of a block upload.
 pub(super) fn initiate(
     now: Timestamp,
     object: Multiplexer,
@@ -43,7 +43,8 @@ pub(super) fn initiate(
         Err(code) => return Next::abort(object, code),
     };
     let bytes = reading.bytes();
-    // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
+    // Up to the threshold a normal upload is shorter; without a threshold the client wants blocks, also for an empty
+    // value.
     let switches =
         threshold > 0 && bytes.len() <= usize::from(threshold) && !objects.takes(Liberty::ProtocolNotSwitched);
     let unchecked =
@@ -82,7 +83,7 @@ const fn is_block_size(block_size: u8) -> bool {
 }
 
 impl BlockUpload {
-    /// What the client says in between.
+    /// Handles the client's further messages.
     pub fn on_request(self, request: Request) -> Next {
         match (self.stage, request) {
             (Stage::Announced, Request::StartBlockUpload) => self.send_block(),
@@ -129,7 +130,7 @@ impl BlockUpload {
         Next::answer(Transfer::BlockUpload(self), Response::EndBlockUpload { unused, crc })
     }
 
-    /// The number of segments of the whole value; an empty one takes one too.
+    /// The number of segments of the whole value; an empty value takes one, too.
     fn segments(&self) -> usize {
         self.value.len().div_ceil(7).max(1)
     }

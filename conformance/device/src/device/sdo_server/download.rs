@@ -1,4 +1,4 @@
-//! Downloads: expedited and in segments (CiA 301, 7.2.4.3.3 and 7.2.4.3.4).
+//! Downloads: expedited and segmented (CiA 301, 7.2.4.3.3 and 7.2.4.3.4).
 
 use super::{Next, Transfer};
 use crate::device::objects::Objects;
@@ -7,23 +7,23 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
 
-/// A download in segments.
+/// A segmented download.
 #[derive(Clone, Debug)]
 pub(super) struct SegmentedDownload {
     pub object: Multiplexer,
-    /// What the client announced.
+    /// The announced number of bytes.
     size: Option<usize>,
-    /// What the object takes.
+    /// The largest number of bytes that the object accepts.
     longest: usize,
     data: Vec<u8>,
     toggle: bool,
-    /// The object can't be written, which this firmware finds out only now, or never.
+    /// Whether the object can't be written, which this firmware detects only at the end, or never.
     discards: bool,
-    /// What is answered at the end, by a firmware that finds out only then.
+    /// The abort code at the end, in a firmware that checks only then.
     refusal: Option<AbortCode>,
 }
 
-/// The request to write an object.
+/// Handles the initiate request of a download.
 pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, objects: &mut Objects) -> Next {
     let size = match payload {
         Payload::Expedited(value) => return write(now, object, value.data(), objects),
@@ -62,7 +62,7 @@ fn write(now: Timestamp, object: Multiplexer, bytes: &[u8], objects: &mut Object
     }
 }
 
-/// The number of bytes is not said: the object's own is meant.
+/// Writes an expedited value without a length: it has the length of the object.
 fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &mut Objects) -> Next {
     let len = objects.size(object).unwrap_or(bytes.len());
     match bytes.get(..len) {
@@ -72,7 +72,7 @@ fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &
 }
 
 impl SegmentedDownload {
-    /// The next segment.
+    /// Handles the next segment.
     pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
         if segment.toggle != self.toggle && !objects.has(Fault::SdoToggleUnchecked) {
             if objects.takes(Liberty::ToggleIgnored) {
@@ -101,7 +101,7 @@ impl SegmentedDownload {
         }
         if !segment.last {
             self.toggle = !segment.toggle;
-            // A firmware that checks no length has a buffer of its own, and drops what does not fit.
+            // A firmware that checks no length has a buffer of its own, and drops surplus bytes.
             self.data.truncate(self.longest.max(8));
             return Next::answer(Transfer::Download(self), confirm);
         }
@@ -116,7 +116,7 @@ impl SegmentedDownload {
         }
     }
 
-    /// A segment of what is refused at its end.
+    /// Handles a segment of a download that is refused at its end.
     fn refused(mut self, segment: Segment, code: AbortCode) -> Next {
         if segment.last {
             return Next::abort(self.object, code);

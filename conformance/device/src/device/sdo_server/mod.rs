@@ -1,7 +1,7 @@
 //! The SDO server: one transfer at a time, expedited, segmented or in blocks (CiA 301, 7.2.4).
 //!
-//! One file for each kind of transfer. A state is what that kind of transfer knows; an event takes the state and gives
-//! the [`Next`].
+//! Each kind of transfer is one file. A state has only the data of its kind of transfer; an event takes the state and
+//! returns the [`Next`].
 
 mod block_download;
 mod block_upload;
@@ -28,26 +28,26 @@ pub(super) struct SdoServer {
     transfer: Transfer,
     timing: Timing,
     blocks: bool,
-    /// What is to be sent, and when.
+    /// The waiting answers, with their times.
     answers: VecDeque<(Timestamp, [u8; 8], usize)>,
-    /// A transfer ends then, if the client says nothing.
+    /// The time at which the transfer of a silent client ends.
     expires: Timestamp,
     /// The object of the last transfer, for a firmware that does not forget it.
     stale: Multiplexer,
-    /// The first bytes of a segment that was refused, for a firmware that gives them as the next value.
+    /// The first bytes of a refused segment, for a firmware that returns them as the next value.
     refused: Option<[u8; 4]>,
     /// Whether a block download with CRC was begun since boot-up.
     had_crc: bool,
     /// Whether there was a request since boot-up.
     began: bool,
-    /// How many requests there were since boot-up.
+    /// Number of requests since boot-up.
     requests: u32,
-    /// The firmware has crashed: nothing is answered until the next start.
+    /// Whether the firmware has crashed: no answers until the next start.
     wedged: bool,
     chance: Chance,
 }
 
-/// The transfer under way.
+/// The open transfer.
 #[derive(Clone, Debug)]
 enum Transfer {
     Idle,
@@ -58,7 +58,7 @@ enum Transfer {
     BlockDownloadEnd(BlockDownloadEnd),
 }
 
-/// What follows from a message: the transfer's next state, and what is sent.
+/// The result of a message: the transfer's next state, and the messages to send.
 struct Next {
     transfer: Transfer,
     answer: Answer,
@@ -104,7 +104,7 @@ impl Transfer {
 }
 
 impl SdoServer {
-    /// An idle server. `seed` chooses how its response times vary.
+    /// An idle server. `seed` determines random response times.
     pub fn new(timing: Timing, blocks: bool, seed: u64) -> Self {
         Self {
             transfer: Transfer::Idle,
@@ -122,7 +122,7 @@ impl SdoServer {
         }
     }
 
-    /// Drops the transfer and what was not sent yet.
+    /// Drops the transfer and waiting answers.
     pub fn reset(&mut self) {
         self.transfer = Transfer::Idle;
         self.answers.clear();
@@ -139,12 +139,12 @@ impl SdoServer {
         self.wedged = false;
     }
 
-    /// When [`SdoServer::poll`] has an answer or a transfer expires.
+    /// Time of the next ready answer or expiring transfer.
     pub fn timeout(&self) -> Timestamp {
         self.answers.front().map_or(self.expires, |(due, ..)| *due)
     }
 
-    /// A frame came on the client's CAN-ID.
+    /// Handles a frame on the client's CAN-ID.
     pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
         // SDO messages have eight bytes (CiA 301); others are ignored.
         if frame.len() != 8 {
@@ -159,7 +159,7 @@ impl SdoServer {
         self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
-            // A segment with sequence number 0 that ends the transfer can't be distinguished from an abort.
+            // A segment with sequence number 0 that ends the transfer looks the same as an abort.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
                 Ok(segment) => download.on_segment(segment, &objects.firmware),
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
@@ -176,7 +176,7 @@ impl SdoServer {
         self.proceed(now, next, objects);
     }
 
-    /// Requests that begin a transfer end the one under way.
+    /// A request that begins a transfer ends the open one.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
         let firmware = &objects.firmware;
         let is_busy = match transfer {
@@ -229,7 +229,7 @@ impl SdoServer {
         }
     }
 
-    /// Where the bytes of a segment go that has no place, in a firmware that takes them all the same.
+    /// Writes the bytes of a misplaced segment, in a firmware that accepts them.
     fn spill(&mut self, transfer: &Transfer, request: &Request, objects: &mut Objects) {
         let Request::DownloadSegment(segment) = request else { return };
         if objects.has(Fault::SdoRefusedSegmentServed) {
@@ -244,7 +244,7 @@ impl SdoServer {
         }
     }
 
-    /// A command specifier that is unknown, or has no meaning now.
+    /// Handles a command specifier that is unknown, or not allowed now.
     fn unexpected(&self, transfer: &Transfer, request: &Request, objects: &Objects) -> Next {
         if let Request::Unknown { .. } = request {
             let first = objects.has(Fault::SdoFirstUnknownCommandSilent) && !self.began;
@@ -269,7 +269,7 @@ impl SdoServer {
         if stray && matches!(transfer, Transfer::Idle) && objects.has(Fault::SdoStraySegmentSilent) {
             return Next::silence(Transfer::Idle);
         }
-        // A request that names an object is about that one, whatever transfer it interrupts.
+        // A request that names an object concerns that object, whatever transfer it interrupts.
         let named = request.multiplexer().or(transfer.object()).or(match *request {
             Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),
             _ => None,
@@ -277,7 +277,7 @@ impl SdoServer {
         Next::abort(named.unwrap_or(Multiplexer::new(0, 0)), AbortCode::COMMAND_SPECIFIER)
     }
 
-    /// Takes the next state and sends the answer.
+    /// Takes over the next state and sends the answer.
     fn proceed(&mut self, now: Timestamp, next: Next, objects: &Objects) {
         self.transfer = next.transfer;
         self.expires = match self.transfer {
@@ -298,7 +298,7 @@ impl SdoServer {
         }
     }
 
-    /// A firmware with one buffer for requests: what the answer not yet sent says of its object, it takes from there.
+    /// Alters a waiting answer by a new request, in a firmware with one buffer for requests.
     fn mix_up(&mut self, frame: &Frame, objects: &Objects) {
         if objects.has(Fault::SdoBackToBackMixed)
             && let Some((_, waiting, _)) = self.answers.back_mut()
@@ -307,7 +307,7 @@ impl SdoServer {
         }
     }
 
-    /// When the answer to a request of now is ready: requests are worked on one after the other.
+    /// The time of the answer to a request received now: requests are processed one after the other.
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
         let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
@@ -363,12 +363,13 @@ impl SdoServer {
         }
     }
 
-    /// The next answer that is ready, as a frame.
+    /// The next ready answer as a frame.
     pub fn poll(&mut self, now: Timestamp, node: NodeId) -> Option<Frame> {
         let &(due, bytes, len) = self.answers.front()?;
         if now < due {
             return None;
         }
+        debug_assert!(len <= 8, "an SDO message has at most 8 bytes, found {len}");
         self.answers.pop_front();
         let id = CanId::standard_masked(u32::from(canvass_analyzer::wire::sdo::RESPONSE_BASE) + u32::from(node.raw()));
         match len {
@@ -377,7 +378,7 @@ impl SdoServer {
         }
     }
 
-    /// A transfer whose client says nothing any more ends.
+    /// Ends a transfer whose client is silent.
     pub fn expire(&mut self, now: Timestamp, objects: &Objects) {
         if now < self.expires {
             return;
@@ -394,14 +395,14 @@ impl SdoServer {
     }
 }
 
-/// Every so many responses are slow, and by how much, where the firmware delays responses.
+/// Number of responses between two slow ones, and the delay, in a firmware with delayed responses.
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
 
-/// So many requests are answered and the one after them is not, where the firmware loses responses.
+/// Number of answered requests between two unanswered ones, in a firmware that loses responses.
 const LOST_EVERY: u32 = 100;
 
-/// How many bytes of a response are not reserved.
+/// Number of bytes of a response that are not reserved.
 fn used_bytes(response: &Response) -> usize {
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),
@@ -415,7 +416,7 @@ fn used_bytes(response: &Response) -> usize {
     }
 }
 
-/// Whether bits of the command are set that have no meaning in that request.
+/// Whether reserved bits of the command are set in the request.
 fn has_reserved_bits(frame: &Frame, request: &Request) -> bool {
     let mut plain = [0; 8];
     request.emit(&mut plain);

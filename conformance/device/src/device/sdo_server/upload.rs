@@ -1,4 +1,4 @@
-//! Uploads: expedited and in segments (CiA 301, 7.2.4.3.5 to 7.2.4.3.7).
+//! Uploads: expedited and segmented (CiA 301, 7.2.4.3.5 to 7.2.4.3.7).
 
 use super::{Next, Transfer};
 use crate::device::objects::Objects;
@@ -8,7 +8,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
 
-/// An upload in segments.
+/// A segmented upload.
 #[derive(Clone, Debug)]
 pub(super) struct SegmentedUpload {
     pub object: Multiplexer,
@@ -17,7 +17,7 @@ pub(super) struct SegmentedUpload {
     toggle: bool,
 }
 
-/// The request to read an object.
+/// Handles the initiate request of an upload.
 pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -> Next {
     let reading = match objects.upload(now, object) {
         Ok(reading) => reading,
@@ -44,7 +44,7 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
     }
 }
 
-/// The start of an upload of that value, in segments whatever its length.
+/// Starts a segmented upload of a value of any length.
 pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Next {
     let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
     let unannounced = objects.takes(Liberty::SizesUnannounced);
@@ -53,7 +53,7 @@ pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Nex
 }
 
 impl SegmentedUpload {
-    /// The request for the next segment.
+    /// Handles the request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
         if toggle != self.toggle && !objects.has(Fault::SdoToggleUnchecked) {
             if objects.takes(Liberty::ToggleIgnored) {

@@ -15,7 +15,7 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-/// So long after the first boot-up message a second one still belongs to the same start.
+/// How long after the first boot-up message a second one still belongs to the same start.
 const SECOND_BOOT_UP: Duration = Duration::from_millis(1_000);
 
 /// After reset node the device sends exactly one boot-up message: one byte, 00h, on 700h + node-ID.
@@ -171,7 +171,7 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
         bench.listen(bench.timing().reaction)?;
         Ok((bench.read_number(START_UP)?, bench.state()?))
     });
-    // Whatever came of it, the device gets its old value back.
+    // Whether the check passed or not, the device gets its old value back.
     bench.write(START_UP, &before.to_le_bytes())?;
     bench.prefer_guarding()?;
     bench.write(STORE, b"save")?;

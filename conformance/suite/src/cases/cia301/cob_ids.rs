@@ -12,7 +12,7 @@ use canvass_bus::observation::Observation;
 /// Bit 30 of 1005h and 1012h: the device produces; bit 31 of 1012h: it consumes.
 const PRODUCES: u32 = 1 << 30;
 const CONSUMES: u32 = 1 << 31;
-/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+/// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 /// CAN-IDs that are not restricted either; each of the eleven bits is 0 in some of them and 1 in others.
 const PATTERNS: [u32; 6] = [0x2AA, 0x555, 0x333, 0x4CC, 0x38F, 0x470];

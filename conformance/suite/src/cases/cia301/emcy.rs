@@ -23,14 +23,14 @@ const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 const ERROR_COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
 const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0);
-/// Guard time times life time factor, or consumer time.
+/// The guard time multiplied by the life time factor, or the consumer heartbeat time.
 const GUARD_MS: u16 = 100;
 const FACTOR: u8 = 2;
 const CONSUMER_MS: u16 = 200;
-/// Long enough for either of the two, its tolerance and an EMCY inhibit time.
+/// Longer than `GUARD_MS` with its tolerance and an EMCY inhibit time together.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
-/// Who falls silent.
+/// The node that the device monitors, and that the case lets fall silent.
 #[derive(Clone, Copy)]
 pub(super) enum Monitored {
     /// The master, which guards the device.
@@ -39,7 +39,7 @@ pub(super) enum Monitored {
     Node(u8),
 }
 
-/// A sign of life from the one who is monitored.
+/// Sends one sign of life of the monitored node.
 pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Stop> {
     match monitored {
         Monitored::Master => bench.guard().map(|_| ()),
@@ -50,8 +50,8 @@ pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Resul
     }
 }
 
-/// Lets the device monitor someone who gives one sign of life: monitoring begins with it. Life guarding is preferred:
-/// some devices watch nodes only once that is stored.
+/// Lets the device monitor a node that gives one sign of life: monitoring begins with it. Life guarding is preferred,
+/// because some devices monitor heartbeats of nodes only once that is stored.
 pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop> {
     bench.expect_emergencies();
     let monitored = if bench.can_be_guarded()? {
@@ -82,7 +82,7 @@ fn of_device(bench: &Bench<'_>, heard: Vec<Record>) -> Vec<Record> {
     heard.into_iter().filter(|record| record.frame.cob_id() == Some(cob_id)).collect()
 }
 
-/// The EMCYs that report an error.
+/// The EMCY messages that report an error.
 pub(super) fn errors_of(bench: &Bench<'_>, heard: Vec<Record>) -> Vec<Record> {
     of_device(bench, heard).into_iter().filter(is_error).collect()
 }
@@ -96,12 +96,12 @@ pub(super) fn code_of(record: &Record) -> Option<EmcyCode> {
     Emcy::read(record.frame.data()).ok().and_then(|emcy| emcy.code())
 }
 
-/// Whether an EMCY says more than that an error is gone.
+/// Whether an EMCY message reports an error, and not only that an error is gone.
 pub(super) fn is_error(record: &Record) -> bool {
     !code_of(record).is_some_and(EmcyCode::is_reset)
 }
 
-/// Demands that no EMCY reports an error of the protocol, 82xxh, which right messages are not.
+/// Demands that no EMCY message reports a protocol error, 82xxh: the messages sent were correct.
 fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
     let is_of_protocol = |record: &&Record| code_of(record).is_some_and(|code| code.0 >> 8 == 0x82);
     let reported = heard.iter().find(is_of_protocol);
@@ -111,9 +111,9 @@ fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
     })
 }
 
-/// Sends a right message and demands that no EMCY reports it as an error: none of the protocol, 82xxh, and, as some devices
-/// have generic codes only, none of 10xxh that comes with the message, and with it again after a reset, but not before.
-/// `prepare` gives the CAN-ID of the message and its data.
+/// Sends a correct message and demands that no EMCY message reports it as an error. None may have a code for protocol
+/// errors, 82xxh. As some devices have generic codes only, a code 10xxh fails too if it comes with the message, and
+/// with it again after a reset, but not before. `prepare` gives the CAN-ID of the message and its data.
 pub(super) fn expect_no_error<'b>(
     bench: &mut Bench<'b>,
     duty: &'static str,
@@ -144,15 +144,15 @@ pub(super) fn expect_no_error<'b>(
     Ok(())
 }
 
-/// The first EMCY; silence if there is none.
+/// The first EMCY message, or silence if there is none.
 pub(super) fn observed(records: &[Record]) -> Observation {
     records.first().map_or(Observation::Silence, |record| {
         code_of(record).map_or(Observation::Frame(record.frame), Observation::Emcy)
     })
 }
 
-/// Whether an EMCY can stand for a lost master or node: by the code for that (8130h, 8F00h + node), by a more general one,
-/// as only 0000h and 1000h are mandatory, or by one of the manufacturer.
+/// Whether an EMCY message can report a lost master or node: by the code for that (8130h, 8F00h + node), by a more
+/// general code, as only 0000h and 1000h are mandatory, or by one of the manufacturer.
 pub(super) fn fits_loss(record: &Record, node: Option<u8>) -> bool {
     match code_of(record).map(|code| code.0.to_be_bytes()) {
         Some([0x80, 0x00] | [0x81, 0x00 | 0x30] | [0x10 | 0xFF, _]) => true,
@@ -161,7 +161,7 @@ pub(super) fn fits_loss(record: &Record, node: Option<u8>) -> bool {
     }
 }
 
-/// How long to wait for an EMCY that has a reason to come: the inhibit time of the one before may run.
+/// How long to wait for an EMCY message whose cause has occurred: the inhibit time of the one before may not be over.
 pub(super) fn patience(bench: &mut Bench<'_>) -> Result<Duration, Stop> {
     let inhibit = match bench.upload(INHIBIT_TIME)?.outcome {
         Outcome::Uploaded(value) => crate::bench::sdo::number(&value).min(600_000),
@@ -170,8 +170,8 @@ pub(super) fn patience(bench: &mut Bench<'_>) -> Result<Duration, Stop> {
     Ok(bench.timing().silence + Duration::from_micros(100 * u64::from(inhibit)))
 }
 
-/// Lets the one who is monitored fall silent; the EMCYs that come. Without one a case about EMCY says nothing: a device
-/// need not report this.
+/// Lets the monitored node fall silent, and returns the EMCY messages that follow. Without one that reports an error
+/// the case is inconclusive: a device need not report this.
 pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Record>), Stop> {
     let monitored = begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;

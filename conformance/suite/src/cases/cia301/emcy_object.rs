@@ -17,7 +17,7 @@ const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0)
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
-/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+/// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
 /// 1014h names the predefined CAN-ID 080h + node-ID as delivered, unless the description says otherwise. Whether EMCY is

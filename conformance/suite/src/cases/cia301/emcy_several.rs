@@ -25,9 +25,9 @@ const CONSUMER: u16 = object::CONSUMER_HEARTBEAT_TIME;
 const CONSUMER_MS: u16 = 200;
 /// Heartbeats of a node that is there come so often.
 const BEAT: Duration = Duration::from_millis(50);
-/// So many of them last until one who says nothing is missed, with a tolerance.
+/// How many of these intervals pass until a node that sends nothing is missed, with a tolerance.
 const UNTIL_LOST: usize = 10;
-/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+/// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6B0;
 
 /// The frames with a CAN-ID that came since then, whatever the tester was waiting for.

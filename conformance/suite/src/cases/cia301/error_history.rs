@@ -39,8 +39,8 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::EmptyHistory))
 }
 
-/// The codes of the errors that the loss of the one who is monitored is reported as, oldest first. Without a report there
-/// is nothing to be in the history.
+/// The error codes by which the device reports that the monitored node is lost, oldest first. Without a report the
+/// history need not contain anything.
 fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let codes = error_codes(&emergencies(bench, UNTIL_LOST)?);
     if codes.is_empty() {

@@ -23,7 +23,7 @@ fn heartbeats(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Stop
     Ok(heard.into_iter().filter(|record| bench.is_error_control(&record.frame)).collect())
 }
 
-/// So many heartbeats in a time.
+/// The breach of a wrong number of heartbeats: fewer than `least`, or more than `most`.
 fn counted(duty: &'static str, least: u64, most: Option<u64>, found: usize) -> Breach {
     let found = Observation::Count(found as u64);
     Breach::new(Service::Heartbeat, duty).expected(Allowed::Count { least, most }).found(found)
@@ -212,7 +212,7 @@ fn after_boot_up(bench: &mut Bench<'_>) -> Judged {
     let boot_up = bench.wait_for_boot_up()?;
     let heard = heartbeats(bench, Duration::from_millis(800))?;
     let stored = bench.read(HEARTBEAT_TIME);
-    // Whatever came of it, the device gets its old value back.
+    // Whether the check passed or not, the device gets its old value back.
     bench.write(HEARTBEAT_TIME, &before)?;
     bench.write(STORE, b"save")?;
     let stored = stored?;

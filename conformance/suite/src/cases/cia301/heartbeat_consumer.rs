@@ -65,7 +65,7 @@ pub(super) struct Watch {
 pub(super) struct Signs {
     /// EMCYs that report an error.
     errors: Vec<Record>,
-    /// The first state other than operational.
+    /// The first state other than operational, with its time.
     left: Option<(Timestamp, State)>,
 }
 
@@ -239,7 +239,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let judged = stored_is_watched(bench, node);
-    // Whatever came of it, the device gets its old values back.
+    // Whether the check passed or not, the device gets its old values back.
     bench.download(WATCHED, &before)?;
     bench.write(STORE, b"save")?;
     judged

@@ -9,7 +9,7 @@ use crate::verdict::Judged;
 use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 
-/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+/// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
 /// The CAN-ID of a PDO that is valid does not change: the write is refused, and the COB-ID stays.

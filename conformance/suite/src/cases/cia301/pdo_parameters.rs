@@ -35,7 +35,7 @@ fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Stop> {
     Ok(found)
 }
 
-/// So many TPDOs.
+/// The breach of a wrong number of TPDOs: fewer than `least`, or more than `most`.
 fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, found: u64) -> Breach {
     let expected = Allowed::Count { least, most };
     Breach::new(TPDO.subject(), duty.into()).expected(expected).found(Observation::Count(found))

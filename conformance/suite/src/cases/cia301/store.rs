@@ -64,7 +64,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     let after = bench.reset(Command::RESET_NODE).and_then(|()| {
         scratches.iter().map(|scratch| Ok(bench.upload(scratch.multiplexer)?.outcome)).collect::<Result<Vec<_>, Stop>>()
     });
-    // Whatever came of it, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     for scratch in &scratches {
         bench.download(scratch.multiplexer, &scratch.value)?;
     }

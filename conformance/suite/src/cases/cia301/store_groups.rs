@@ -112,7 +112,7 @@ fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
     let two = two(bench)?;
     of_the_profile(&two.application)?;
     let seen = after_restore(bench, &two, order);
-    // Whatever came of it, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     for scratch in [&two.communication, &two.application] {
         bench.download(scratch.multiplexer, &scratch.value)?;
     }

@@ -21,7 +21,7 @@ const PERIOD: Duration = Duration::from_millis(100);
 const CONSUMER_MS: u16 = 300;
 
 /// What the device did after the reset.
-struct Seen {
+struct AfterReset {
     /// Heartbeats within ten periods; `None`: the stored time was not there.
     heartbeats: Option<usize>,
     /// The state after a watched node fell silent; `None`: the stored entry was not there, or the state did not show.
@@ -47,7 +47,7 @@ fn acts(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let seen = after_reset(bench, watched.as_ref().map(|(node, _)| *node));
-    // Whatever came of it, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     bench.download(HEARTBEAT_TIME, &own)?;
     if let Some((_, before)) = &watched {
         bench.download(WATCHED, before)?;
@@ -56,12 +56,12 @@ fn acts(bench: &mut Bench<'_>) -> Judged {
     judge(bench, &seen?)
 }
 
-fn after_reset(bench: &mut Bench<'_>, node: Option<u8>) -> Result<Seen, Stop> {
+fn after_reset(bench: &mut Bench<'_>, node: Option<u8>) -> Result<AfterReset, Stop> {
     bench.reset(Command::RESET_NODE)?;
     let is_stored = bench.upload(HEARTBEAT_TIME)?.outcome == Outcome::Uploaded(PERIOD_MS.to_le_bytes().to_vec());
     let heard = bench.listen(PERIOD.times(10))?;
     let heartbeats = is_stored.then(|| states(bench, &heard).len());
-    let mut seen = Seen { heartbeats, after_loss: None };
+    let mut seen = AfterReset { heartbeats, after_loss: None };
     let Some(node) = node.filter(|_| heartbeats.is_some_and(|count| count > 0)) else { return Ok(seen) };
     if bench.upload(WATCHED)?.outcome != Outcome::Uploaded(entry(node, CONSUMER_MS).to_vec()) {
         return Ok(seen);
@@ -82,7 +82,7 @@ fn states(bench: &Bench<'_>, heard: &[Record]) -> Vec<State> {
     own.filter_map(|record| Some(ErrorControl::read(record.data()).ok()?.state)).collect()
 }
 
-fn judge(bench: &mut Bench<'_>, seen: &Seen) -> Judged {
+fn judge(bench: &mut Bench<'_>, seen: &AfterReset) -> Judged {
     let Some(count) = seen.heartbeats else {
         let reason = Reason::new("1017h is stored by 1010h:01", "its value after reset node", "another one");
         return Err(Stop::NotApplicable(reason));

@@ -47,7 +47,7 @@ fn data(records: &[Record]) -> String {
     if shown.is_empty() { "no SYNC".to_owned() } else { shown.join(", ") }
 }
 
-/// So many SYNCs where there are to be others.
+/// The breach of a wrong number of SYNC messages: fewer than `least`, or more than `most`.
 fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Record]) -> Breach {
     let found = Observation::Count(heard.len() as u64);
     Breach::new(Service::Sync, duty.into()).expected(Allowed::Count { least, most }).found(found)
@@ -163,7 +163,7 @@ fn no_counter(bench: &mut Bench<'_>) -> Judged {
     has_no_data(bench, &heard)?;
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
-    // Whether it can be moved at all is not the matter of this case.
+    // This case does not judge whether the CAN-ID can be changed at all.
     let moved = own & !0x7FF & !PRODUCES | u32::from(MOVED);
     if bench.download(COB_ID, &moved.to_le_bytes())?.abort().is_some() {
         return Ok(());
@@ -173,7 +173,7 @@ fn no_counter(bench: &mut Bench<'_>) -> Judged {
     has_no_data(bench, &heard)
 }
 
-/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+/// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const MOVED: u16 = 0x6A1;
 
 fn has_no_data(bench: &mut Bench<'_>, heard: &[Record]) -> Judged {
@@ -332,7 +332,7 @@ fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
     bench.write(OVERFLOW, &other)?;
     bench.write(STORE, b"save")?;
     let stored = bench.reset(Command::RESET_NODE).and_then(|()| bench.read(OVERFLOW));
-    // Whatever came of it, the device gets its old value back.
+    // The device gets its old value back, whether the check passed or not.
     bench.write(OVERFLOW, &before)?;
     bench.write(STORE, b"save")?;
     let stored = stored?;

@@ -15,7 +15,7 @@ const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERF
 const WINDOW_US: u32 = 5_000;
 /// A CAN-ID that nobody uses and that goes before every PDO.
 const IN_THE_WAY: u16 = 0x07F;
-/// So many full frames take 8 ms at 1 Mbit/s, and longer at every other bit rate.
+/// How many full frames take 8 ms at 1 Mbit/s; at every other bit rate they take longer.
 const FRAMES: usize = 70;
 
 /// Makes TPDO 1 one of type 1, without event timer; its CAN-ID.
@@ -28,7 +28,7 @@ pub(super) fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     Ok((bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16)
 }
 
-/// TPDO 1 came so often, where it had to come another number of times.
+/// The breach of a number of TPDOs other than `right`.
 pub(super) fn counted(duty: &'static str, right: u64, found: usize) -> Breach {
     let expected = Allowed::Count { least: right, most: Some(right) };
     let tpdo = Subject::Pdo { transmit: true, number: 1 };
@@ -79,7 +79,8 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Why the crowd let a TPDO through: the tester's machine had stopped while it sent, or the device found a gap.
+/// Why a TPDO was sent although frames of the tester should have blocked it: the tester's machine had stopped while
+/// it sent, or the device found a gap.
 fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     const LONGEST_GAP: Duration = Duration::from_millis(1);
     let own = |exhibit: &&Exhibit| matches!(exhibit.record.frame.cob_id(), Some(id) if id == sync || id == IN_THE_WAY);
@@ -92,8 +93,8 @@ fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     }
 }
 
-/// Whether the window was closed when the last TPDO came. When the tester's own frames were on the bus, not every adapter
-/// tells.
+/// Whether the synchronous window was over when the last TPDO came. Not every adapter tells when the tester's own
+/// frames were on the bus.
 fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     let last = |id: u16| {
         let of_id = bench.evidence().frames().filter(|exhibit| exhibit.record.frame.cob_id() == Some(id));

@@ -19,10 +19,11 @@ const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_TIME, 0);
 const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
 const PRODUCES: u32 = 1 << 30;
-/// What a clock may differ by: answers take their time.
+/// Maximum difference of the device's clock, because answers take their time.
 const CLOCK_ERROR_MS: u64 = 200;
 
-/// Switches a direction of TIME on; not applicable where the device refuses as one that does not have it.
+/// Switches a direction of TIME on; not applicable where the device refuses it as a device without that direction
+/// does.
 fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
     let own = bench.read_number(COB_ID)?;
     let attempt = bench.download(COB_ID, &(own & !(CONSUMES | PRODUCES) | bit).to_le_bytes())?;

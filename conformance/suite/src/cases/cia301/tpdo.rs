@@ -27,7 +27,7 @@ fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     Ok((cob_id.can_id() & 0x7FF) as u16)
 }
 
-/// So many TPDOs.
+/// The breach of a wrong number of TPDOs: fewer than `least`, or more than `most`.
 fn counted(duty: String, least: u64, most: Option<u64>, found: usize) -> Breach {
     let expected = Allowed::Count { least, most };
     Breach::new(TPDO.subject(), duty).expected(expected).found(Observation::Count(found as u64))
@@ -119,7 +119,7 @@ fn not_for_a_remote_frame(bench: &mut Bench<'_>, can_id: u16, command: Command) 
     }))
 }
 
-/// What makes TPDO 1, with that CAN-ID, be sent.
+/// What makes the device send TPDO 1, which has the given CAN-ID.
 enum Trigger {
     /// Its event timer.
     Timer(u16),

@@ -38,7 +38,7 @@ pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Su
     Ok(Subject { at: mapped.at, can_id, values: [before, other] })
 }
 
-/// So many TPDOs.
+/// The breach of a wrong number of TPDOs: fewer than `least`, or more than `most`.
 fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, found: usize) -> Breach {
     let expected = Allowed::Count { least, most };
     Breach::new(TPDO.subject(), duty.into()).expected(expected).found(Observation::Count(found as u64))
@@ -123,7 +123,7 @@ fn sync_delay(bench: &mut Bench<'_>) -> Judged {
 }
 
 const SYNCS: usize = 50;
-/// So long is waited for a synchronous TPDO: no standard limits its delay but by the next SYNC.
+/// How long to wait for a synchronous TPDO: no standard limits its delay except by the next SYNC.
 const SYNC_PATIENCE: Duration = Duration::from_millis(500);
 
 /// The time from each of some SYNCs to the TPDO of type 1 that follows it, where one does.
@@ -143,7 +143,7 @@ fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
         // What the tester's machine takes to bring SYNC onto the bus is not the device's.
         let sent = bench.evidence().sent(id).unwrap_or(handed_over);
         delays.extend(came.map(|came| came.since(sent)));
-        // Not faster than most producers of SYNC.
+        // Producers of SYNC are rarely faster.
         bench.listen(Duration::from_millis(10))?;
     }
     Ok(delays)
