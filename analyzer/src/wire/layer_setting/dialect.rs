@@ -1,7 +1,7 @@
 //! What LSS and LMT each make of layer setting.
 
 use super::ConfigureCommand;
-use crate::wire::Malformed;
+use crate::wire::{Field, Malformed};
 use nom::IResult;
 use std::fmt::{Debug, Display};
 use std::hash::Hash;
@@ -47,6 +47,8 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     const IDENTIFIED: u8;
     /// The command specifier that inquires the first part of an address.
     const INQUIRE: u8;
+    /// The fields of the answer to it.
+    const PART_FIELDS: &'static [Field];
     /// What the standard calls what a slave is in: a state, or a mode.
     const STATE: &'static str;
     /// What it calls the one that is not configuration.
