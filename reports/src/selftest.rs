@@ -1,5 +1,8 @@
 //! The selftest's matrix: which case failed on which fault. As JSON it is a [`SelftestResult`].
 
+pub mod null;
+pub mod wire;
+
 use crate::results::selftest::{
     FalseAlarm, FaultBesideLiberties, FuzzedViolation, MissedCase, SelftestResult, Summary,
 };

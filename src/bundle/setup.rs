@@ -30,7 +30,7 @@ pub struct Setup {
     pub cases: Vec<String>,
     /// Why the run can't be repeated; `None` if it can.
     pub not_repeatable: Option<String>,
-    /// How was tested. Commands of the user and paths of the machine are not written.
+    /// The options of the run, without its shell commands: a bundle from elsewhere must not start programs.
     #[serde(flatten)]
     pub options: Options,
 }

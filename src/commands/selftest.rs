@@ -10,7 +10,7 @@ use canvass_fuzzer::detection::{FuzzedFault, Limit, Table, detect};
 use canvass_fuzzer::liberties;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::detection;
-use canvass_reports::selftest::{json, text};
+use canvass_reports::selftest::{json, null, text, wire};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue::{Selector, select};
 use canvass_suite::selftest::{self, Chance, Extent};
@@ -33,6 +33,15 @@ pub struct Args {
     /// The seed by which liberties are combined at random
     #[arg(long, default_value_t = Chance::WHOLE.seed)]
     seed: u64,
+    /// Run the cases on devices that do nothing right instead: which of them pass, and whether each pass was reviewed
+    #[arg(long, conflicts_with_all = ["fuzz", "fault"])]
+    null: bool,
+    /// Run the cases on devices with one wrong field of one message instead: which of them are found
+    #[arg(long, conflicts_with_all = ["fuzz", "fault", "null"])]
+    wire: bool,
+    /// With --wire: number of these devices, drawn by --seed (default: all)
+    #[arg(long, value_name = "N", requires = "wire")]
+    count: Option<usize>,
     /// Test the fuzzer instead: how fast it finds each fault that it claims to find
     #[arg(long, conflicts_with = "select")]
     fuzz: bool,
@@ -78,6 +87,12 @@ impl Args {
         if self.fuzz {
             return self.fuzz();
         }
+        if self.null {
+            return self.null();
+        }
+        if self.wire {
+            return self.wire();
+        }
         let of_faults = !self.fault.is_empty();
         let (cases, faults) = self.chosen()?;
         let mut chance = Chance { seed: self.seed, ..Chance::WHOLE };
@@ -96,6 +111,29 @@ impl Args {
             MatrixFormat::Json => unless_closed(json(&matrix, &fuzzed, &mut document(false)))?,
         }
         Ok(if matrix.is_good() && fuzzed.is_good() { Status::Good } else { Status::Findings })
+    }
+
+    fn null(self) -> Result<Status, Failure> {
+        let (cases, _) = self.chosen()?;
+        let rows = selftest::null::run(&cases).map_err(|error| Failure::unreachable(anyhow!(error)))?;
+        match self.format {
+            MatrixFormat::Table => print(&Printable::document(&null::text(&rows)))?,
+            MatrixFormat::Json => unless_closed(null::json(&rows, &mut document(false)))?,
+        }
+        let good = rows.iter().all(selftest::null::NullRow::is_good);
+        Ok(if good { Status::Good } else { Status::Findings })
+    }
+
+    fn wire(self) -> Result<Status, Failure> {
+        let (cases, _) = self.chosen()?;
+        let sample = selftest::wire::Sample { seed: self.seed, count: self.count };
+        let matrix =
+            selftest::wire::run(&cases, Model::all(), sample).map_err(|error| Failure::unreachable(anyhow!(error)))?;
+        match self.format {
+            MatrixFormat::Table => print(&Printable::document(&wire::text(&matrix)))?,
+            MatrixFormat::Json => unless_closed(wire::json(&matrix, &mut document(false)))?,
+        }
+        Ok(if matrix.survivors().next().is_none() { Status::Good } else { Status::Findings })
     }
 
     /// Runs each claimed fault with each seed, one after the other: parallel runs would distort the times.

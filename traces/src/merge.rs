@@ -1,14 +1,14 @@
 //! Several captures as one, by time.
 //!
 //! - It reads one record ahead in each source, and only while more than one source is left. It does not sort:
-//! Where a source's own clock steps back, its records keep the order of their source.
+//!   Where a source's own clock steps back, its records keep the order of their source.
 //! - Of records of the same time, those of the source named first come first.
 //! - A damage comes out as soon as it is found: after the record before it in its own source. One with a salvaged
-//! record takes that record's place in time.
+//!   record takes that record's place in time.
 //! - Channels of different sources are different channels, even if their names are equal: with more than one source
-//! every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
-//! rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
-//! or several recorders on the same bus: equal names are then one channel.
+//!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
+//!   rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
+//!   or several recorders on the same bus: equal names are then one channel.
 
 use crate::{Capture, ChannelId, Channels, Damage, Reader, Record, SkipSet, TimeBase, Timestamp};
 use std::cmp::Reverse;

@@ -3,12 +3,12 @@
 //! Frames and damages are counted in the order of their source, in constant memory.
 //!
 //! - **Time resolution**: the largest power of ten, of at most one second, that divides all times seen. A clock of
-//! 10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
+//!   10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
 //! - **Clock steps**: a frame that is older than the one before it in the same source.
 //! - **Gaps**: an interval of more than [`Gaps::FACTOR`] times the usual one. *Usual* is the interval that about 99
-//! of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
-//! 1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
-//! never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
+//!   of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
+//!   1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
+//!   never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
 
 mod clock;
 mod gaps;

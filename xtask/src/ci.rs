@@ -61,7 +61,11 @@ const STEPS: [CiStep; 16] = [
     CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
     CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::step },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
-    CiStep { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
+    CiStep {
+        name: "self-test",
+        alone: "cargo run --release -- selftest; the same with --null, and with --fuzz",
+        run: self_test,
+    },
     CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ) },
 ];
@@ -241,6 +245,7 @@ fn self_test() -> Result<()> {
     let program = vcan::program()?;
     let program = program.to_string_lossy();
     run(&program, &["selftest"])?;
+    run(&program, &["selftest", "--null"])?;
     run(&program, &["selftest", "--fuzz"])
 }
 

@@ -7,7 +7,7 @@
 //! Shorter messages occur in the field: the five-byte form of old profiles, and the empty form, the boot-up message
 //! of devices before CiA 301 V4.
 
-use super::{Malformed, Wire};
+use super::{Field, Fields, Layout, Malformed, Wire};
 use canvass_traces::hex;
 use nom::IResult;
 use std::fmt;
@@ -196,6 +196,23 @@ impl Wire for Emcy {
         let len = self.len();
         buffer[..len].copy_from_slice(&self.bytes[..len]);
         len
+    }
+}
+
+static EMCY: Layout = Layout {
+    name: "EMCY",
+    fields: &[
+        Field::new("error code", 0, 0, 16),
+        Field::new("error register", 2, 0, 8),
+        Field::new("manufacturer-specific", 3, 0, 40),
+    ],
+};
+
+impl Fields for Emcy {
+    const LAYOUTS: &'static [&'static Layout] = &[&EMCY];
+
+    fn layout(&self) -> &'static Layout {
+        &EMCY
     }
 }
 

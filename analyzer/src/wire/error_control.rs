@@ -7,7 +7,7 @@
 //! Boot-up is state 0 without toggle. A heartbeat and a guarding answer can't be distinguished by one frame alone:
 //! guarding answers follow remote frames.
 
-use super::{Malformed, Wire, named};
+use super::{Field, Fields, Layout, Malformed, Wire, named};
 use nom::{IResult, Parser, number::complete::u8};
 use std::fmt;
 
@@ -74,6 +74,20 @@ impl Wire for ErrorControl {
     fn emit(&self, buffer: &mut [u8; 8]) -> usize {
         buffer[0] = u8::from(self.toggle) << 7 | self.state.0 & 0x7F;
         1
+    }
+}
+
+const FIELDS: &[Field] = &[Field::new("state", 0, 0, 7), Field::new("toggle bit", 0, 7, 1)];
+static BOOT_UP: Layout = Layout { name: "boot-up", fields: FIELDS };
+static HEARTBEAT: Layout = Layout { name: "heartbeat", fields: FIELDS };
+/// The answer to node guarding. Only the remote frame before it tells it from a heartbeat.
+pub static GUARDING: Layout = Layout { name: "guarding", fields: FIELDS };
+
+impl Fields for ErrorControl {
+    const LAYOUTS: &'static [&'static Layout] = &[&BOOT_UP, &HEARTBEAT, &GUARDING];
+
+    fn layout(&self) -> &'static Layout {
+        if self.is_boot_up() { &BOOT_UP } else { &HEARTBEAT }
     }
 }
 

@@ -8,7 +8,7 @@
 //! A slave is addressed by its manufacturer name, product name and serial number, seven bytes each, instead of the
 //! four numbers of LSS. It does not answer that it was addressed. [`layer_setting`] has the rest.
 
-use super::{Malformed, layer_setting, named};
+use super::{Field, Malformed, layer_setting, named};
 use canvass_traces::hex;
 use layer_setting::{Dialect, Limit, Protocol, Value, numbered};
 use nom::{IResult, Parser, bytes::complete::take};
@@ -91,6 +91,7 @@ impl Dialect for Lmt {
     const IDENTIFY_REMOTE: u8 = 0x05;
     const IDENTIFIED: u8 = 0x09;
     const INQUIRE: u8 = 0x24;
+    const PART_FIELDS: &'static [Field] = &[Field::new("command specifier", 0, 0, 8), Field::new("value", 1, 0, 56)];
     const STATE: &'static str = "mode";
     const WAITING: &'static str = "operation";
     const CONFIGURE_NODE_ID: &'static str = "configure NMT address";

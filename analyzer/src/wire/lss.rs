@@ -8,7 +8,7 @@
 //!
 //! A slave is addressed by the four numbers of 1018h. [`layer_setting`] has the rest.
 
-use super::{Malformed, layer_setting, named};
+use super::{Field, Malformed, layer_setting, named};
 use layer_setting::{Dialect, Limit, Protocol, Value, numbered};
 use nom::{IResult, Parser, number::complete::le_u32};
 use std::fmt::{self, Display};
@@ -90,6 +90,8 @@ impl Dialect for Lss {
     const IDENTIFY_REMOTE: u8 = 0x46;
     const IDENTIFIED: u8 = 0x4F;
     const INQUIRE: u8 = 0x5A;
+    const PART_FIELDS: &'static [Field] =
+        &[Field::new("command specifier", 0, 0, 8), Field::new("value", 1, 0, 32), Field::reserved(5, 0, 24)];
     const STATE: &'static str = "state";
     const WAITING: &'static str = "waiting";
     const CONFIGURE_NODE_ID: &'static str = "configure node-ID";

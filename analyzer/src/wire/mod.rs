@@ -11,6 +11,7 @@ pub mod case_marker;
 pub mod emcy;
 pub mod error_control;
 pub mod error_frame;
+pub mod fields;
 pub mod flying_master;
 pub mod layer_setting;
 pub mod lmt;
@@ -22,6 +23,8 @@ pub mod sdo;
 pub mod srdo;
 pub mod sync;
 pub mod time;
+
+pub use fields::{Field, Fields, Layout};
 
 use canvass_traces::{CanId, Frame};
 use nom::{IResult, Parser};

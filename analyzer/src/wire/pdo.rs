@@ -3,6 +3,7 @@
 //! A PDO's payload has no structure of its own: mapping entries (1600h.., 1A00h..) name the objects whose values
 //! follow each other, least significant bit first.
 
+use super::{Field, Layout};
 use crate::Multiplexer;
 use std::fmt;
 
@@ -10,6 +11,9 @@ use std::fmt;
 pub const TPDO_BASES: [u16; 4] = [0x180, 0x280, 0x380, 0x480];
 /// The default CAN-IDs of node 0 for RPDO 1 to 4; the node-ID is added.
 pub const RPDO_BASES: [u16; 4] = [0x200, 0x300, 0x400, 0x500];
+
+/// A PDO as far as it can be understood without its mapping.
+pub static PDO: Layout = Layout { name: "PDO", fields: &[Field::new("data", 0, 0, 64)] };
 
 /// One entry of a PDO mapping.
 ///

@@ -4,7 +4,7 @@
 //! no byte, or byte 0: counter 1..240 where 1019h is not 0
 //! ```
 
-use super::{Malformed, Wire};
+use super::{Field, Fields, Layout, Malformed, Wire};
 use nom::{IResult, Parser, combinator::opt, number::complete::u8};
 use std::fmt;
 
@@ -31,6 +31,16 @@ impl Wire for Sync {
             }
             None => 0,
         }
+    }
+}
+
+static SYNC: Layout = Layout { name: "SYNC", fields: &[Field::new("counter", 0, 0, 8)] };
+
+impl Fields for Sync {
+    const LAYOUTS: &'static [&'static Layout] = &[&SYNC];
+
+    fn layout(&self) -> &'static Layout {
+        &SYNC
     }
 }
 

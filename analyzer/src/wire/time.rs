@@ -5,7 +5,7 @@
 //! bytes 4..5: days since 1984-01-01, little-endian
 //! ```
 
-use super::{Malformed, Wire, named};
+use super::{Field, Fields, Layout, Malformed, Wire, named};
 use nom::{
     IResult, Parser,
     number::complete::{le_u16, le_u32},
@@ -71,6 +71,23 @@ impl Wire for TimeOfDay {
         buffer[..4].copy_from_slice(&self.raw_milliseconds.to_le_bytes());
         buffer[4..6].copy_from_slice(&self.days.to_le_bytes());
         6
+    }
+}
+
+static TIME: Layout = Layout {
+    name: "TIME",
+    fields: &[
+        Field::new("milliseconds after midnight", 0, 0, 28),
+        Field::new("upper four bits", 3, 4, 4),
+        Field::new("days since 1984-01-01", 4, 0, 16),
+    ],
+};
+
+impl Fields for TimeOfDay {
+    const LAYOUTS: &'static [&'static Layout] = &[&TIME];
+
+    fn layout(&self) -> &'static Layout {
+        &TIME
     }
 }
 

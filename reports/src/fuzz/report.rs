@@ -36,7 +36,6 @@ impl Report for Run {
             about: Some(self.provenance.section(depth, true)),
             suites: vec![suite(self)],
             page: PageParts { footer: "Times are those of the bus.", ..PageParts::default() },
-            ..Document::default()
         }
     }
 

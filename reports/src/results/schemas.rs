@@ -2,7 +2,7 @@
 
 use super::{
     CompareResult, Contract, DecodeLine, DiagnoseResult, EdsCheckResult, FuzzResult, FuzzSelftestResult, HistoryResult,
-    QualityResult, SelftestResult, TestResult,
+    NullSelftestResult, QualityResult, SelftestResult, TestResult, WireSelftestResult,
 };
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -17,9 +17,11 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         of::<FuzzResult>(),
         of::<FuzzSelftestResult>(),
         of::<HistoryResult>(),
+        of::<NullSelftestResult>(),
         of::<QualityResult>(),
         of::<SelftestResult>(),
         of::<TestResult>(),
+        of::<WireSelftestResult>(),
     ]
 }
 

@@ -3,6 +3,7 @@
 use super::{Contract, Verdict, Word};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The result of `canvass selftest`: which case failed on which fault.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
@@ -175,4 +176,89 @@ pub struct Trial {
 impl Contract for FuzzSelftestResult {
     const SCHEMA: &'static str = "canvass/selftest-fuzz/1";
     const COMMAND: &'static str = "canvass selftest --fuzz";
+}
+
+/// The result of `canvass selftest --null`: which cases pass on devices that do nothing right.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct NullSelftestResult {
+    pub devices: Vec<NullRow>,
+    #[schemars(extend("const" = Self::SCHEMA))]
+    pub schema: Word,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct NullRow {
+    /// Number of cases by verdict.
+    pub counts: BTreeMap<Word, usize>,
+    pub device: Word,
+    /// The cases that failed, or could not be judged, on a device that is right.
+    pub false_alarms: Vec<FalseAlarm>,
+    /// The cases that pass, each with the reason why that is right.
+    pub reviewed: Vec<ReviewedPass>,
+    /// Cases of the reviewed list that do not pass.
+    pub stale: Vec<String>,
+    /// The cases that pass, and are not in the reviewed list.
+    pub unexplained: Vec<Word>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ReviewedPass {
+    pub case: Word,
+    pub reason: String,
+}
+
+impl Contract for NullSelftestResult {
+    const SCHEMA: &'static str = "canvass/selftest-null/1";
+    const COMMAND: &'static str = "canvass selftest --null";
+}
+
+/// The result of `canvass selftest --wire`: which wrong fields of messages the cases find.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct WireSelftestResult {
+    /// Mutants whose first fail names another service.
+    pub misnamed: Vec<WireSurvivor>,
+    pub primitives: Vec<WirePrimitive>,
+    #[schemars(extend("const" = Self::SCHEMA))]
+    pub schema: Word,
+    pub summary: WireCounts,
+    /// Mutants that changed the traffic and failed no case.
+    pub survivors: Vec<WireSurvivor>,
+    /// Messages that no model sends in any case.
+    pub unsent: Vec<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct WireCounts {
+    /// Mutants that changed a frame.
+    pub changed: usize,
+    /// Mutants that failed a case.
+    pub found: usize,
+    /// Mutants that failed no case, and made some inconclusive.
+    pub inconclusive: usize,
+    pub made: usize,
+    /// Mutants whose first fail names their service.
+    pub named: usize,
+    /// Mutants that failed no case, as the standard leaves open what they do.
+    pub open: usize,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct WirePrimitive {
+    #[serde(flatten)]
+    pub counts: WireCounts,
+    pub primitive: String,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct WireSurvivor {
+    pub breach: Option<String>,
+    /// The first case that failed, or that could not be judged.
+    pub case: Option<Word>,
+    pub model: Word,
+    pub mutant: String,
+}
+
+impl Contract for WireSelftestResult {
+    const SCHEMA: &'static str = "canvass/selftest-wire/1";
+    const COMMAND: &'static str = "canvass selftest --wire";
 }

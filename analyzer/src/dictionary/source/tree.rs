@@ -117,10 +117,11 @@ impl<'t> Builder<'t> {
     }
 
     /// Adds a field to the last section; returns an earlier one of the same name.
-    pub fn add(&mut self, field: FieldPart) -> Option<u32> {
+    pub fn add(&mut self, mut field: FieldPart) -> Option<u32> {
         let section = self.tree.sections.last()?;
         let first = if section.is_repeated { None } else { self.first_of(section.fields.0, &field) };
-        self.tree.fields.push(FieldPart { is_repeated: first.is_some(), ..field });
+        field.is_repeated = first.is_some();
+        self.tree.fields.push(field);
         let end = self.tree.fields.len() as u32;
         self.tree.sections.last_mut()?.fields.1 = end;
         first

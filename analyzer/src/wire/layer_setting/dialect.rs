@@ -1,7 +1,7 @@
 //! The differences between LSS and LMT.
 
 use super::ConfigureCommand;
-use crate::wire::Malformed;
+use crate::wire::{Field, Malformed};
 use nom::IResult;
 use std::fmt::{Debug, Display};
 use std::hash::Hash;
@@ -47,6 +47,8 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     const IDENTIFIED: u8;
     /// The command specifier that inquires the first part of an address.
     const INQUIRE: u8;
+    /// The fields of the answer to an inquiry of that part.
+    const PART_FIELDS: &'static [Field];
     /// The standard's word for the state of a slave: state, or mode.
     const STATE: &'static str;
     /// The standard's name of the state other than configuration.

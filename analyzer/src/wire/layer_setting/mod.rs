@@ -20,7 +20,7 @@
 
 mod dialect;
 
-use super::{Malformed, Wire, named, tail_of};
+use super::{Field, Fields, Layout, Malformed, Wire, named, tail_of};
 pub(super) use dialect::numbered;
 pub use dialect::{Dialect, Limit, Numbered, Protocol, Value};
 use nom::{
@@ -317,6 +317,57 @@ impl<D: Dialect> Wire for Response<D> {
             Self::Unknown { command, tail } => emit_unknown(command, tail, buffer),
         }
         8
+    }
+}
+
+const SPECIFIER: Field = Field::new("command specifier", 0, 0, 8);
+
+impl<D: Dialect> Response<D> {
+    const CONFIGURED: Layout = Layout {
+        name: "configuration confirmed",
+        fields: &[
+            SPECIFIER,
+            Field::new("error code", 1, 0, 8),
+            Field::new("specific error code", 2, 0, 8),
+            Field::reserved(3, 0, 40),
+        ],
+    };
+    const IDENTIFIED: Layout = Layout { name: "slave identified", fields: &[SPECIFIER, Field::reserved(1, 0, 56)] };
+    const PART: Layout = Layout { name: "part of the address", fields: D::PART_FIELDS };
+    const SWITCHED: Layout = Layout { name: "slave selected", fields: &[SPECIFIER, Field::reserved(1, 0, 56)] };
+    const NON_CONFIGURED: Layout =
+        Layout { name: "slave without node-ID", fields: &[SPECIFIER, Field::reserved(1, 0, 56)] };
+    const NODE_ID: Layout = Layout {
+        name: "node-ID inquired",
+        fields: &[SPECIFIER, Field::new("node-ID", 1, 0, 8), Field::reserved(2, 0, 48)],
+    };
+    const UNKNOWN: Layout = Layout { name: "unknown", fields: &[SPECIFIER, Field::new("data", 1, 0, 56)] };
+}
+
+impl<D: Dialect> Fields for Response<D> {
+    const LAYOUTS: &'static [&'static Layout] = match D::PROTOCOL {
+        Protocol::Lss => &[
+            &Self::CONFIGURED,
+            &Self::IDENTIFIED,
+            &Self::PART,
+            &Self::SWITCHED,
+            &Self::NON_CONFIGURED,
+            &Self::NODE_ID,
+            &Self::UNKNOWN,
+        ],
+        Protocol::Lmt => &[&Self::CONFIGURED, &Self::IDENTIFIED, &Self::PART, &Self::UNKNOWN],
+    };
+
+    fn layout(&self) -> &'static Layout {
+        match self {
+            Self::Configured { .. } => &Self::CONFIGURED,
+            Self::Identified => &Self::IDENTIFIED,
+            Self::Part { .. } => &Self::PART,
+            Self::Switched => &Self::SWITCHED,
+            Self::NonConfigured => &Self::NON_CONFIGURED,
+            Self::NodeId(_) => &Self::NODE_ID,
+            Self::Unknown { .. } => &Self::UNKNOWN,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Segments of SDO block transfers, and their checksum.
 
-use crate::wire::{Malformed, Wire, named};
+use crate::wire::{Field, Fields, Layout, Malformed, Wire, named};
 use nom::{IResult, Parser, bytes::complete::take, number::complete::u8};
 
 /// A segment of a block transfer. Only the state of the transfer distinguishes it from a command.
@@ -36,6 +36,23 @@ impl Wire for BlockSegment {
         buffer[0] = u8::from(self.last) << 7 | self.sequence & 0x7F;
         buffer[1..].copy_from_slice(&self.data);
         8
+    }
+}
+
+static SEGMENT: Layout = Layout {
+    name: "block segment",
+    fields: &[
+        Field::new("sequence number", 0, 0, 7),
+        Field::new("no more segments", 0, 7, 1),
+        Field::new("data", 1, 0, 56),
+    ],
+};
+
+impl Fields for BlockSegment {
+    const LAYOUTS: &'static [&'static Layout] = &[&SEGMENT];
+
+    fn layout(&self) -> &'static Layout {
+        &SEGMENT
     }
 }
 

@@ -39,6 +39,12 @@ impl Changes {
         self.originals().iter().any(|original| original.multiplexer == at)
     }
 
+    /// The value that an object had before the case changed it, where it could be read.
+    pub(super) fn value_before(&self, at: Multiplexer) -> Option<&[u8]> {
+        let change = self.originals().iter().find(|change| change.multiplexer == at)?;
+        Some(&change.value)
+    }
+
     /// Keeps the value of an object that is about to be written.
     pub(super) fn keep(&mut self, original: Original) -> Result<(), Stop> {
         let value = |journal: &mut Journal| journal.value(original.multiplexer, &original.value);

@@ -237,7 +237,7 @@ impl Bench<'_> {
             return Ok(true);
         }
         let found = match self.show_state() {
-            Err(Stop::Inconclusive(_)) if !self.is_cancelled() => true,
+            Err(Stop::Inconclusive(_) | Stop::Breach(_)) if !self.is_cancelled() => true,
             shown => {
                 shown?;
                 self.state()? != Some(State::PRE_OPERATIONAL)

@@ -37,12 +37,6 @@ impl Bench<'_> {
         keep(self, multiplexer)
     }
 
-    /// The value that an object had before the case changed it, where it could be read.
-    pub(super) fn value_before(&self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
-        let change = self.changes.originals().iter().find(|change| change.multiplexer == multiplexer)?;
-        Some(change.value.clone())
-    }
-
     /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
     pub(crate) fn uncancelled<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.traffic.restoring, true);

@@ -102,37 +102,16 @@ impl Bench<'_> {
         self.download(multiplexer, value)?.expect_confirmation().or_inconclusive()
     }
 
-    /// What follows from a write says nothing about a device that confirms it and does nothing. Looked at once in a run, when
-    /// an object is first given another value than it had before the case.
-    ///
-    /// # Errors
-    /// [`Stop::Inconclusive`] if the object has the value from before.
-    pub(crate) fn expect_effect(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
-        let Some(before) = self.value_before(multiplexer).filter(|before| before.as_slice() != value) else {
-            return Ok(());
-        };
-        if self.knowledge.takes.contains(&multiplexer) {
-            return Ok(());
-        }
-        let Outcome::Uploaded(now) = self.unjudged(|bench| bench.upload(multiplexer))?.outcome else { return Ok(()) };
-        if now == before {
-            let duty = format!("{multiplexer} takes the value that was written and confirmed");
-            return Err(Stop::Inconclusive(Reason::new(duty, Bytes(value).to_string(), Bytes(&now).to_string())));
-        }
-        self.knowledge.takes.insert(multiplexer);
-        Ok(())
-    }
-
     /// The number that an object holds; `None`: it can't be read.
     pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
-        Ok(self.value_at_last(at)?.map(|value| super::sdo::number(&value)))
+        Ok(self.value_at_last(at)?.map(|value| number(&value)))
     }
 
     /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
-        use canvass_bus::client::Outcome;
-        const TRIES: usize = 3;
-        for _ in 0..TRIES {
+        /// As often as a bad connection loses answers in a row.
+        const ASKED: usize = 3;
+        for _ in 0..ASKED {
             match self.upload(at)?.outcome {
                 Outcome::Uploaded(value) => return Ok(Some(value)),
                 Outcome::Aborted(_) => return Ok(None),
@@ -146,6 +125,28 @@ impl Bench<'_> {
     /// Writes an object now, and remembers nothing of it.
     pub(crate) fn download_now(&mut self, at: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download_as(at, value, Mode::Shortest).map(|_| ())
+    }
+
+    /// What follows from a write says nothing about a device that confirms it and does nothing. Looked at once in a run, when
+    /// an object is first given another value than it had before the case.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the object has the value from before.
+    pub(crate) fn expect_effect(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        let Some(before) = self.changes.value_before(multiplexer).filter(|before| *before != value).map(<[u8]>::to_vec)
+        else {
+            return Ok(());
+        };
+        if self.knowledge.takes.contains(&multiplexer) {
+            return Ok(());
+        }
+        let Outcome::Uploaded(now) = self.unjudged(|bench| bench.upload(multiplexer))?.outcome else { return Ok(()) };
+        if now == before {
+            let duty = format!("{multiplexer} takes the value that was written and confirmed");
+            return Err(Stop::Inconclusive(Reason::new(duty, Bytes(value).to_string(), Bytes(&now).to_string())));
+        }
+        self.knowledge.takes.insert(multiplexer);
+        Ok(())
     }
 
     /// Sends one SDO message, in or out of place, and waits for one response.

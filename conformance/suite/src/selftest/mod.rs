@@ -7,6 +7,7 @@
 mod liberties;
 mod masking;
 pub mod null;
+pub mod wire;
 
 pub use liberties::{Chance, Dice, LibertyRow, Sparing};
 pub use masking::{Masked, Masking};

@@ -68,10 +68,10 @@ impl Listener {
 
 /// Another value of the same length for each object that can be written.
 fn other_values(bench: &mut Bench<'_>, model: &Model) -> Vec<(Multiplexer, Vec<u8>)> {
-    let objects = &model.device().description.dictionary;
+    let described = &model.device().description.dictionary;
     let mut values = dictionary::dump(bench);
     for (at, value) in &mut values {
-        if objects.entry(*at).is_ok_and(|entry| entry.access.is_writable()) {
+        if described.entry(*at).is_ok_and(|entry| entry.access.is_writable()) {
             value.iter_mut().for_each(|byte| *byte ^= 1);
         }
     }
@@ -91,7 +91,7 @@ fn changes(before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
 }
 
 /// A run that was interrupted after it had changed, and stored, all that can be written, and the zero point.
-fn interruption(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoint>, model: &Model) -> Interrupted {
+fn interrupted_run(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoint>, model: &Model) -> Interrupted {
     Interrupted {
         bus: "can0".to_owned(),
         node: model.default_node().unwrap(),
@@ -127,7 +127,7 @@ fn put_back(model: &Model, allow: &[Touch]) -> (Vec<(u16, Vec<u8>)>, Vec<u16>) {
         let _ = bench.with_leave_to_move(|bench| bench.download_now(preset, &100_u32.to_le_bytes()));
     }
     listener.0.lock().unwrap().clear();
-    let run = interruption(&before, zero_point, model);
+    let run = interrupted_run(&before, zero_point, model);
     interrupted::put_back(&mut bench, &run, None).expect("the device answers");
     let commands = restore::commands(&bench, "can0", &before, &changes(&before), &changes(&before));
     let index = |command: &String| u16::from_str_radix(command.split(' ').nth(5)?.split(':').next()?, 16).ok();

@@ -5,7 +5,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, Part, Request, Response};
+use canvass_analyzer::wire::lss::{self, Bound, Part, Request, Response};
 use canvass_bus::observation::Observation;
 use canvass_traces::Frame;
 
@@ -93,6 +93,19 @@ fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "305/form", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssShortResponse])]
 fn form(bench: &mut Bench<'_>) -> Judged {
+    let address = address(bench)?;
+    bench.each(of_waiting(address), |bench, dialogue| {
+        bench.drain()?;
+        for request in &dialogue {
+            bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+        }
+        let heard = bench.frames_of(lss::SLAVE_CAN_ID, bench.timing().silence)?;
+        bench.check(match (heard.first(), dialogue.last()) {
+            (Some(record), Some(last)) => expect_form(*last, &record.frame),
+            _ => Ok(()),
+        })?;
+        wait(bench)
+    })?;
     configure(bench)?;
     let own = bench.node().raw();
     let inquiries = Part::ALL.map(|part| Request::Inquire { part });
@@ -106,6 +119,15 @@ fn form(bench: &mut Bench<'_>) -> Judged {
         bench.check(frame.map_or(Ok(()), |frame| expect_form(request, &frame)))
     })?;
     wait(bench)
+}
+
+/// What a slave with that address answers in waiting: that it was selected, and that it is within bounds.
+fn of_waiting(address: [u32; 4]) -> [Vec<Request>; 2] {
+    let [vendor, product, revision, serial] = address;
+    let selected = parts(address).into_iter().map(|(part, value)| Request::SwitchSelective { part, value });
+    let bounds = [vendor, product, revision, revision, serial, serial];
+    let identified = Bound::ALL.into_iter().zip(bounds).map(|(bound, value)| Request::IdentifyRemote { bound, value });
+    [selected.collect(), identified.collect()]
 }
 
 /// Which of the services a slave answers is the matter of other cases.

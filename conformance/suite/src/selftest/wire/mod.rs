@@ -1,0 +1,268 @@
+//! The wire matrix: each field of each message that a device sends, wrong in each way, at each time.
+//!
+//! The messages and their fields are those that the wire types list themselves ([`canvass_analyzer::wire::Fields`]), so that
+//! a new one is in the matrix by itself. A mutant is a right device behind a [`filter`]. It runs the cases in their usual
+//! order, without those in which its message does not come, until one fails. Where no frame differs from the right device,
+//! the mutant says nothing.
+
+mod filter;
+mod mutant;
+mod open;
+mod primitive;
+
+pub use filter::{Filter, LATE, Tally};
+pub use mutant::{Change, FieldChange, FrameChange, Mutant, When};
+pub use primitive::Primitive;
+
+use super::liberties::Dice;
+use super::{chapter, in_parallel, judge_machine, node_of};
+use crate::bench::{Knowledge, Target};
+use crate::case::Case;
+use crate::verdict::{Breach, Kind, Verdict};
+use canvass_analyzer::Service;
+use canvass_analyzer::wire::layer_setting::Protocol;
+use canvass_bus::Machine;
+use canvass_bus::observation::Subject;
+use canvass_device::models::Model;
+use canvass_device::{Device, Firmware};
+use open::Open;
+use std::sync::{Arc, PoisonError};
+
+/// Which mutants run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Sample {
+    /// Draws them: the same seed draws the same.
+    pub seed: u64,
+    /// Number of mutants; `None`: all.
+    pub count: Option<usize>,
+}
+
+/// What the cases made of the mutants.
+#[derive(Clone, Debug)]
+pub struct WireMatrix {
+    /// One row for each mutant.
+    pub rows: Vec<WireRow>,
+    /// Primitives that no model sends in any case.
+    pub unsent: Vec<Primitive>,
+}
+
+/// What the cases made of a mutant.
+#[derive(Clone, Debug)]
+pub struct WireRow {
+    /// The mutant.
+    pub mutant: Mutant,
+    /// The model behind the filter.
+    pub model: &'static str,
+    /// The outcome.
+    pub outcome: Outcome,
+}
+
+/// What the cases made of a mutant.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// No frame differs from those of the right device.
+    Unchanged,
+    /// A case failed.
+    Found {
+        /// The first that did.
+        case: &'static Case,
+        /// Whether what it found names the service of the mutant.
+        is_named: bool,
+        /// What it found.
+        breach: String,
+    },
+    /// No case failed, and these were inconclusive: the first of them, and how many.
+    Inconclusive(&'static Case, usize),
+    /// Every case passed.
+    Passed,
+    /// No case failed, and none has to: the standard leaves it open, for the reason of the reviewed list.
+    LeftOpen(String),
+}
+
+/// Number of mutants of a primitive, by outcome.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Counts {
+    /// All.
+    pub made: usize,
+    /// Those that changed a frame.
+    pub changed: usize,
+    /// Of these those that the standard leaves open.
+    pub open: usize,
+    /// Those that failed a case.
+    pub found: usize,
+    /// Those whose first fail names their service.
+    pub named: usize,
+    /// Those that failed no case, and made some inconclusive.
+    pub inconclusive: usize,
+}
+
+impl WireMatrix {
+    /// The counts of the mutants that `chosen` picks.
+    pub fn counts(&self, chosen: impl Fn(&WireRow) -> bool) -> Counts {
+        self.rows.iter().filter(|row| chosen(row)).fold(Counts::default(), |counts, row| counts.with(&row.outcome))
+    }
+
+    /// The mutants that changed the traffic and failed no case.
+    pub fn survivors(&self) -> impl Iterator<Item = &WireRow> {
+        self.rows.iter().filter(|row| matches!(row.outcome, Outcome::Inconclusive(..) | Outcome::Passed))
+    }
+}
+
+impl Counts {
+    fn with(self, outcome: &Outcome) -> Self {
+        let is_named = matches!(outcome, Outcome::Found { is_named: true, .. });
+        Self {
+            made: self.made + 1,
+            changed: self.changed + usize::from(!matches!(outcome, Outcome::Unchanged)),
+            open: self.open + usize::from(matches!(outcome, Outcome::LeftOpen(_))),
+            found: self.found + usize::from(matches!(outcome, Outcome::Found { .. })),
+            named: self.named + usize::from(is_named),
+            inconclusive: self.inconclusive + usize::from(matches!(outcome, Outcome::Inconclusive(..))),
+        }
+    }
+}
+
+/// Runs a sample of the mutants.
+///
+/// # Errors
+/// If the reviewed list of what the standard leaves open can't be read.
+pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) -> Result<WireMatrix, toml::de::Error> {
+    let open = Open::read()?;
+    let primitives: Arc<[Primitive]> = Primitive::all().into();
+    let stages: Vec<&'static Model> = models.iter().collect();
+    let stages = in_parallel(&stages, |model| Stage::new(model, cases, &primitives));
+    let place_of = |mutant: &Mutant| {
+        primitives.iter().position(|known| known.is(mutant.primitive.service, mutant.primitive.layout))
+    };
+    let best = |place: usize| {
+        // Of equal ones the first.
+        let by_reach = stages.iter().rev().max_by_key(|stage| stage.cases_with(place).count());
+        by_reach.filter(|stage| stage.cases_with(place).next().is_some())
+    };
+    let chosen = drawn(Mutant::all(&primitives), sample);
+    let rows = in_parallel(&chosen, |mutant| {
+        let place = place_of(mutant)?;
+        let mut row = best(place)?.row(*mutant, place, &primitives);
+        if matches!(row.outcome, Outcome::Inconclusive(..) | Outcome::Passed)
+            && let Some(reason) = open.reason(mutant)
+        {
+            row.outcome = Outcome::LeftOpen(reason.to_owned());
+        }
+        Some(row)
+    });
+    let unsent = primitives.iter().enumerate().filter(|(place, _)| best(*place).is_none());
+    Ok(WireMatrix { rows: rows.into_iter().flatten().collect(), unsent: unsent.map(|(_, known)| *known).collect() })
+}
+
+/// A sample of the mutants, in their order.
+fn drawn(mutants: Vec<Mutant>, Sample { seed, count }: Sample) -> Vec<Mutant> {
+    let Some(count) = count else { return mutants };
+    let mut dice = Dice::new(seed);
+    let mut numbered: Vec<(u64, usize)> = (0..mutants.len()).map(|at| (dice.next(), at)).collect();
+    numbered.sort_unstable();
+    numbered.truncate(count);
+    numbered.sort_unstable_by_key(|(_, at)| *at);
+    numbered.into_iter().filter_map(|(_, at)| mutants.get(at).copied()).collect()
+}
+
+/// A model, and which of its messages come in which case.
+struct Stage {
+    model: &'static Model,
+    target: Target,
+    protocol: Protocol,
+    sent: Vec<(&'static Case, Vec<bool>)>,
+}
+
+impl Stage {
+    fn new(model: &'static Model, cases: &[&'static Case], primitives: &Arc<[Primitive]>) -> Self {
+        let target = Target::of(model, node_of(model));
+        let protocol = if model.sheet().network.lss { Protocol::Lss } else { Protocol::Lmt };
+        let mut stage = Self { model, target, protocol, sent: Vec::new() };
+        let mut knowledge = Knowledge::default();
+        for &case in cases.iter().filter(|case| case.asks_the_device()) {
+            let (_, tally) = stage.judge(case, None, primitives, &mut knowledge);
+            stage.sent.push((case, tally.sent));
+        }
+        stage
+    }
+
+    /// The cases in which that primitive is sent.
+    fn cases_with(&self, place: usize) -> impl Iterator<Item = &'static Case> {
+        self.sent.iter().filter(move |(_, sent)| sent.get(place) == Some(&true)).map(|(case, _)| *case)
+    }
+
+    fn judge(
+        &self,
+        case: &'static Case,
+        mutant: Option<Mutant>,
+        primitives: &Arc<[Primitive]>,
+        knowledge: &mut Knowledge,
+    ) -> (Verdict, Tally) {
+        let mut tally = None;
+        let new = |motion| -> Box<dyn Machine> {
+            let device = Device::with_motion(self.model, Some(self.target.node), Firmware::PLAIN, 0, motion);
+            let filter = Filter::new(device, self.protocol, mutant, Arc::clone(primitives));
+            tally = Some(filter.tally());
+            Box::new(filter)
+        };
+        let report = judge_machine(case, new, self.model.default_bit_rate(), &self.target, knowledge, &mut |_| ());
+        let tally = tally.map(|tally| tally.lock().unwrap_or_else(PoisonError::into_inner).clone());
+        (report.verdict, tally.unwrap_or_default())
+    }
+
+    fn row(&self, mutant: Mutant, place: usize, primitives: &Arc<[Primitive]>) -> WireRow {
+        let mut knowledge = Knowledge::default();
+        let (mut outcome, mut unclear) = (Outcome::Unchanged, None);
+        for case in self.cases_with(place) {
+            let (verdict, tally) = self.judge(case, Some(mutant), primitives, &mut knowledge);
+            if tally.changed > 0 && matches!(outcome, Outcome::Unchanged) {
+                outcome = Outcome::Passed;
+            }
+            match verdict.kind() {
+                Kind::Fail => {
+                    outcome = found(case, &verdict, mutant.primitive.service);
+                    break;
+                }
+                Kind::Inconclusive | Kind::Error => {
+                    let (first, count) = unclear.unwrap_or((case, 0));
+                    unclear = Some((first, count + 1));
+                }
+                _ => {}
+            }
+        }
+        if let (Outcome::Passed, Some((case, count))) = (&outcome, unclear) {
+            outcome = Outcome::Inconclusive(case, count);
+        }
+        WireRow { mutant, model: self.model.id(), outcome }
+    }
+}
+
+fn found(case: &'static Case, verdict: &Verdict, service: Service) -> Outcome {
+    let breach = verdict.breaches().iter().find(|ruled| ruled.kind() == Kind::Fail).map(|ruled| &ruled.breach);
+    let is_named = breach.is_some_and(|breach| names(case, breach, service));
+    Outcome::Found { case, is_named, breach: breach.map(ToString::to_string).unwrap_or_default() }
+}
+
+/// Whether a breach is about a service: by its subject, or by the chapter of its case.
+fn names(case: &'static Case, breach: &Breach, service: Service) -> bool {
+    let of = |subject: Service| breach.subject == Subject::Service(subject);
+    match service {
+        // What can be read and written are the objects.
+        Service::Sdo => {
+            of(Service::Sdo)
+                || chapter(case) == "object dictionary"
+                || matches!(breach.subject, Subject::Entry(_) | Subject::Object(_))
+        }
+        Service::Heartbeat => {
+            let services = [Service::BootUp, Service::Heartbeat, Service::Guarding, Service::Nmt];
+            services.into_iter().any(of) || chapter(case) == "network management"
+        }
+        Service::Emcy => of(Service::Emcy) || chapter(case) == "emergencies",
+        Service::Pdo => matches!(breach.subject, Subject::Pdo { .. }) || chapter(case) == "process data",
+        Service::Sync => of(Service::Sync) || case.family() == "301/sync",
+        Service::Time => of(Service::Time) || case.family() == "301/time",
+        Service::Lss => of(Service::Lss) || chapter(case) == "305",
+        Service::Lmt => of(Service::Lmt) || chapter(case) == "205",
+        other => of(other),
+    }
+}

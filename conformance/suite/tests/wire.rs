@@ -1,0 +1,38 @@
+//! Devices with one wrong field of one message are found.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_device::models::Model;
+use canvass_suite::catalogue;
+use canvass_suite::selftest::wire::{Outcome, Primitive, Sample, WireRow, run};
+
+/// Of the mutants of the sample that change the traffic and are not left open so many are found, in percent, at least.
+const FOUND: usize = 85;
+/// And so many of these are named rightly.
+const NAMED: usize = 95;
+
+/// The sample is drawn anew wherever a field is added: the shares are those of all mutants, less what a sample may differ.
+#[test]
+fn most_wrong_fields_are_found_and_named() {
+    let count = std::env::var("CANVASS_WIRE_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(400);
+    let sample = Sample { seed: 1, count: Some(count) };
+    let matrix = run(&catalogue::select(&[]).unwrap(), Model::all(), sample).unwrap();
+    let unsent: Vec<String> = matrix.unsent.iter().map(Primitive::id).collect();
+    assert!(unsent.is_empty(), "no case makes a model send {unsent:?}");
+    let all = matrix.counts(|_| true);
+    let told = || matrix.rows.iter().map(tell).collect::<Vec<_>>().join("\n");
+    assert!(all.found * 100 >= (all.changed - all.open) * FOUND, "{all:?}\n{}", told());
+    assert!(all.named * 100 >= all.found * NAMED, "{all:?}\n{}", told());
+}
+
+fn tell(row: &WireRow) -> String {
+    let outcome = match &row.outcome {
+        Outcome::Unchanged => "unchanged".to_owned(),
+        Outcome::LeftOpen(reason) => format!("open: {reason}"),
+        Outcome::Found { case, is_named, breach } => format!("found, named {is_named}, {}: {breach}", case.id),
+        Outcome::Inconclusive(case, count) => format!("inconclusive {count}, first {}", case.id),
+        Outcome::Passed => "passed".to_owned(),
+    };
+    format!("{} on {}: {outcome}", row.mutant, row.model)
+}
