@@ -7,8 +7,8 @@ use crate::comparison::{Change, Nature};
 use crate::journal::Interrupted;
 use crate::touch::Touch;
 use crate::zero_point::ZeroPoint;
-use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::REQUEST_BASE;
+use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Machine, SimulatedBus};
 use canvass_device::models::Model;
 use canvass_device::{Device, Firmware};
@@ -28,6 +28,11 @@ const STORE: u16 = 0x1010;
 fn acts(model: &str, index: u16) -> bool {
     let by_the_manual = BY_THE_MANUALS.iter().any(|(begins, acting)| model.starts_with(begins) && *acting == index);
     BY_THE_STANDARD.contains(&index) || by_the_manual
+}
+
+/// The node-ID that the model has as delivered; one that has none is given one.
+fn node_of(model: &Model) -> NodeId {
+    model.default_node().unwrap_or(NodeId::MIN)
 }
 
 /// Keeps what goes over the bus.
@@ -53,7 +58,7 @@ impl Machine for Listener {
 impl Listener {
     /// The objects with which downloads began, each with the first bytes of its value.
     fn written(&self, model: &Model) -> Vec<(u16, Vec<u8>)> {
-        let request = REQUEST_BASE + u16::from(model.default_node().unwrap().raw());
+        let request = REQUEST_BASE + u16::from(node_of(model).raw());
         let frames = self.0.lock().unwrap();
         let of_client = frames.iter().filter(|frame| frame.cob_id() == Some(request));
         let begins = of_client.filter_map(|frame| match frame.data() {
@@ -94,7 +99,7 @@ fn changes(before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
 fn interrupted_run(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoint>, model: &Model) -> Interrupted {
     Interrupted {
         bus: "can0".to_owned(),
-        node: model.default_node().unwrap(),
+        node: node_of(model),
         device: model.id().to_owned(),
         operational: true,
         values: values.to_vec(),
@@ -110,7 +115,7 @@ fn interrupted_run(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoi
 
 /// What `put_back` sends, and the indices that the printed commands write.
 fn put_back(model: &Model, allow: &[Touch]) -> (Vec<(u16, Vec<u8>)>, Vec<u16>) {
-    let node = model.default_node().unwrap();
+    let node = node_of(model);
     let listener = Listener::default();
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     bus.attach(Box::new(Device::new(model, Some(node), Firmware::default(), 0)));
