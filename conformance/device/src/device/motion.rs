@@ -56,7 +56,7 @@ struct Kinematics {
 }
 
 impl Motion {
-    /// Stands still at that position.
+    /// A motion that stays at that position.
     pub const fn still(position: i64) -> Self {
         Self { start: position, course: Course::Steady(0) }
     }
@@ -97,7 +97,7 @@ impl Motion {
         Self { start, course: Course::Points((0..rising.len()).filter_map(knot).collect()) }
     }
 
-    /// Whether the shaft never moves.
+    /// Whether the position never changes.
     pub const fn is_still(&self) -> bool {
         matches!(self.course, Course::Steady(0))
     }
