@@ -14,7 +14,7 @@ static RULES: LazyLock<Vec<&'static Definition>> = LazyLock::new(|| {
     rules
 });
 
-/// Whether a rule is one of a device profile: its findings are about what the device does, not about the bus.
+/// Whether a rule belongs to a device profile: its findings concern the device's function, not the bus.
 pub(super) fn is_of_profile(id: &str) -> bool {
     !FAMILIES.iter().any(|family| id.split('/').next() == Some(family))
 }

@@ -24,7 +24,7 @@ const fn is_of_profile(object: Multiplexer) -> bool {
     matches!(object.index.0, 0x6000..=0x9FFF)
 }
 
-/// What the trace and the description tell of a node.
+/// The configuration of a node by its trace and description.
 struct Configuration<'a> {
     node: &'a Node,
     id: NodeId,

@@ -1,4 +1,4 @@
-//! The device profiles that are known, a folder each: names, units and bits of objects, scaling, rules for descriptions, and
+//! The known device profiles, a folder each: names, units and bits of objects, scaling, rules for descriptions, and
 //! findings.
 //!
 //! A profile registers itself with [`crate::dictionary::names::Registered`], its rules with the lists of rules; the rest of

@@ -1,8 +1,9 @@
 //! Simulated CANopen devices: which there are, what they do, and what a faulty firmware makes of them.
 //!
-//! - [`Device`]: a device without I/O and clock; [`Motion`]: how what it measures moves; [`Memory`]: what survives power-off;
+//! - [`Device`]: a device without I/O and clock; [`Motion`]: the motion of the measured quantity; [`Memory`]: the
+//!   stored values;
 //! - [`models`]: the built-in models and those of a user's own description;
-//! - [`Application`], [`Profile`]: what device profiles add; [`profiles`]: those that there are;
+//! - [`Application`], [`Profile`]: the seam for device profiles; [`profiles`]: the built-in ones;
 //! - [`Fault`], [`Faults`]: defects of its firmware;
 //! - [`Liberty`], [`Liberties`]: what the standard leaves free, and firmwares do in their own ways;
 //! - [`Firmware`]: both together;

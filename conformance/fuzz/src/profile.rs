@@ -1,5 +1,5 @@
-//! The seam for device profiles: the properties that a profile adds to those of every device, and the dialogues in which
-//! they show.
+//! The seam for device profiles: the properties that a profile adds to those of every device, and the dialogues that
+//! check them.
 //!
 //! A profile registers itself; models and generators ask the profiles that a device may have and name none.
 
@@ -10,7 +10,7 @@ use canvass_analyzer::wire::sdo::Request;
 use std::fmt;
 use std::sync::LazyLock;
 
-/// What a device profile demands of its devices, written from its standard.
+/// The requirements of a device profile on its devices, written from its standard.
 pub trait Profile: Sync + fmt::Debug {
     /// Its number, as in the low word of 1000h.
     fn number(&self) -> u16;
@@ -18,8 +18,8 @@ pub trait Profile: Sync + fmt::Debug {
     /// Its properties.
     fn properties(&self) -> &'static [&'static ProfileProperty];
 
-    /// What a value that the device has given by SDO shows to be wrong, if anything; `expected` tells the values that
-    /// other objects hold as far as that is certain.
+    /// Checks a value that the device has sent by SDO; `expected` gives the values of other objects, as far as they are
+    /// certain.
     fn judge(
         &self,
         at: Multiplexer,
@@ -28,29 +28,29 @@ pub trait Profile: Sync + fmt::Debug {
         expected: &dyn Fn(Multiplexer) -> Option<u64>,
     ) -> Option<Broken>;
 
-    /// Writes a dialogue in which a property may show to be broken. `false`: the device has not the objects for it.
+    /// Writes a dialogue that may show a violated property; `false` if the device lacks the objects for it.
     fn dialogue(&self, _: &mut dyn Dialogue) -> bool {
         false
     }
 
-    /// Whether an object holds a limit that the present value can exceed, so that the device reports an error.
+    /// Whether an object is a limit that the current value can exceed, so that the device reports an error.
     fn provokes(&self, _: Multiplexer) -> bool {
         false
     }
 }
 
-/// A property that does not hold.
+/// A violated property.
 #[derive(Clone, Debug)]
 pub struct Broken {
-    /// Which.
+    /// The property.
     pub property: &'static ProfileProperty,
-    /// What the device had to answer.
+    /// The expected answer.
     pub expected: String,
-    /// What it did answer.
+    /// The answer of the device.
     pub actual: String,
 }
 
-/// A dialogue that is being written.
+/// A dialogue under construction.
 pub trait Dialogue {
     /// The device.
     fn knowledge(&self) -> &Knowledge;
@@ -61,14 +61,14 @@ pub trait Dialogue {
     /// A random number.
     fn number(&mut self) -> u64;
 
-    /// A value near the edges of what the object takes, if it can be written.
+    /// A value near the limits of the object, if it is writable.
     fn value_of(&mut self, at: Multiplexer) -> Option<u64>;
 
     /// Adds a request.
     fn ask(&mut self, request: Request);
 }
 
-/// A profile that there is.
+/// A registered profile.
 pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
@@ -85,7 +85,7 @@ pub(super) fn all() -> &'static [&'static dyn Profile] {
     &PROFILES
 }
 
-/// The profiles that a device may have: that of its number, or all where nobody knows it.
+/// The profiles that a device may have: that of its number, or all if the number is unknown.
 pub(super) fn possible(number: Option<u16>) -> Vec<&'static dyn Profile> {
     all().iter().copied().filter(|profile| number.is_none_or(|number| profile.number() == number)).collect()
 }

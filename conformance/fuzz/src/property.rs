@@ -13,12 +13,12 @@ macro_rules! properties {
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub enum Property {
             $($(#[doc = $doc])+ $variant,)*
-            /// One of a device profile.
+            /// A property of a device profile.
             OfProfile(&'static ProfileProperty),
         }
 
         impl Property {
-            /// Those of every device.
+            /// The properties of every device.
             const OF_EVERY_DEVICE: &'static [Self] = &[$(Self::$variant),*];
 
             /// The stable id.

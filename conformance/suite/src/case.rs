@@ -54,7 +54,7 @@ impl Case {
         !stays_pre_operational.contains(&family) && !["205/", "305/", "306/"].iter().any(|of| family.starts_with(of))
     }
 
-    /// Whether what a simulated device measures has to move while it runs.
+    /// Whether the quantity that a simulated device measures must move while the case runs.
     pub fn needs_motion(&self) -> bool {
         self.needs.iter().any(|need| need.is_of_moving())
     }

@@ -37,13 +37,13 @@ impl Need {
         Self { fleeting: true, ..self }
     }
 
-    /// What a simulated device measures has to move while the case runs.
+    /// The quantity that a simulated device measures must move while the case runs.
     #[must_use]
     pub(crate) const fn moving(self) -> Self {
         Self { moving: true, ..self }
     }
 
-    /// Whether what a simulated device measures has to move.
+    /// Whether the quantity that a simulated device measures must move.
     pub(crate) const fn is_of_moving(&self) -> bool {
         self.moving
     }

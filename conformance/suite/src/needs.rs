@@ -1,6 +1,5 @@
-//! The needs of cases that every device may have, each beside the cases that use it; those of a device profile are the
-//! profile's own. `needs = [VisibleState]` of the `#[case]` attribute names
-//! [`VISIBLE_STATE`].
+//! The needs that any device may meet, each next to the cases that use it; needs of a device profile are in the
+//! folder of the profile. `needs = [VisibleState]` of the `#[case]` attribute names [`VISIBLE_STATE`].
 
 pub use crate::cases::cia301::needs::*;
 pub use crate::cases::cia305::needs::*;

@@ -1,7 +1,7 @@
-//! Words that no file of the core has: the names of device profiles and of manufacturers.
+//! Words that no file of the core may contain: the names of device profiles and of manufacturers.
 //!
-//! What a profile adds is in the folder `profiles` of a crate, what a manufacturer does otherwise in the data of its models.
-//! Comments count too. Tests do not: they may take any device as their example.
+//! Code of a profile is in the folder `profiles` of a crate, peculiarities of a manufacturer are in the data of its
+//! models. Comments count too. Tests do not: they may use any device as an example.
 
 use anyhow::{Context, Result};
 use std::collections::BTreeSet;
@@ -28,7 +28,7 @@ const NAMES: [&str; 13] = [
     "wachendorff",
 ];
 
-/// Where such a word means something else, or is what the file is about: file, words, why.
+/// Files where such a word has another meaning or is the subject: file, words, reason.
 const EXCEPTIONS: [(&str, &[&str], &str); 7] = [
     ("analyzer/src/lib.rs", &["encoder"], "the inverse of a parser"),
     ("analyzer/src/wire/mod.rs", &["encoder"], "the inverse of a parser"),
@@ -51,7 +51,7 @@ const EXCEPTIONS: [(&str, &[&str], &str); 7] = [
     ("conformance/suite/src/zero_point.rs", &["shaft"], "what turns under a position, in a text for users"),
 ];
 
-/// A word that a file must not have.
+/// A forbidden word in a file.
 #[derive(PartialEq, Eq, Debug)]
 pub struct Named {
     pub file: PathBuf,
@@ -59,7 +59,7 @@ pub struct Named {
     pub word: &'static str,
 }
 
-/// The words in the core of a crate, and the exceptions that are none any more.
+/// The words in the core of a crate, and the obsolete exceptions.
 pub fn check(root: &Path, krate: &str) -> Result<Vec<String>> {
     let mut used = BTreeSet::new();
     let mut found = Vec::new();
@@ -115,14 +115,14 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The modules in files of their own that are there for tests only.
+/// The test-only modules in files of their own.
 fn test_modules(text: &str) -> Vec<String> {
     let after = text.match_indices("#[cfg(test)]\n").map(|(at, mark)| &text[at + mark.len()..]);
     let declared = after.filter_map(|rest| rest.lines().next()?.strip_suffix(';')?.rsplit_once("mod "));
     declared.map(|(_, name)| name.to_owned()).collect()
 }
 
-/// The names in a text, each with its line; what follows `#[cfg(test)] mod tests` is left out.
+/// The names in a text, each with its line, up to `#[cfg(test)] mod tests`.
 fn words(text: &str) -> Vec<(usize, &'static str)> {
     let core = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
     let of_line = |(n, line): (usize, &str)| {
@@ -136,7 +136,7 @@ fn words(text: &str) -> Vec<(usize, &'static str)> {
     core.lines().enumerate().flat_map(of_line).collect()
 }
 
-/// The words of a line in lower case: identifiers fall apart where a capital letter or an underscore begins another.
+/// The words of a line in lower case: capital letters and underscores separate the words of an identifier.
 fn parts(line: &str) -> Vec<String> {
     let mut parts = vec![String::new()];
     let mut before = ' ';

@@ -36,7 +36,7 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
 pub(crate) struct OfProfile {
     /// The number of the profile.
     pub profile: u16,
-    /// Reports what contradicts the profile.
+    /// Reports contradictions to the profile.
     pub check: fn(&mut Check<'_>),
 }
 

@@ -1,7 +1,7 @@
-//! The seam for device profiles: what a profile says of its objects, and the list of profiles that there are.
+//! The seam for device profiles: the objects of a profile, and the list of registered profiles.
 //!
-//! A profile registers itself; nothing else names it. Look-ups that frames cause go through tables that are made once of
-//! all profiles, so that a frame costs no virtual call.
+//! A profile registers itself; nothing else names it. Look-ups for frames use tables that are built once from all
+//! profiles, so that a frame costs no virtual call.
 
 use super::{StandardObject, Unit};
 use crate::identity::{Index, Multiplexer};
@@ -9,7 +9,7 @@ use crate::object::Acting;
 use crate::wire::emcy::EmcyCode;
 use std::sync::LazyLock;
 
-/// What a device profile says of the objects from 6000h on and of the devices that have them.
+/// The objects of a device profile, from 6000h on, and properties of the devices that have them.
 pub trait Profile: Sync {
     /// Its number, as in the low word of 1000h.
     fn number(&self) -> u16;
@@ -20,77 +20,77 @@ pub trait Profile: Sync {
     /// Its objects by rising index, from 6000h to 67FFh.
     fn objects(&self) -> &'static [StandardObject];
 
-    /// The names of the bits of an object from bit 0 on, where the profile fixes them.
+    /// The names of an object's bits, from bit 0 on; empty if the profile does not define them.
     fn bits(&self, _: Index) -> &'static [&'static str] {
         &[]
     }
 
-    /// The unit of an entry, where the profile fixes it.
+    /// The unit of an entry, if the profile fixes it.
     fn unit(&self, _: Multiplexer) -> Option<Unit> {
         None
     }
 
-    /// The unit of an entry, where the configuration of the device decides it.
+    /// The unit of an entry, if the device's configuration determines it.
     fn scale(&self, _: Multiplexer, _: &dyn Configured) -> Option<Unit> {
         None
     }
 
-    /// What an error code means that CiA 301 leaves to the profile.
+    /// The meaning of an error code that CiA 301 leaves to the profile.
     fn emergency(&self, _: EmcyCode) -> Option<&'static str> {
         None
     }
 
-    /// What an object does when it is written; `None`: it is a setting, or only read.
+    /// The action of writing an object; `None` for a setting or a read-only object.
     fn acting(&self, _: Multiplexer) -> Option<Acting> {
         None
     }
 
-    /// The objects whose values tell something of other objects or of the device.
+    /// The objects with a role, each with its roles.
     fn roles(&self) -> &'static [(u16, &'static [Role])] {
         &[]
     }
 
-    /// Whether the devices of a manufacturer (vendor-ID, 1018h:01) write their memory with each download to an object.
+    /// Whether the devices of a manufacturer (vendor-ID, 1018h:01) store the object on each download.
     fn keeps_at_once(&self, _: Multiplexer, _vendor: u32) -> bool {
         false
     }
 
-    /// Whether a correct device of that type (1000h) may send nothing after a reset until somebody asks it.
+    /// Whether a correct device of that type (1000h) may send nothing after a reset until it gets a request.
     fn may_be_silent(&self, _device_type: u32) -> bool {
         false
     }
 }
 
-/// How a device is configured at this moment, as far as that is known.
+/// The current configuration of a device, as far as it is known.
 pub trait Configured {
     /// The value of a parameter.
     fn parameter(&self, at: Multiplexer) -> Option<u32>;
 
-    /// The name that the manual gives to the state of the first bit of an object whose name begins so.
+    /// The name of a bit's state in the manual: of the first bit of the object whose name begins with `name`.
     fn state_of_bit(&self, at: Multiplexer, name: &str) -> Option<&str>;
 }
 
-/// What the value of an object tells beyond the object.
+/// The meaning of an object's value for other objects or for the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// The unit of other objects.
+    /// It determines the unit of other objects.
     Scaling,
-    /// How the device behaves: worth keeping once the trace has shown it.
+    /// It configures the device; its value is kept once the trace has shown it.
     Parameter,
-    /// What the device is built like: no default and no client changes it.
+    /// The construction of the device determines it; neither restoring defaults nor a client changes it.
     Constant,
-    /// Which model the device is.
+    /// It identifies the model of the device.
     Identity,
-    /// The time between two of its first TPDOs, in milliseconds, where the event timer (1800h:05) does not tell.
+    /// The period of the first TPDO, in milliseconds, if the event timer (1800h:05) does not give it.
     EventTimer,
 }
 
-/// A profile that there is.
+/// A registered profile.
 pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
 
-/// A profile with what frames ask for.
+/// A profile with its number and objects, which look-ups for frames use.
 struct Known {
     number: u16,
     objects: &'static [StandardObject],
@@ -120,25 +120,25 @@ pub fn profiles() -> impl Iterator<Item = &'static dyn Profile> {
     PROFILES.iter().map(|known| known.profile)
 }
 
-/// The profile of that number, if it is one of those that are known.
+/// The profile of that number, if it is registered.
 pub fn known_profile(number: u16) -> Option<&'static dyn Profile> {
     known(number).map(|known| known.profile)
 }
 
-/// Whether the profile of that number is one of those that are known.
+/// Whether the profile of that number is registered.
 pub fn is_profile(number: u16) -> bool {
     known(number).is_some()
 }
 
-/// The profiles that a device may have: that of its number, or all where nobody knows it.
+/// The profiles that a device may have: that of its number, or all if the number is unknown.
 pub fn possible(number: Option<u16>) -> impl Iterator<Item = &'static dyn Profile> {
     profiles().filter(move |profile| number.is_none_or(|number| profile.number() == number))
 }
 
-/// What an object does when it is written to a device of that profile.
+/// The action of writing an object of a device of that profile.
 ///
-/// A device whose profile nobody knows may have any: to take a setting for an object that acts costs nothing, the other way
-/// round what the object moves is lost.
+/// A device of unknown profile may have any: taking a setting for an acting object does no harm, but taking an acting
+/// object for a setting loses, for example, a zero point.
 pub fn acting(at: Multiplexer, number: Option<u16>) -> Option<Acting> {
     possible(number).find_map(|profile| profile.acting(at))
 }

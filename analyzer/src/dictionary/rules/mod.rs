@@ -91,12 +91,12 @@ fn paragraphs(text: &str) -> String {
     text.split("\n\n").map(joined).filter(|paragraph| !paragraph.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-/// The rules of a device profile; it registers them itself.
+/// The rules of a device profile, which registers them.
 pub(crate) struct OfProfile(pub &'static [&'static Rule]);
 
 inventory::collect!(OfProfile);
 
-/// In the order of the declarations; those of device profiles after those of the standards.
+/// In the order of the declarations; rules of device profiles follow those of the standards.
 static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
     let mut profiles: Vec<&[&'static Rule]> = inventory::iter::<OfProfile>.into_iter().map(|of| of.0).collect();
     profiles.sort_by_key(|rules| rules.first().map(|rule| rule.id));

@@ -30,7 +30,7 @@ impl Operand {
     }
 }
 
-/// Collects the values of the objects in a frame, and returns the profile of its node, if that is one which is known.
+/// Collects the values of the objects in a frame, and returns the profile of its node if it is a registered one.
 pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) -> Option<u16> {
     operands.clear();
     let node = decoded.node?;

@@ -1,4 +1,4 @@
-//! What descriptions of encoders must say: type, resolution and scaling agree.
+//! Checks of encoder descriptions: type, resolution and scaling must agree.
 
 use super::{description_rules as rules, objects};
 use crate::dictionary::consistency::{Check, OfProfile};

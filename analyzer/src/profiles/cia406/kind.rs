@@ -1,4 +1,4 @@
-//! What kind of encoder a device is.
+//! The kind of an encoder.
 
 /// The motion of an encoder's shaft or rod, by the upper word of 1000h.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -10,7 +10,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The kind that a device type (1000h) tells; `None` where it says something else.
+    /// The kind by the device type (1000h); `None` for any other type.
     pub const fn of(device_type: u32) -> Option<Self> {
         match device_type >> 16 {
             0x01..=0x05 | 0x0B => Some(Self::Rotary),

@@ -4,13 +4,13 @@
 use super::objects;
 use crate::identity::Multiplexer;
 
-/// What the manuals of a manufacturer say of all its encoders.
+/// Properties that all encoders of a manufacturer have by their manuals.
 pub struct Maker {
     /// Vendor-ID.
     vendor: u32,
     /// The bit of 6000h that is set for speeds in steps per second and clear for revolutions per minute.
     pub speed_format: Option<SpeedFormat>,
-    /// Objects that are kept with each write, without 1010h.
+    /// Objects that the device stores on each write, without 1010h.
     pub kept_at_once: &'static [u16],
     /// The lowest and the highest temperature without a warning, in degrees Celsius plus 64.
     pub temperature_limits: Option<[Multiplexer; 2]>,
@@ -43,7 +43,7 @@ static MAKERS: &[Maker] = &[
     },
 ];
 
-/// The manufacturer of that vendor-ID, where its encoders are known to differ.
+/// The manufacturer of that vendor-ID, if its encoders are known to differ.
 pub fn of(vendor: u32) -> Option<&'static Maker> {
     MAKERS.iter().find(|maker| maker.vendor == vendor)
 }

@@ -6,7 +6,7 @@ use crate::identity::Multiplexer;
 /// Measuring units of a position: their number per revolution or millimetre is configured.
 const STEPS: Unit = Unit::new(1.0, "steps");
 
-/// The unit of an entry. Speeds, whose unit is configured, have none.
+/// The unit of an entry, if the profile fixes it. Speeds have a configured unit and so none here.
 pub(super) fn of(at: Multiplexer) -> Option<Unit> {
     Some(match (at.index.0, at.sub.0) {
         (0x6005, 1) => Unit::new(0.001, "µm"),

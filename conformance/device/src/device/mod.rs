@@ -125,7 +125,7 @@ impl Device {
         Self::with_motion(model, node, firmware, seed, Motion::still(REST_POSITION))
     }
 
-    /// As [`Device::new`]; what it measures moves.
+    /// As [`Device::new`], with a motion of the measured quantity.
     pub fn with_motion(
         model: &Model,
         node: Option<NodeId>,

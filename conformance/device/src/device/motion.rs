@@ -7,7 +7,7 @@
 use canvass_traces::{Duration, Timestamp};
 use std::sync::Arc;
 
-/// The course of what is measured.
+/// The course of the measured quantity.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Motion {
     /// The position at time 0, in steps of the physical resolution.

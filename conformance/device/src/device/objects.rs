@@ -232,7 +232,7 @@ impl Objects {
         if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
     }
 
-    /// The defaults of these objects come back.
+    /// Resets these objects to their defaults.
     pub fn reset(&mut self, indexes: &[u16], node: NodeId) {
         self.waiting.retain(|(at, _)| !indexes.contains(&at.index.0));
         for (entry, content) in self.parameters.entries_mut() {
@@ -242,7 +242,7 @@ impl Objects {
         }
     }
 
-    /// The objects whose defaults come back when that value is written.
+    /// The objects that a write of that value resets to their defaults.
     pub fn resets(&self, at: Multiplexer, value: u64) -> &'static [u16] {
         self.application.as_ref().map_or(&[], |application| application.resets(at, value))
     }

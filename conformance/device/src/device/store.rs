@@ -223,12 +223,12 @@ impl Store {
         }
     }
 
-    /// Stores at once what the application retains.
+    /// Stores the retained value of the application at once.
     pub fn save_retained(&mut self, retained: i64) {
         self.retained = Some(retained);
     }
 
-    /// What the application has stored beside the parameters.
+    /// The stored value of the application.
     pub fn retained(&self) -> Option<i64> {
         self.retained
     }

@@ -1,4 +1,4 @@
-//! The seam for device profiles: what a profile reads of a model's sheet, and what it sees in a description alone.
+//! The seam for device profiles: reading the profile's part of a model's sheet, or deriving it from a description.
 
 use canvass_analyzer::dictionary::DeviceDescription;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
@@ -6,19 +6,19 @@ use std::any::Any;
 use std::sync::Arc;
 use toml::Table;
 
-/// What a device profile knows of its models beside their objects.
+/// A device profile's knowledge of its models besides their objects.
 pub trait ProfileSheet: Sync {
     /// The number of the profile, as in the low word of 1000h.
     fn number(&self) -> u16;
 
-    /// The table `[application]` of a sheet.
+    /// Reads the table `[application]` of a sheet.
     ///
     /// # Errors
-    /// What is wrong in the table, with its line.
+    /// The error in the table, with its line.
     fn read(&self, sheet: &str) -> Result<ApplicationSheet, toml::de::Error>;
 
-    /// The same for a device of which there is no sheet: what its description shows. Tables and rows that the description
-    /// shows too are added to `sheet`.
+    /// Derives the table from the description of a device without sheet. Further tables and rows that the description
+    /// shows are added to `sheet`.
     fn describe(&self, _: &DeviceDescription, _sheet: &mut Table) -> ApplicationSheet {
         ApplicationSheet::default()
     }
@@ -29,35 +29,35 @@ pub struct RegisteredSheet(pub &'static dyn ProfileSheet);
 
 inventory::collect!(RegisteredSheet);
 
-/// What a sheet says to the application of the device, as the profile has read it.
+/// The part of a sheet for the application of the device, as read by the profile.
 #[derive(Clone, Debug, Default)]
 pub struct ApplicationSheet(Option<Arc<dyn Any + Send + Sync>>);
 
 impl ApplicationSheet {
-    /// What a profile has read.
+    /// Wraps the data that a profile has read.
     pub fn new<T: Any + Send + Sync>(read: T) -> Self {
         Self(Some(Arc::new(read)))
     }
 
-    /// What the profile has read; `None` where there is nothing, or another profile's.
+    /// The data that the profile has read; `None` if there is none, or if it is another profile's.
     pub fn get<T: Any + Send + Sync>(&self) -> Option<&T> {
         self.0.as_ref()?.downcast_ref()
     }
 }
 
-/// The profile reads the table itself, beside the rest.
+/// Skips the table: the profile reads it itself.
 impl<'de> Deserialize<'de> for ApplicationSheet {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         IgnoredAny::deserialize(from).map(|_| Self::default())
     }
 }
 
-/// The table of the sheet of a described device.
+/// Reads the table of a sheet by the profile of the description.
 pub(super) fn read(description: &DeviceDescription, sheet: &str) -> Result<ApplicationSheet, toml::de::Error> {
     of(description).map_or_else(|| Ok(ApplicationSheet::default()), |profile| profile.read(sheet))
 }
 
-/// What the description of a device without sheet shows.
+/// Derives the table from the description of a device without sheet.
 pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> ApplicationSheet {
     of(description).map_or_else(ApplicationSheet::default, |profile| profile.describe(description, sheet))
 }

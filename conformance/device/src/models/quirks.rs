@@ -56,7 +56,7 @@ pub struct Quirks {
 }
 
 impl Quirks {
-    /// Whether the limits of the object are checked when it is stored, not when it is written.
+    /// Whether the limits of the object are checked only when it is stored.
     pub fn is_checked_later(&self, at: Multiplexer) -> bool {
         self.limits_checked_at_store && self.acts_when_stored.contains(&at)
     }

@@ -38,7 +38,7 @@ pub struct Sheet {
     /// What is stored, and how.
     #[serde(default)]
     pub storage: Storage,
-    /// What the application of the device does: its profile reads it.
+    /// The behaviour of the device's application, as read by its profile.
     #[serde(default)]
     pub application: ApplicationSheet,
     /// Values that the EDS leaves open.

@@ -155,7 +155,7 @@ impl<'a> Script<'a> {
     }
 }
 
-/// A profile writes its dialogues through this.
+/// The interface by which a profile writes its dialogues.
 impl Dialogue for Script<'_> {
     fn knowledge(&self) -> &Knowledge {
         Script::knowledge(self)

@@ -40,13 +40,13 @@ pub struct Scratch {
 pub struct Candidate {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// The type that it must have.
+    /// Its required data type.
     pub data_type: DataType,
     /// The values.
     pub values: [u32; 2],
 }
 
-/// A candidate; its type and its values.
+/// A candidate with its type and values.
 pub const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2]) -> Candidate {
     Candidate { multiplexer: Multiplexer::new(index, sub), data_type, values }
 }

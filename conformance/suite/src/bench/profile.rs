@@ -1,5 +1,5 @@
-//! The seam for device profiles: what a profile adds to what every device has. The bench asks those that are registered, and
-//! names no profile itself.
+//! The seam for device profiles: the objects of a profile that the bench needs. The bench asks the registered
+//! profiles and names none.
 
 use super::Bench;
 use super::objects::Candidate;
@@ -21,23 +21,23 @@ pub trait Profile: Sync {
         Ok(None)
     }
 
-    /// Its objects that can be written and read back without consequence where a device has them: the best first.
+    /// Its objects that can be written and read back without side effects on devices that have them, the best first.
     fn scratch(&self) -> &'static [Candidate] {
         &[]
     }
 
-    /// The same, where the object must be one of the application.
+    /// As [`Profile::scratch`], for cases that need an object of the application.
     fn application_scratch(&self) -> &'static [Candidate] {
         &[]
     }
 
-    /// Whether an object is a parameter that keeps its value: nothing that is measured or commands.
+    /// Whether an object is a parameter that keeps its value, neither a measured value nor a command.
     fn is_parameter(&self, _: Multiplexer) -> bool {
         false
     }
 }
 
-/// A profile that there is.
+/// A registered profile.
 pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);

@@ -54,7 +54,7 @@ impl Bench<'_> {
     /// # Errors
     /// Those of the bus; and [`Stop::NotApplicable`] where the user has not allowed presets.
     pub(crate) fn put_back_zero_point(&mut self, before: &ZeroPoint) -> Result<Option<Moved>, Stop> {
-        /// A position that trembles needs more than one: the step that it is at changes between reading and writing.
+        /// A trembling position needs several tries: its step changes between reading and writing.
         const TRIES: usize = 6;
         let mut left = None;
         for _ in 0..TRIES {

@@ -226,7 +226,7 @@ pub fn node_of(model: &Model) -> NodeId {
 
 const GIVEN_NODE: NodeId = NodeId::MAX;
 
-/// Where what is measured stands, in steps of the physical resolution.
+/// The position at rest of the measured quantity, in steps of the physical resolution.
 const REST: i64 = 0x4CBA;
 
 /// How fast it turns where a case needs that, in thousandths of a revolution per minute.

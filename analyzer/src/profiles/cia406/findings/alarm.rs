@@ -5,7 +5,7 @@ use crate::profiles::cia406::NUMBER;
 use crate::profiles::cia406::objects;
 use canvass_macros::rule;
 
-/// The device reports by an EMCY what its alarms and warnings then show.
+/// Causes: an EMCY reports a condition that alarms and warnings then show.
 pub const FOLLOWS: &[(&str, Effect)] =
     &[("emcy/raised", Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE))];
 

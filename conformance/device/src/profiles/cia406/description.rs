@@ -1,4 +1,4 @@
-//! What the description of an encoder alone shows, where nobody has written a sheet.
+//! The properties of an encoder by its description, for devices without sheet.
 
 use super::sheet::{EncoderKind, Measurement};
 use crate::models::{Rule, is_writable, written};
@@ -11,7 +11,7 @@ use toml::{Table, Value};
 /// The period of the first TPDO.
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
-/// The measurement, and in `sheet` what hangs together with it; `None`: the device shows no position.
+/// The measurement, and in `sheet` the related rows; `None` if the device has no position.
 pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> Option<Measurement> {
     description.dictionary.entry(Multiplexer::new(encoder::POSITION_VALUE, 0)).ok()?;
     let links = links(description);
@@ -21,8 +21,8 @@ pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> Op
     Some(measurement(description))
 }
 
-/// The physical resolution: of a rotary encoder 6501h and 6502h tell it, of a linear one (1000h) 6002h, as 6501h is then
-/// the length of a step.
+/// The physical resolution: for a rotary encoder by 6501h and 6502h, for a linear one (1000h) by 6002h, as 6501h
+/// is then the length of a step.
 fn measurement(description: &DeviceDescription) -> Measurement {
     let number = |index| {
         let entry = description.dictionary.entry(Multiplexer::new(index, 0)).ok()?;
@@ -59,7 +59,7 @@ fn links(description: &DeviceDescription) -> Vec<Value> {
     vec![link.into()]
 }
 
-/// What the description shows that the encoder does beside its profile.
+/// Behaviour that the description shows besides the profile.
 fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     let mut quirks = Table::new();
     let is_cyclic = !has_event_timer && is_writable(description, CYCLIC_TIMER);
@@ -68,7 +68,7 @@ fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     quirks
 }
 
-/// Of a work area the low limit is below the high one, for each channel that has both.
+/// The low limit of a work area is below the high one, for each channel that has both.
 fn checks(description: &DeviceDescription) -> Vec<Value> {
     let (low, high) = (encoder::WORK_AREA_LOW_LIMIT, encoder::WORK_AREA_HIGH_LIMIT);
     let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {

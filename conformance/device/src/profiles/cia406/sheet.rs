@@ -1,4 +1,4 @@
-//! What an encoder measures: the table `[application]` of a sheet.
+//! The measurement of an encoder: the table `[application]` of a sheet.
 
 use super::description::describe;
 use crate::models::{ApplicationSheet, ProfileSheet, RegisteredSheet};

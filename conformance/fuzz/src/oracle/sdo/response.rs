@@ -590,7 +590,7 @@ fn check_block_size(block_size: u8, frame: &Frame) -> Judged {
     Err(instead(Property::LegalSdo, "a block size from 1 to 127", shown(frame)))
 }
 
-/// What the device's profile demands of a value.
+/// Checks a value by the device's profile.
 fn check_profile(value: &[u8], entry: usize, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Judged {
     let Some(at) = knowledge.entries().get(entry).map(|known| known.at).filter(|at| at.index.0 >= 0x6000) else {
         return Ok(());

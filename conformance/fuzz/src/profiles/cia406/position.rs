@@ -21,7 +21,7 @@ const RANGE: Multiplexer = Multiplexer::new(objects::TOTAL_MEASURING_RANGE, 0);
 /// Bit of 6000h: 6001h and 6002h scale the position.
 const SCALING: u64 = 1 << 2;
 
-/// What is wrong with a value, if the object is the position and lies outside of its range.
+/// Checks a value: the position must be inside its range.
 pub(super) fn judge(
     at: Multiplexer,
     value: &[u8],
