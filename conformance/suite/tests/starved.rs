@@ -134,7 +134,6 @@ fn a_starved_device_fails_nothing() {
         let reports = tested(Faults::NONE, longest, &[]);
         assert_eq!(ending(&reports, Kind::Fail), Vec::<String>::new(), "stalls of up to {longest} ms");
         let undecided = ending(&reports, Kind::Inconclusive);
-        println!("stalls of up to {longest} ms: {} of {}: {undecided:#?}", undecided.len(), reports.len());
         assert!(undecided.len() * 50 <= reports.len(), "stalls of up to {longest} ms: {undecided:#?}");
     }
 }
