@@ -53,6 +53,7 @@ const EXPECTED: &Expected = &[
     ("305/identify/at-bounds", Fail, IDENTIFY),
     ("305/identify/halving", Fail, IDENTIFY),
     ("305/identify/within", Fail, IDENTIFY),
+    ("305/identify/outside", Inconclusive, IDENTIFY),
     ("305/unconfigured/identify", Fail, "the search for slaves without node-ID (4Ch) is not answered"),
     ("305/unconfigured/silent", Fail, "a node without node-ID still answers SDOs at its old one"),
     ("305/node-id/inquired-pending", Fail, NODE_ID),
