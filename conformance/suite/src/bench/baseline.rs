@@ -149,7 +149,8 @@ fn restart(bench: &mut Bench<'_>) -> Result<(), Stop> {
 /// where it is not.
 pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
     let stores = touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
-    let is_suspect = stores || bench.traffic.watch.has_stored() || std::mem::take(&mut bench.changes.wrote_memory);
+    let wrote = std::mem::take(&mut bench.changes.wrote_memory);
+    let is_suspect = stores || bench.traffic.watch.has_stored() || wrote;
     if is_suspect && !bench.knowledge.has_gone() && bench.changes.baseline.stored.is_some() {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)
