@@ -131,8 +131,20 @@ pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>
 
 /// Whether reset node gives an object its default, whatever is stored, as the manual of the device says; power-on does not.
 pub(super) fn is_unseen(bench: &Bench<'_>, at: Multiplexer) -> bool {
-    let is_reset_to_defaults = bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile);
-    is_reset_to_defaults && !can_power_cycle(bench) && at.index.0 >= 0x6000
+    resets_to_defaults(bench) && !can_power_cycle(bench) && at.index.0 >= 0x6000
+}
+
+/// The start after which the device is left. Where reset node brings defaults, and not what is stored, only the supply helps.
+///
+/// # Errors
+/// Those of the start.
+pub(super) fn restart_at_last(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if resets_to_defaults(bench) { restart(bench) } else { bench.reset(Command::RESET_NODE) }
+}
+
+/// Whether reset node gives objects of the profile their defaults, as the manual of the device says; power-on does not.
+fn resets_to_defaults(bench: &Bench<'_>) -> bool {
+    bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile)
 }
 
 fn can_power_cycle(bench: &Bench<'_>) -> bool {
@@ -149,7 +161,8 @@ fn restart(bench: &mut Bench<'_>) -> Result<(), Stop> {
 /// where it is not.
 pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
     let stores = touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
-    let is_suspect = stores || bench.traffic.watch.has_stored() || std::mem::take(&mut bench.changes.wrote_memory);
+    let wrote = std::mem::take(&mut bench.changes.wrote_memory);
+    let is_suspect = stores || bench.traffic.watch.has_stored() || wrote;
     if is_suspect && !bench.knowledge.has_gone() && bench.changes.baseline.stored.is_some() {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)

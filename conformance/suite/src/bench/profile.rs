@@ -3,6 +3,8 @@
 use super::Bench;
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::DeviceDescription;
 
 /// What a profile knows of a device.
 pub(crate) trait Profile: Sync {
@@ -11,6 +13,9 @@ pub(crate) trait Profile: Sync {
     /// # Errors
     /// Those of asking the device.
     fn zero_point(&self, bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>;
+
+    /// Whether an object shows how the device scales its values: it differs only if the device was set up in another way.
+    fn is_scaling(&self, profile: Option<u16>, at: Multiplexer) -> bool;
 }
 
 /// A profile that there is.
@@ -29,4 +34,10 @@ pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>
         }
     }
     Ok(None)
+}
+
+/// Whether an object of the device under test shows how it scales its values.
+pub(super) fn is_scaling(bench: &Bench<'_>, at: Multiplexer) -> bool {
+    let profile = bench.target.description.as_ref().and_then(DeviceDescription::device_profile);
+    inventory::iter::<Registered>.into_iter().any(|Registered(known)| known.is_scaling(profile, at))
 }

@@ -31,6 +31,10 @@ impl Profile for Encoders {
         let range = positions(bench)?;
         Ok(Some(Objects { preset: PRESET, takes_position: true, position: POSITION, offset, raw, range }))
     }
+
+    fn is_scaling(&self, profile: Option<u16>, at: Multiplexer) -> bool {
+        profile == Some(406) && matches!(at, SINGLE_TURN | REVOLUTIONS)
+    }
 }
 
 /// The inclinometer of Kübler's draw-wire encoders: 3010h tells whether the angle counts from a zero that was set.
