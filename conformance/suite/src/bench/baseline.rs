@@ -37,8 +37,8 @@ impl fmt::Display for Harm {
             ),
             Self::Defaults(at) => write!(
                 f,
-                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: a command that \
-                 switches its supply (--power-cycle COMMAND, with --allow nvm) brings it back"
+                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored, and a run that \
+                 is killed could not bring it back: give it its default before"
             ),
         }
     }
@@ -316,8 +316,9 @@ pub(crate) fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<
         let default = entry.and_then(|entry| entry.start_value(bench.target.node)?.encode(entry.data_type).ok());
         default.is_none_or(|default| default == value)
     };
-    let mut lost = known.iter().filter(|(at, _)| dictionary::is_put_back(bench, *at) && is_unseen(bench, *at));
-    let lost = lost.find(|(at, value)| !is_default(*at, value)).map(|(at, _)| *at);
-    // Where the supply can be switched, nothing is unseen.
-    lost.map(Harm::Defaults)
+    // Also where the supply can be switched: who puts back after a run that was killed can't switch it.
+    let is_lost =
+        |at: Multiplexer| resets_to_defaults(bench) && at.index.0 >= 0x6000 && dictionary::is_put_back(bench, at);
+    let lost = known.iter().find(|(at, value)| is_lost(*at) && !is_default(*at, value));
+    lost.map(|(at, _)| Harm::Defaults(*at))
 }
