@@ -60,6 +60,7 @@ fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
         // A request waits this long for its answer.
         Observation::Silence if of_sdo => Some(timing.sdo_response),
         Observation::Silence if of_layers => Some(timing.silence),
+        Observation::Silence if breach.subject == Subject::Service(Service::BootUp) => Some(timing.boot_up),
         Observation::Value(_) | Observation::Number(_) if of_dictionary => None,
         // The form of an answer is wrong whenever it comes.
         Observation::Named(_) | Observation::Frame(_) if of_sdo || of_layers => None,
