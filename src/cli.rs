@@ -60,7 +60,7 @@ enum Command {
 }
 
 impl Cli {
-    /// All commands, with the additions that need the whole command line: environment, exit status, completion.
+    /// The whole command line as clap knows it, with the texts about environment and exit status and the candidates of completion.
     pub fn described() -> clap::Command {
         let command = Self::command().color(crate::output::colors_of_help());
         completion::with_candidates(with_statuses(with_environment(command)))

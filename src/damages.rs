@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub struct Damages {
     counts: BTreeMap<&'static str, u64>,
-    /// Number of reported losses, and of frames lost in them.
+    /// How many losses the capture reports, and how many frames these losses cost.
     losses: (u64, u64),
 }
 

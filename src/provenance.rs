@@ -66,7 +66,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// A provenance that a command completes step by step.
+/// The provenance of a result while the command still collects its parts.
 #[derive(Clone, Debug)]
 pub struct Collected(pub Provenance);
 

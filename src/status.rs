@@ -70,7 +70,7 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     }
 }
 
-/// The option that helps; libraries do not know the program's options.
+/// The advice which option helps against an error. The program adds it, since its libraries do not know its options.
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
         return Some("if you know which, use --format-in");

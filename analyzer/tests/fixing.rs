@@ -98,6 +98,9 @@ fn missing_sections_are_added_and_the_character_set_is_changed() {
     assert_eq!(apply_fixes(&utf_16, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
     let marked = [b"\xEF\xBB\xBF", PLAIN.as_bytes()].concat();
     assert_eq!(apply_fixes(&marked, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
+    // A second mark is a character of the text, and what stands behind it is not lost.
+    let twice = fixed(&format!("\u{FEFF}\u{FEFF}# a comment\n{PLAIN}"));
+    assert!(twice.contains("; a comment\n[FileInfo]"), "{twice}");
     // Latin-1 stays, whatever else is fixed.
     let latin: Vec<u8> = PLAIN
         .replace("Lines=1", "Lines=3")

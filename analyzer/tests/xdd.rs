@@ -1,6 +1,9 @@
 //! Device descriptions in XML (CiA 311), in the two forms that tools write: with all attributes at the object, and with
 //! references to parameters of the application process.
 
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_analyzer::dictionary::eds::DescriptionError;
 use canvass_analyzer::dictionary::source::Source;
 use canvass_analyzer::dictionary::{

@@ -1,5 +1,8 @@
 //! The schemas in `docs/schemas` are those of the types, and the lines of `decode` are of their type, to the byte.
 
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_analyzer::network::Network;
 use canvass_analyzer::{Meaning, NodeId};
 use canvass_device::models::Model;

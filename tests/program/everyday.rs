@@ -37,7 +37,7 @@ fn what_failed_runs_again() {
     run(&["test", FAULTY, "--select", "301/identity", "--report", &format!("json={good}")]);
     let none = run(&["test", FAULTY, "--failed-from", &good]);
     assert_eq!(none.status, 3);
-    assert!(none.stderr.contains("nothing failed"), "{}", none.stderr);
+    assert!(none.stderr.contains("no failed case that could run again"), "{}", none.stderr);
     assert_eq!(run(&["test", FAULTY, "--failed-from", "Cargo.toml"]).status, 2);
 }
 

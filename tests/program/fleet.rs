@@ -71,7 +71,7 @@ fn without_it_the_error_says_how_to_get_it() {
     let ended = run(&canvass(own.path()), empty.path(), &["sql"]);
     assert_eq!((ended.status, &*ended.stdout), (2, ""));
     let how = "cargo build --release --manifest-path fleet/Cargo.toml";
-    assert!(ended.stderr.starts_with("canvass: canvass-fleet is neither beside"), "{}", ended.stderr);
+    assert!(ended.stderr.starts_with("canvass: canvass-fleet, a separate program, is neither in"), "{}", ended.stderr);
     assert!(ended.stderr.contains(how), "{}", ended.stderr);
 }
 

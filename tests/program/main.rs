@@ -96,6 +96,7 @@ mod rows;
 mod running;
 #[cfg(test)]
 mod schemas;
+#[cfg(test)]
 mod settings;
 #[cfg(test)]
 #[cfg(unix)] // pseudo-terminals, and what they say of themselves

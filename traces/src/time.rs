@@ -23,7 +23,7 @@ impl Timestamp {
         self.0
     }
 
-    /// The time `nanos` nanoseconds later; `None` beyond the end of the scale, in 2554.
+    /// The time `nanos` nanoseconds later; `None` if that is after the last time that fits, in the year 2554.
     pub(crate) const fn after(self, nanos: u64) -> Option<Self> {
         match self.0.checked_add(nanos) {
             Some(nanos) => Some(Self(nanos)),

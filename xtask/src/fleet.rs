@@ -26,7 +26,7 @@ pub fn test() -> Result<()> {
 /// The step of CI, beside the program built for its tests.
 ///
 /// # Errors
-/// As [`test`].
+/// As [`test()`].
 pub fn step() -> Result<()> {
     run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
     // Slow downloads run meanwhile.

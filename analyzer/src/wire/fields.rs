@@ -62,7 +62,7 @@ impl Field {
         Some(Self { bits, ..self })
     }
 
-    /// Its value in a payload; `None` if the payload is too short.
+    /// The value of the field in a payload; `None` if the payload ends before the field.
     pub fn get(self, payload: &[u8]) -> Option<u64> {
         extract(payload, usize::from(self.first), self.bits)
     }

@@ -58,10 +58,10 @@ pub struct TestResult {
 /// How well the tester's own machine kept up: each time is at most twice what was measured.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct HostTiming {
-    /// From a frame's time on the bus to the tester, of 99 % of the frames.
+    /// 99 % of the frames reached the tester within this time after their time on the bus.
     pub receive_p99_ns: u64,
     pub receive_max_ns: u64,
-    /// From the tester to the bus, of 99 % of the frames.
+    /// 99 % of the tester's frames were on the bus within this time.
     pub transmit_p99_ns: u64,
     pub transmit_max_ns: u64,
     /// Frames that the machine lost.

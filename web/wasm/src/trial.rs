@@ -111,8 +111,8 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
         ("silence", timing.silence),
     ];
     let mut timeouts: Vec<_> = spans.iter().map(|(what, span)| format!("{what}={}", span_text(*span))).collect();
-    // Who connects to a port is waited for; here nobody does.
-    timeouts.push("client=10s".to_owned());
+    // Who connects to a port is waited for, and an adapter that is gone; here there is neither.
+    timeouts.extend(["client=10s".to_owned(), "reconnect=120s".to_owned()]);
     vec![
         usual("node", [target.node.to_string()]),
         usual("device", [target.model.clone()]),
@@ -131,6 +131,7 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
         usual("timeout", timeouts),
         usual("tolerance", [timing.period_tolerance.to_string()]),
         given("power-cycle", []),
+        flag("zero-point-stored", false),
         flag("exhaustive", false),
         given("for", []),
     ]
@@ -167,6 +168,7 @@ fn options_of_fuzz(wish: &Wish, plan: &FuzzPlan, knowledge: &Knowledge, model: &
         given("replay", []),
         given("regressions", []),
         given("reproducers", []),
+        usual("reconnect-timeout", ["2min"]),
     ]
 }
 
@@ -197,7 +199,9 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
     let kept: [Kept; 2] = Default::default();
     let forms = [Form::Html, Form::Json];
-    let mut reports: Vec<_> = kept.iter().zip(forms).map(|(kept, form)| RunReport::new(kept.clone(), form)).collect();
+    // The command that does the same is what permits more.
+    let report = |(kept, form): (&Kept, Form)| RunReport::new(kept.clone(), form).allowed_by("--allow ");
+    let mut reports: Vec<_> = kept.iter().zip(forms).map(report).collect();
     let mut decoder = Decoder::new(&target);
     let cancel = AtomicBool::new(false);
     let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);

@@ -12,7 +12,7 @@ const MOST: Duration = Duration::from_secs(20);
 pub struct Tally {
     pub inputs: u64,
     pub runs: u64,
-    /// Number of captures with counted frames, and of counted rows.
+    /// How many captures the attack has counted the rows of, and how many rows these were.
     accounted: u64,
     rows: u64,
     /// Number of rows that the change made another kind, such as a comment.

@@ -123,10 +123,10 @@ mod tests {
         let page = r##"<img src="picture.png" alt="a"><a id="there" href="../index.html">1</a><a href="#no">2</a>"##;
         fs::write(folder.path().join("more/page.html"), page).unwrap();
         let expected = [
-            "index.html: more/page.html#gone: nothing in more/page.html is called gone",
-            "index.html: page.md: there is no page.md",
-            "index.html: ../out.html: there is no ../out.html",
-            "more/page.html: #no: nothing in more/page.html is called no",
+            "index.html: more/page.html#gone: more/page.html has no anchor gone",
+            "index.html: page.md: page.md does not exist",
+            "index.html: ../out.html: ../out.html does not exist",
+            "more/page.html: #no: more/page.html has no anchor no",
         ];
         assert_eq!(broken(folder.path()).unwrap(), expected);
     }

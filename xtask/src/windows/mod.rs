@@ -66,7 +66,7 @@ pub fn install_compiler() -> Result<()> {
 }
 
 /// The step of CI: all of it compiles, and the compiler warns of nothing. Where something is missing that can't be had, it is
-/// left out, and said so. [`test`] links it too and runs its tests: nightly, because that takes a quarter of an hour.
+/// left out, and said so. [`test()`] links it too and runs its tests: nightly, because that takes a quarter of an hour.
 ///
 /// # Errors
 /// If the compiler warns, or it can't be compiled.

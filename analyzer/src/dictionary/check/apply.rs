@@ -45,7 +45,8 @@ fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedF
                 .iter()
                 .any(|other: &super::Edit| edit.range.start <= other.range.end && other.range.start <= edit.range.end)
         };
-        if fix.edits.iter().any(overlaps) {
+        // An edit that cuts a character would cost the text behind it.
+        if fix.edits.iter().any(overlaps) || !fix.edits.iter().all(|edit| old.get(edit.range.clone()).is_some()) {
             continue;
         }
         if matches!(finding.problem.rule, rule if rule == &rules::BYTE_ORDER_MARK || rule == &rules::UTF_16) {

@@ -215,10 +215,12 @@ impl<'a> Source<'a> {
         self.trimmed(self.whole_line(number))
     }
 
-    /// The range without blanks at both ends; the beginning of the range if there is nothing else.
+    /// The range without blanks at both ends, and without a byte order mark at the beginning of the text; the beginning of the
+    /// range if there is nothing else.
     pub(super) fn trimmed(&self, range: Range<usize>) -> Span {
         let text = self.text.get(range.clone()).unwrap_or_default();
-        let rest = text.trim_start_matches(is_blank);
+        let is_before = |character| is_blank(character) || character == MARK && range.start == 0;
+        let rest = text.trim_start_matches(is_before);
         let start = if rest.is_empty() { range.start } else { range.start + (text.len() - rest.len()) };
         Span::new(start, start + rest.trim_end_matches(is_blank).len())
     }

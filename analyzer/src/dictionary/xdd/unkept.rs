@@ -1,4 +1,4 @@
-//! Parts of an XDD or XDC that a description does not keep.
+//! The elements and attributes of an XDD or XDC that canvass reads over: the description in memory has no place for them.
 
 use std::collections::BTreeMap;
 

@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The range of a controller's bit rates, in bit/s.
 const POSSIBLE: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 
-/// Takes the interface down, sets its bit rate and brings it up again. If the bit rate can't be set, the interface
-/// is brought up with the old one. `goes_down` is set while this program keeps the interface down.
+/// Takes the interface down, sets its bit rate and brings the interface up again: with the old bit rate if the kernel refuses
+/// the new one. `goes_down` is true while this program keeps the interface down.
 ///
 /// # Errors
 /// [`SocketCanError`], which says what to do.

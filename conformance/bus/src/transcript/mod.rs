@@ -29,7 +29,7 @@ pub struct Transcript {
     pub begin: Timestamp,
     /// For each frame, the number of timeouts before it.
     waits: Vec<u64>,
-    /// Times that do not follow from the frames, each with the number of predictable answers before it.
+    /// The times that the bus gave and that no frame tells, each with the number of times before it that a frame does tell.
     clock: Vec<(u64, Timestamp)>,
     /// Changes of the health, each with the number of unchanged answers before it.
     health: Vec<(u64, Health)>,

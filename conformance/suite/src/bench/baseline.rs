@@ -37,8 +37,8 @@ impl fmt::Display for Harm {
             ),
             Self::Defaults(at) => write!(
                 f,
-                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored: a command that \
-                 switches its supply (--power-cycle COMMAND, with --allow nvm) brings it back"
+                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored, and a run that \
+                 is killed could not bring it back: give it its default before"
             ),
         }
     }
@@ -131,8 +131,20 @@ pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>
 
 /// Whether reset node gives an object its default, whatever is stored, as the manual of the device says; power-on does not.
 pub(super) fn is_unseen(bench: &Bench<'_>, at: Multiplexer) -> bool {
-    let is_reset_to_defaults = bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile);
-    is_reset_to_defaults && !can_power_cycle(bench) && at.index.0 >= 0x6000
+    resets_to_defaults(bench) && !can_power_cycle(bench) && at.index.0 >= 0x6000
+}
+
+/// The start after which the device is left. Where reset node brings defaults, and not what is stored, only the supply helps.
+///
+/// # Errors
+/// Those of the start.
+pub(super) fn restart_at_last(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if resets_to_defaults(bench) { restart(bench) } else { bench.reset(Command::RESET_NODE) }
+}
+
+/// Whether reset node gives objects of the profile their defaults, as the manual of the device says; power-on does not.
+fn resets_to_defaults(bench: &Bench<'_>) -> bool {
+    bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile)
 }
 
 fn can_power_cycle(bench: &Bench<'_>) -> bool {
@@ -149,7 +161,8 @@ fn restart(bench: &mut Bench<'_>) -> Result<(), Stop> {
 /// where it is not.
 pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
     let stores = touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
-    let is_suspect = stores || bench.traffic.watch.has_stored() || std::mem::take(&mut bench.changes.wrote_memory);
+    let wrote = std::mem::take(&mut bench.changes.wrote_memory);
+    let is_suspect = stores || bench.traffic.watch.has_stored() || wrote;
     if is_suspect && !bench.knowledge.has_gone() && bench.changes.baseline.stored.is_some() {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)
@@ -303,8 +316,9 @@ pub(crate) fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<
         let default = entry.and_then(|entry| entry.start_value(bench.target.node)?.encode(entry.data_type).ok());
         default.is_none_or(|default| default == value)
     };
-    let mut lost = known.iter().filter(|(at, _)| dictionary::is_put_back(bench, *at) && is_unseen(bench, *at));
-    let lost = lost.find(|(at, value)| !is_default(*at, value)).map(|(at, _)| *at);
-    // Where the supply can be switched, nothing is unseen.
-    lost.map(Harm::Defaults)
+    // Also where the supply can be switched: who puts back after a run that was killed can't switch it.
+    let is_lost =
+        |at: Multiplexer| resets_to_defaults(bench) && at.index.0 >= 0x6000 && dictionary::is_put_back(bench, at);
+    let lost = known.iter().find(|(at, value)| is_lost(*at) && !is_default(*at, value));
+    lost.map(|(at, _)| Harm::Defaults(*at))
 }

@@ -1,7 +1,7 @@
 //! The whole object dictionary: read before a run, compared and put back after it.
 
 use super::rewrite::Original;
-use super::{Bench, restore, rewrite};
+use super::{Bench, profile, restore, rewrite};
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
@@ -177,7 +177,7 @@ pub(super) fn change(
         object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION | IDENTITY => {
             Nature::Constant
         }
-        _ if is_constant => Nature::Constant,
+        _ if is_constant || profile::is_scaling(bench, multiplexer) => Nature::Constant,
         _ => Nature::Own,
     };
     Change { multiplexer, name, data_type, nature, before, after }

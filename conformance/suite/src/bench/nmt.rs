@@ -197,7 +197,8 @@ impl Bench<'_> {
         let deadline = self.now() + self.timing().reaction;
         while let Some(record) = self.traffic.receive(deadline)? {
             let is_own = record.direction == canvass_traces::Direction::Tx;
-            if is_own && record.frame.cob_id() == Some(cob_id) {
+            // Where own frames do not come back, a bus with much traffic must not prolong the wait.
+            if is_own && record.frame.cob_id() == Some(cob_id) || record.timestamp > deadline {
                 break;
             }
         }

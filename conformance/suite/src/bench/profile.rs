@@ -6,6 +6,7 @@ use super::objects::Candidate;
 use crate::verdict::Stop;
 use crate::zero_point::Objects;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::DeviceDescription;
 use std::sync::LazyLock;
 
 /// What a profile knows of a device.
@@ -33,6 +34,11 @@ pub trait Profile: Sync {
 
     /// Whether an object is a parameter that keeps its value, neither a measured value nor a command.
     fn is_parameter(&self, _: Multiplexer) -> bool {
+        false
+    }
+
+    /// Whether an object shows how the device scales its values: it differs only if the device was set up in another way.
+    fn is_scaling(&self, _: Multiplexer) -> bool {
         false
     }
 }
@@ -65,4 +71,10 @@ pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>
         }
     }
     Ok(None)
+}
+
+/// Whether an object of the device under test shows how it scales its values.
+pub(super) fn is_scaling(bench: &Bench<'_>, at: Multiplexer) -> bool {
+    let profile = bench.target.description.as_ref().and_then(DeviceDescription::device_profile);
+    all().any(|known| profile == Some(known.number()) && known.is_scaling(at))
 }

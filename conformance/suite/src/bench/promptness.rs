@@ -77,13 +77,17 @@ impl Bench<'_> {
 /// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
 /// `enough`, or often enough. One that does not answer is not late.
 pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
+    // Frames on the bus delay an answer, too: that is no lateness of the device.
+    let by_bus = bench.bus_delay();
+    let enough = enough + by_bus;
+    let beyond = |lateness: Duration| Duration(lateness.0.saturating_sub(by_bus.0));
     if bench.knowledge.promptness.is_known(enough) {
-        return bench.knowledge.promptness.lateness();
+        return beyond(bench.knowledge.promptness.lateness());
     }
     let looked = bench.uncancelled(|bench| bench.unjudged(|bench| look_beside(bench, enough)));
     // A look that ends early has seen what it has seen.
     drop(looked);
-    bench.knowledge.promptness.lateness()
+    beyond(bench.knowledge.promptness.lateness())
 }
 
 fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {

@@ -46,7 +46,7 @@ impl Bench<'_> {
     }
 
     /// The case was cancelled, or could not go on: it has not come to what it does at its end. Its node-ID and bit rate are put
-    /// right by `rescue`; what it stored, by [`Bench::settle_memory`].
+    /// right by `rescue`; what it stored, by [`super::baseline::settle_memory`].
     pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
         let stored = self.traffic.watch.has_stored();
         // What can fail here shows in the answers of the device, which are compared after the run.

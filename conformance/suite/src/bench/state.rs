@@ -1,7 +1,7 @@
 //! NMT states: how they are seen, and how they are reached.
 
-use super::Bench;
 use super::traffic::{is_from, is_tpdo};
+use super::{Bench, baseline};
 use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
@@ -280,7 +280,7 @@ impl Bench<'_> {
     pub(crate) fn leave(&mut self, operational: bool) {
         // What can fail here has failed before, and is in the reports of the cases.
         self.uncancelled(|bench| {
-            let _ = bench.reset(Command::RESET_NODE);
+            let _ = baseline::restart_at_last(bench);
             if operational {
                 let _ = bench.command(Command::START);
             }

@@ -1,8 +1,9 @@
 //! Where the zero point is, and how it is put back: at rest, to the step.
 
 use super::profile;
+use super::sdo::number;
 use super::{Bench, Options, Target};
-use crate::verdict::Stop;
+use crate::verdict::{Precondition, Stop};
 use crate::zero_point::{Moved, Objects, ZeroPoint, shorter_way};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::Bus;
@@ -13,9 +14,14 @@ use std::sync::atomic::AtomicBool;
 const READINGS: usize = 4;
 const BETWEEN: Duration = Duration::from_millis(30);
 
+/// A number in whatever length the device has it: a zero point is known also where the description is wrong.
+fn number_of(bench: &mut Bench<'_>, at: Multiplexer) -> Result<u32, Stop> {
+    Ok(number(&bench.upload(at)?.value().or_inconclusive()?))
+}
+
 /// The position. An angle is shown with a sign, or without.
 fn shown(bench: &mut Bench<'_>, objects: &Objects) -> Result<i64, Stop> {
-    let number = bench.read_number(objects.position)?;
+    let number = number_of(bench, objects.position)?;
     let is_negative = !objects.takes_position && u64::from(number) >= objects.range;
     Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
 }
@@ -43,8 +49,8 @@ impl Bench<'_> {
             let away = shorter_way(first, shown(self, &objects)?, objects.range);
             around = [around[0].min(away), around[1].max(away)];
         }
-        let mut number = |at: Option<Multiplexer>| at.map(|at| self.read_number(at)).transpose();
-        let (offset, raw) = (number(objects.offset)?, number(objects.raw)?);
+        let mut told = |at: Option<Multiplexer>| at.map(|at| number_of(self, at)).transpose();
+        let (offset, raw) = (told(objects.offset)?, told(objects.raw)?);
         let offset = offset.map(|offset| i64::from(offset as i32));
         Ok(Some(ZeroPoint::new(objects, first, around, offset, raw.map(i64::from))))
     }

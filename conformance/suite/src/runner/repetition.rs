@@ -63,7 +63,7 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
 fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {
-        if !may_end_otherwise(&report) || case.touches.contains(&Touch::Nvm) || bench.is_cancelled() {
+        if !may_end_otherwise(&report) || may_wear_out(case) || bench.is_cancelled() {
             break;
         }
         let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
@@ -73,6 +73,11 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         report.notes.splice(0..0, notes.into_iter().chain([tried]));
     }
     report
+}
+
+/// Whether the case may write the memory; some devices store a preset as soon as it is written.
+fn may_wear_out(case: &Case) -> bool {
+    case.touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset))
 }
 
 /// Whether a repetition may find a quieter moment: others that send to the device all the time leave none.

@@ -53,7 +53,7 @@ impl fmt::Display for EndedEarly {
 /// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct HostTiming {
-    /// From a frame's time on the bus to the tester's seeing it, while it waited: 99 of 100 within this.
+    /// 99 of 100 frames reached the waiting tester within this time after their time on the bus.
     pub receive_usually: Duration,
     /// All within this.
     pub receive_always: Duration,

@@ -19,7 +19,11 @@ pub(super) fn run(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let breaches = bench.take_breaches(last);
     let took = bench.now().since(trial.started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
-    Trial { breaches, end, overload, ..trial }
+    let unreached = match &end {
+        Some(End::Inconclusive(reason)) if reason.lack == Lack::Feature => Some(reason.clone()),
+        _ => None,
+    };
+    Trial { breaches, end, unreached, overload, ..trial }
 }
 
 fn attempt(bench: &mut Bench<'_>, case: &'static Case) -> Judged {

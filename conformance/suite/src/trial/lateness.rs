@@ -12,13 +12,19 @@ use canvass_traces::Duration;
 /// was not reached may be its lateness, too.
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     // What an open case finds fails nobody; a device that has left is not late.
-    if !trial.has_asked || trial.has_left || trial.case.level == Level::Open || trial.is_void() {
+    let is_open = trial.case.level == Level::Open;
+    if !trial.has_asked || trial.has_left || bench.knowledge.has_gone() || is_open || trial.is_void() {
+        return trial;
+    }
+    // The run is to end: nothing more is asked.
+    if bench.is_cancelled() {
         return trial;
     }
     let timing = bench.timing();
     let needed = |breach: &Breach| lateness_needed(breach, &timing);
+    // An earlier judge that ended the case knows better than this one.
     let unreached = match &trial.end {
-        Some(End::Inconclusive(reason)) if reason.lack == Lack::Feature => Some(reason.clone()),
+        Some(End::Inconclusive(reason)) => trial.unreached.clone().filter(|unreached| unreached == reason),
         _ => None,
     };
     let most = trial.breaches.iter().filter_map(needed).chain(unreached.as_ref().map(|_| HOST_LATE)).max();
@@ -54,7 +60,10 @@ fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
         // A request waits this long for its answer.
         Observation::Silence if of_sdo => Some(timing.sdo_response),
         Observation::Silence if of_layers => Some(timing.silence),
+        Observation::Silence if breach.subject == Subject::Service(Service::BootUp) => Some(timing.boot_up),
         Observation::Value(_) | Observation::Number(_) if of_dictionary => None,
+        // The form of an answer is wrong whenever it comes.
+        Observation::Named(_) | Observation::Frame(_) if of_sdo || of_layers => None,
         // Cases give the device at least this long to act.
         Observation::Silence
         | Observation::Value(_)

@@ -28,6 +28,8 @@ pub(crate) struct Trial {
     breaches: Vec<Breach>,
     /// Why the case did not come to its own end.
     end: Option<End>,
+    /// The precondition that the case itself did not reach.
+    unreached: Option<Reason>,
     /// The case has asked the device, and nothing on the tester's side kept the device from answering.
     has_asked: bool,
     /// The device left the bus during the case.
@@ -80,6 +82,7 @@ impl Trial {
             case,
             breaches: Vec::new(),
             end: None,
+            unreached: None,
             has_asked: false,
             has_left: false,
             overload: None,

@@ -36,6 +36,7 @@ const EXPECTED: &Expected = &[
     ("305/identify/at-bounds", Fail, IDENTIFY),
     ("305/identify/halving", Fail, IDENTIFY),
     ("305/identify/within", Fail, IDENTIFY),
+    ("305/identify/outside", Inconclusive, IDENTIFY),
     ("305/unconfigured/identify", Fail, "the search for slaves without node-ID (4Ch) is not answered"),
     ("305/switch-global/reserved-mode", Fail, "every mode but 1 leads to waiting"),
     ("305/switch-selective/in-configuration", Fail, "the address is answered in configuration too"),

@@ -46,11 +46,14 @@ const EXPECTED: &Expected = &[
     ("301/store/wrong-signature", Fail, SIGNATURE),
     ("301/store/operational", Fail, SIGNATURE),
     ("301/store/persists", Inconclusive, SIGNATURE),
+    ("301/store/every-capability", Inconclusive, NONE_COUNTED),
+    ("301/store/every-signature", Inconclusive, NONE_COUNTED),
     ("305/fastscan/early-match", Fail, "a match that goes back to an earlier part ends Fastscan"),
     ("305/fastscan/out-of-range", Fail, "bit check 32 is a panic"),
     ("305/identify/at-bounds", Fail, IDENTIFY),
     ("305/identify/halving", Fail, IDENTIFY),
     ("305/identify/within", Fail, IDENTIFY),
+    ("305/identify/outside", Inconclusive, IDENTIFY),
     ("305/unconfigured/identify", Fail, "the search for slaves without node-ID (4Ch) is not answered"),
     ("305/unconfigured/silent", Fail, "a node without node-ID still answers SDOs at its old one"),
     ("305/node-id/inquired-pending", Fail, NODE_ID),
@@ -69,6 +72,7 @@ const BLOCK_SIZE: &str = "block sizes 0 and above 127 are taken";
 const UNKNOWN: &str = "unknown command specifiers are not answered";
 const BUSY: &str = "a new transfer is refused while another one is open";
 const SIGNATURE: &str = "the signature of 1010h is expected the wrong way round";
+const NONE_COUNTED: &str = "sub-index 0 of 1010h counts no sub-index";
 const IDENTIFY: &str = "identify remote slave (46h to 4Bh) is not answered";
 const NODE_ID: &str = "a new node-ID is in force at once";
 

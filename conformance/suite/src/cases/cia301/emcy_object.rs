@@ -72,7 +72,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
        needs = [EmcyId, Monitoring], catches = [EmcySentWhenInvalid])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
-    bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+    bench.write_confirmed(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
     let now = bench.read(COB_ID)?;
     bench.check(demand(number(&now) & CobId::INVALID != 0, || {
         let breach = Breach::new(COB_ID, "bit 31 of 1014h reads as it was written").expected("bit 31");

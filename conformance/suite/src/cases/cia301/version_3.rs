@@ -113,7 +113,7 @@ fn consumer_bit(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
     bench.each([(own, 1), (own & !CobId::INVALID, 0)], |bench, (value, right)| {
-        bench.write(SYNC_ID, &value.to_le_bytes())?;
+        bench.write_confirmed(SYNC_ID, &value.to_le_bytes())?;
         bench.drain()?;
         bench.send_bytes((own & 0x7FF) as u16, &[])?;
         let heard = bench.frames_of(can_id, bench.shortly())?.len() as u64;

@@ -64,6 +64,10 @@ impl Profile for Encoders {
                 | encoder::WORK_AREA_LOW_LIMIT..=encoder::WORK_AREA_HIGH_LIMIT
         )
     }
+
+    fn is_scaling(&self, at: Multiplexer) -> bool {
+        matches!(at, SINGLE_TURN | REVOLUTIONS)
+    }
 }
 
 /// The inclinometer of Kübler's draw-wire encoders: 3010h tells whether the angle counts from a zero that was set.

@@ -1,7 +1,7 @@
 //! The wire matrix: each field of each message that a device sends, wrong in each way, at each time.
 //!
 //! The messages and their fields are those that the wire types list themselves ([`canvass_analyzer::wire::Fields`]), so that
-//! a new one is in the matrix by itself. A mutant is a right device behind a [`filter`]. It runs the cases in their usual
+//! a new one is in the matrix by itself. A mutant is a right device behind a filter. It runs the cases in their usual
 //! order, without those in which its message does not come, until one fails. Where no frame differs from the right device,
 //! the mutant says nothing.
 
