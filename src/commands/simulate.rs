@@ -91,7 +91,7 @@ impl Args {
             bus.dirty_padding();
         }
         let device = match self.motion()? {
-            Some(motion) => Device::with_motion(&model, node, firmware, self.seed, motion),
+            Some(motion) => Device::with_motion(&model, node, firmware, self.seed, &motion),
             None => Device::new(&model, node, firmware, self.seed),
         };
         let mut device = KeptDevice::new(device, self.memory.as_deref())?;

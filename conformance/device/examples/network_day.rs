@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut bus = SimulatedBus::new(250_000);
     for node in NodeId::all().take(usize::from(NODES)) {
         let motion = Motion::constant(0, MILLI_RPM * i64::from(node.raw()));
-        bus.attach(Box::new(Device::with_motion(model, Some(node), Faults::NONE, u64::from(node.raw()), motion)));
+        bus.attach(Box::new(Device::with_motion(model, Some(node), Faults::NONE, u64::from(node.raw()), &motion)));
     }
     let begin = Instant::now();
     let mut frames = run(&mut bus, Duration::from_secs(1))?;

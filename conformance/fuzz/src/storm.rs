@@ -117,7 +117,7 @@ impl Attack<'_> {
         // One of eight has no node-ID, one of eight has faults.
         let node = if self.done.starts % 8 == 5 { None } else { self.model.default_node().or(NodeId::new(USUAL_NODE)) };
         let motion = Motion::constant(self.dice.number() as i64 >> 20, self.dice.number() as i64 >> 40);
-        let device = Device::with_motion(self.model, node, faults, self.dice.number(), motion);
+        let device = Device::with_motion(self.model, node, faults, self.dice.number(), &motion);
         let mut attacked = Attacked { device, now: Timestamp::ZERO };
         self.done.starts += 1;
         // Into one of the states; the frames may change it.

@@ -30,7 +30,7 @@ fn check(id: &str, executed_at_least: usize) {
         // 30 revolutions per minute where the case needs a shaft that turns.
         let turns = case.needs_motion();
         let motion = Motion::constant(0x4CBA, if turns { 30_000 } else { 0 });
-        bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, motion)));
+        bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, &motion)));
         let mut annotate = |_: &canvass_traces::Record| String::new();
         let report = run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case);
         let kind = report.verdict.kind();

@@ -69,7 +69,7 @@ fn judged(model: &'static Model, load: u64, crowd: &[(&str, u8)], allow: &[Touch
     let judge = |case: &'static canvass_suite::case::Case| {
         let mut bus = SimulatedBus::new(BIT_RATE);
         let motion = Motion::constant(0x4CBA, if case.needs_motion() { 30_000 } else { 0 });
-        bus.attach(Box::new(Device::with_motion(model, Some(node), Faults::NONE, 0, motion)));
+        bus.attach(Box::new(Device::with_motion(model, Some(node), Faults::NONE, 0, &motion)));
         for (other, node) in crowd {
             let other = Model::by_id(other).unwrap();
             bus.attach(Box::new(Device::new(other, NodeId::new(*node), Faults::NONE, u64::from(*node))));

@@ -23,7 +23,7 @@ pub trait Profile: Sync {
     fn number(&self) -> u16;
 
     /// The application of a device of that model, if the model has this profile.
-    fn application(&self, model: &Model, motion: Motion, firmware: &Firmware) -> Option<Box<dyn Application>>;
+    fn application(&self, model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>>;
 
     /// Changes the values of the object dictionary in which the firmware has faults.
     fn plant(&self, _: &mut Parameters, _: &Firmware) {}
@@ -170,7 +170,7 @@ pub type ApplicationErrors = [Option<(ApplicationError, bool)>; 4];
 
 /// The application of a device of that model, if a profile has one for it.
 pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>> {
-    PROFILES.iter().find_map(|profile| profile.application(model, motion.clone(), firmware))
+    PROFILES.iter().find_map(|profile| profile.application(model, motion, firmware))
 }
 
 /// Changes the object dictionary by the faults of the firmware in objects of profiles.

@@ -122,7 +122,7 @@ impl Device {
     /// A device of a model as delivered, switched on at time 0. `node` is its node-ID; `None` if LSS must assign one.
     /// `seed` determines random response times.
     pub fn new(model: &Model, node: Option<NodeId>, firmware: impl Into<Firmware>, seed: u64) -> Self {
-        Self::with_motion(model, node, firmware, seed, Motion::still(REST_POSITION))
+        Self::with_motion(model, node, firmware, seed, &Motion::still(REST_POSITION))
     }
 
     /// As [`Device::new`], with a motion of the measured quantity.
@@ -131,7 +131,7 @@ impl Device {
         node: Option<NodeId>,
         firmware: impl Into<Firmware>,
         seed: u64,
-        motion: Motion,
+        motion: &Motion,
     ) -> Self {
         let firmware = firmware.into();
         let model = &*model.taking(firmware.liberties);

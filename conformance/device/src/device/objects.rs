@@ -48,7 +48,7 @@ impl Objects {
     }
 
     /// The dictionary of a device as delivered.
-    pub fn new(model: &Model, node: Option<NodeId>, motion: Motion, firmware: &Firmware) -> Self {
+    pub fn new(model: &Model, node: Option<NodeId>, motion: &Motion, firmware: &Firmware) -> Self {
         let mut parameters = Parameters::new(model, node.unwrap_or(PLACEHOLDER));
         if let Some(at) = model.sheet().network.node_id_object {
             let node_id = node.map_or(UNCONFIGURED, NodeId::raw);
@@ -60,7 +60,7 @@ impl Objects {
             model: model.clone(),
             parameters,
             errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, firmware),
-            application: application::of(model, &motion, firmware),
+            application: application::of(model, motion, firmware),
             clock: Clock::new(Timestamp::ZERO, firmware),
             received_emcy: 0,
             firmware: *firmware,

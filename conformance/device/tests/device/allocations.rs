@@ -32,7 +32,7 @@ fn frames_cost_no_memory() {
     let mut bus = SimulatedBus::new(250_000);
     for node in (FIRST..FIRST + NODES).map(NodeId::new) {
         let motion = Motion::constant(0, 60_000);
-        bus.attach(Box::new(Device::with_motion(model(), node, Faults::NONE, 1, motion)));
+        bus.attach(Box::new(Device::with_motion(model(), node, Faults::NONE, 1, &motion)));
     }
     second(&mut bus, &[]);
     // TPDO 1 every 10 ms, start.

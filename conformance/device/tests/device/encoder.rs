@@ -6,14 +6,14 @@ use canvass_device::models::Model;
 use proptest::prelude::*;
 
 fn moving(milli_rpm: i64) -> Rig {
-    let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion::constant(0, milli_rpm));
+    let mut rig = Rig::powered(model(), Some(63), Default::default(), &Motion::constant(0, milli_rpm));
     rig.run(300);
     rig
 }
 
 fn reference() -> Rig {
     let model = Model::by_id("reference-406").unwrap();
-    let mut rig = Rig::powered(model, Some(63), Default::default(), Motion::still(0x4CBA));
+    let mut rig = Rig::powered(model, Some(63), Default::default(), &Motion::still(0x4CBA));
     rig.run(300);
     rig
 }
@@ -45,7 +45,7 @@ fn limits_of_the_temperature_are_kueblers() {
     let another = eds.replace("0x00000013", "0x0000002A");
     for (text, errors) in [(eds, 1), (another.as_str(), 0)] {
         let model = Model::generic("my.eds", text.as_bytes()).unwrap();
-        let mut rig = Rig::powered(&model, Some(63), Default::default(), Motion::still(0));
+        let mut rig = Rig::powered(&model, Some(63), Default::default(), &Motion::still(0));
         rig.run(300);
         let heard = rig.ask("63F#2F20210350000000");
         assert!(heard.contains(&"5BF#6020210300000000".to_owned()), "{heard:?}");
@@ -150,7 +150,7 @@ proptest! {
     fn the_position_is_in_its_range(
         operating in prop::sample::select(vec![0_u32, 1, 4, 5, 0x1004]), units: u16, range: u32, preset: u32, rest: i32,
     ) {
-        let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion::still(rest.into()));
+        let mut rig = Rig::powered(model(), Some(63), Default::default(), &Motion::still(rest.into()));
         rig.run(300);
         rig.write(0x6000, 0, operating, 2);
         rig.write(0x6001, 0, u32::from(units), 4);

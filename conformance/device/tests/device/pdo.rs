@@ -83,7 +83,7 @@ fn on_change_with_inhibit_time() {
 
 #[test]
 fn a_moving_shaft_is_reported_by_itself() {
-    let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion::constant(0, 60_000));
+    let mut rig = Rig::powered(model(), Some(63), Default::default(), &Motion::constant(0, 60_000));
     rig.run(300);
     rig.write(0x1800, 2, 254, 1);
     rig.send("000#013F");

@@ -8,7 +8,7 @@ use canvass_device::models::Model;
 fn powered(model: &str, milli_rpm: i64) -> Rig {
     let model = Model::by_id(model).unwrap();
     let node = model.default_node().map_or(63, |node| node.raw());
-    let mut rig = Rig::powered(model, Some(node), Faults::NONE, Motion::constant(0x4CBA, milli_rpm));
+    let mut rig = Rig::powered(model, Some(node), Faults::NONE, &Motion::constant(0x4CBA, milli_rpm));
     rig.run(300);
     rig
 }
@@ -106,7 +106,7 @@ fn raw_position() {
 fn unconfigured() {
     let model = Model::by_id("kuebler-sendix-m58").unwrap();
     assert_eq!(model.default_node(), None);
-    let mut rig = Rig::powered(model, None, Faults::NONE, Motion::still(0));
+    let mut rig = Rig::powered(model, None, Faults::NONE, &Motion::still(0));
     assert!(rig.run(10_000).is_empty());
     assert!(rig.ask("000#0100").is_empty());
     assert!(rig.ask("7E5#4C00000000000000").iter().any(|frame| frame.starts_with("7E4#50")), "identifies itself");

@@ -15,7 +15,7 @@ fn reference() -> Rig {
 }
 
 fn powered(model: &str, node: Option<u8>) -> Rig {
-    let mut rig = Rig::powered(Model::by_id(model).unwrap(), node, Faults::NONE, Motion::default());
+    let mut rig = Rig::powered(Model::by_id(model).unwrap(), node, Faults::NONE, &Motion::default());
     rig.run(300);
     rig
 }

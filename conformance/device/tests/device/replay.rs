@@ -42,7 +42,7 @@ fn rest() -> i64 {
 fn complaint(example: &Example, model: &str) -> Option<String> {
     let model = Model::by_id(model).unwrap();
     let node = (example.node > 0).then_some(example.node);
-    let mut rig = Rig::powered_at(example.bit_rate, model, node, Faults::NONE, Motion::still(example.rest));
+    let mut rig = Rig::powered_at(example.bit_rate, model, node, Faults::NONE, &Motion::still(example.rest));
     rig.run(300);
     let mut steps = example.frames.iter().peekable();
     while let Some(step) = steps.next() {
@@ -83,7 +83,7 @@ fn the_manuals_dialogues() {
 /// 5.7.7: the position comes every 10 ms by 6200h, counter-clockwise.
 #[test]
 fn the_trace_goes_on_in_operational() {
-    let mut rig = Rig::powered(crate::rig::model(), Some(63), Faults::NONE, Motion::still(-0x4CBA));
+    let mut rig = Rig::powered(crate::rig::model(), Some(63), Faults::NONE, &Motion::still(-0x4CBA));
     rig.run(300);
     rig.dialogue(&[("2B0062000A000000", "6000620000000000"), ("2B00600001000000", "6000600000000000")]);
     rig.send("000#013F");

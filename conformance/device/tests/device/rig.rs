@@ -22,17 +22,17 @@ impl Rig {
     }
 
     pub fn with(faults: impl Into<Faults>) -> Self {
-        let mut rig = Self::powered(model(), Some(63), faults.into(), Motion::still(0x4CBA));
+        let mut rig = Self::powered(model(), Some(63), faults.into(), &Motion::still(0x4CBA));
         rig.run(300);
         rig
     }
 
-    pub fn powered(model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
+    pub fn powered(model: &Model, node: Option<u8>, faults: Faults, motion: &Motion) -> Self {
         Self::powered_at(250_000, model, node, faults, motion)
     }
 
     /// On a bus of that bit rate, which a device without a bit rate of its own takes over.
-    pub fn powered_at(bit_rate: u32, model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
+    pub fn powered_at(bit_rate: u32, model: &Model, node: Option<u8>, faults: Faults, motion: &Motion) -> Self {
         let mut bus = SimulatedBus::new(bit_rate);
         let node = node.map(|node| NodeId::new(node).unwrap());
         bus.attach(Box::new(Device::with_motion(model, node, faults, 1, motion)));

@@ -66,7 +66,7 @@ proptest! {
     ) {
         let node = configured.then(|| NodeId::new(63).unwrap());
         let mut bus = SimulatedBus::new(1_000_000);
-        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, Motion::constant(0, milli_rpm))));
+        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, &Motion::constant(0, milli_rpm))));
         let mut received = 0_u32;
         for (frame, pause) in &frames {
             bus.send(frame).unwrap();
@@ -87,7 +87,7 @@ proptest! {
         for model in Model::all() {
             let node = (state != 4).then(|| NodeId::new(63).unwrap());
             let mut bus = SimulatedBus::new(1_000_000);
-            bus.attach(Box::new(Device::with_motion(model, node, faults, 3, Motion::constant(0, 77_777))));
+            bus.attach(Box::new(Device::with_motion(model, node, faults, 3, &Motion::constant(0, 77_777))));
             // In initialisation, pre-operational, operational, stopped, or without node-ID.
             let begin = bus.now() + Duration::from_millis(if state == 0 { 1 } else { 400 });
             while bus.receive(begin).unwrap().is_some() {}

@@ -1,6 +1,7 @@
 //! The SDO server.
 
 use crate::rig::Rig;
+use canvass_device::Motion;
 use canvass_device::models::Model;
 
 #[test]
@@ -169,7 +170,7 @@ fn with_blocks() -> Rig {
     let sheet = include_str!("../../models/kuebler-sendix-58x8.toml");
     let sheet = sheet.replace("sdo_block_transfer = false", "sdo_block_transfer = true");
     let model = Model::read(eds, &sheet).unwrap();
-    let mut rig = Rig::powered(&model, Some(63), Default::default(), Default::default());
+    let mut rig = Rig::powered(&model, Some(63), Default::default(), &Motion::default());
     rig.run(300);
     assert!(model.sheet().network.sdo_block_transfer, "the sheet has another wording now");
     rig

@@ -1,6 +1,7 @@
 //! Storing and LSS.
 
 use crate::rig::{Rig, model};
+use canvass_device::Motion;
 
 const SAVE: u32 = 0x6576_6173;
 const LOAD: u32 = 0x6461_6F6C;
@@ -119,7 +120,7 @@ fn identify_remote_slave() {
 
 #[test]
 fn fastscan_finds_a_device_without_node_id() {
-    let mut rig = Rig::powered(model(), None, Default::default(), Default::default());
+    let mut rig = Rig::powered(model(), None, Default::default(), &Motion::default());
     assert!(rig.run(1000).is_empty(), "no boot-up without node-ID");
     assert_eq!(rig.ask("7E5#4C00000000000000"), ["7E4#5000000000000000"]);
     let mut scan = |id: u32, check: u8, sub: u8, next: u8| {

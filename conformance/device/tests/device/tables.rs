@@ -91,7 +91,7 @@ fn access(rig: &mut Rig, node: u8, row: &SheetRow<'_>, value: &[u8]) -> &'static
 fn compare(model: &str, table: &str) {
     let model = Model::by_id(model).unwrap();
     let node = model.default_node().map_or(63, |node| node.raw());
-    let mut rig = Rig::powered(model, Some(node), Faults::NONE, Motion::still(0x4CBA));
+    let mut rig = Rig::powered(model, Some(node), Faults::NONE, &Motion::still(0x4CBA));
     rig.run(300);
     let mut wrong = Vec::new();
     let rows = rows(table);

@@ -34,7 +34,7 @@ impl Machine {
         let node = model.default_node().unwrap_or_else(|| NodeId::new(GIVEN).unwrap());
         let mut bus = SimulatedBus::new(model.default_bit_rate());
         let motion = Motion::constant(1_000, 60_000);
-        bus.attach(Box::new(Device::with_motion(model, Some(node), firmware, 7, motion)));
+        bus.attach(Box::new(Device::with_motion(model, Some(node), firmware, 7, &motion)));
         let zero = Timestamp::ZERO;
         let mut machine = Self {
             model,

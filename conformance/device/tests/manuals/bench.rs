@@ -17,7 +17,7 @@ impl Bench {
     pub fn started(model: &str, node: u8) -> (Self, Vec<String>) {
         let model = Model::by_id(model).unwrap_or_else(|| panic!("no model {model}"));
         let motion = Motion::still(0x4CBA);
-        let device = Device::with_motion(model, NodeId::new(node), Faults::NONE, 1, motion);
+        let device = Device::with_motion(model, NodeId::new(node), Faults::NONE, 1, &motion);
         let mut bench = Self { device, now: Timestamp::ZERO };
         let start = bench.run(300);
         (bench, start)

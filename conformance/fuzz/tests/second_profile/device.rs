@@ -20,7 +20,7 @@ impl Profile for DigitalIo {
         NUMBER
     }
 
-    fn application(&self, model: &Model, _: Motion, _: &Firmware) -> Option<Box<dyn Application>> {
+    fn application(&self, model: &Model, _: &Motion, _: &Firmware) -> Option<Box<dyn Application>> {
         let is_own = model.description().device_profile() == Some(NUMBER);
         is_own.then(|| -> Box<dyn Application> { Box::new(Outputs { stuck: model.id() == STUCK }) })
     }

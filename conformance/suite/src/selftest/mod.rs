@@ -263,7 +263,7 @@ fn judge_hearing(
     hear: &mut dyn FnMut(&Record),
 ) -> CaseReport {
     let new =
-        |motion| -> Box<dyn Machine> { Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)) };
+        |motion| -> Box<dyn Machine> { Box::new(Device::with_motion(model, Some(target.node), firmware, 0, &motion)) };
     judge_machine(case, new, model.default_bit_rate(), target, knowledge, hear)
 }
 

@@ -51,9 +51,9 @@ impl Profile for Cia406 {
         NUMBER
     }
 
-    fn application(&self, model: &Model, motion: Motion, firmware: &Firmware) -> Option<Box<dyn Application>> {
+    fn application(&self, model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>> {
         let sheet = *model.sheet().application.get::<Measurement>()?;
-        let (model, cams, firmware) = (model.clone(), Cams::default(), *firmware);
+        let (model, motion, cams, firmware) = (model.clone(), motion.clone(), Cams::default(), *firmware);
         Some(Box::new(Encoder { sheet, model, motion, offset: 0, preset_at: None, cams, firmware }))
     }
 

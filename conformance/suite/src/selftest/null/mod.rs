@@ -155,7 +155,7 @@ fn row(device: NullDevice, cases: &[&'static Case], reviewed: &Reviewed) -> Resu
     let mut row = NullRow::new(device);
     for &case in cases {
         let new = |motion| -> Box<dyn Machine> {
-            let base = Device::with_motion(&model, Some(target.node), canvass_device::Firmware::PLAIN, 0, motion);
+            let base = Device::with_motion(&model, Some(target.node), canvass_device::Firmware::PLAIN, 0, &motion);
             match device {
                 NullDevice::MandatoryOnly => Box::new(base),
                 _ => Box::new(NullMachine::new(device, target.node, base)),

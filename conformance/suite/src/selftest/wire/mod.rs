@@ -200,7 +200,7 @@ impl Stage {
     ) -> (Verdict, Tally) {
         let mut tally = None;
         let new = |motion| -> Box<dyn Machine> {
-            let device = Device::with_motion(self.model, Some(self.target.node), Firmware::PLAIN, 0, motion);
+            let device = Device::with_motion(self.model, Some(self.target.node), Firmware::PLAIN, 0, &motion);
             let filter = Filter::new(device, self.protocol, mutant, Arc::clone(primitives));
             tally = Some(filter.tally());
             Box::new(filter)
