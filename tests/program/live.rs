@@ -5,7 +5,6 @@ use crate::running::{Run, command, run};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
-use std::sync::Mutex;
 
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
@@ -22,9 +21,15 @@ impl Device {
 
     /// A device of that model, with its node-ID of delivery.
     pub fn of(model: &str, more: &[&str]) -> Self {
-        // Until the device listens nobody else may be given its port.
-        static STARTING: Mutex<()> = Mutex::new(());
-        let starting = STARTING.lock().unwrap();
+        let (device, node) = (0..20).find_map(|_| Self::on_a_free_port(model, more)).expect("a port stays free");
+        // It answers once it has booted.
+        let answers = || run(&["sdo", "read", &device.bus, &node, "1000", "--timeout", "300ms"]).status == 0;
+        assert!((0..20).any(|_| answers()), "the simulated device boots");
+        device
+    }
+
+    /// The device and its node-ID; `None` if somebody else took the port between the choice and the device's start.
+    fn on_a_free_port(model: &str, more: &[&str]) -> Option<(Self, String)> {
         // The port is free again once this listener is gone.
         let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         let listen = format!("slcan:listen://{address}");
@@ -35,14 +40,12 @@ impl Device {
             .unwrap();
         let mut line = String::new();
         BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
-        let node =
-            line.split(" as node ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or_else(|| panic!("{line}"));
-        drop(starting);
         let device = Self { child, bus: format!("slcan:tcp://{address}") };
-        // It answers once it has booted.
-        let answers = || run(&["sdo", "read", &device.bus, node, "1000", "--timeout", "300ms"]).status == 0;
-        assert!((0..20).any(|_| answers()), "the simulated device boots");
-        device
+        let Some(rest) = line.split(" as node ").nth(1) else {
+            assert!(line.contains("in use"), "{line}");
+            return None;
+        };
+        Some((device, rest.split(' ').next().unwrap_or_default().to_owned()))
     }
 }
 

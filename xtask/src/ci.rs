@@ -32,7 +32,7 @@ const LINTS: &str =
     "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
 /// Duration of each fuzz target in CI, in seconds: enough for the seeds and quick findings.
-const FUZZ: u32 = 5;
+const FUZZ: u32 = 3;
 /// The same at night.
 const FUZZ_AT_NIGHT: u32 = 120;
 
@@ -60,7 +60,7 @@ const STEPS: [CiStep; 16] = [
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
     CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
     CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::step },
-    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
+    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
         alone: "cargo run --release -- selftest; the same with --null, and with --fuzz",
@@ -71,7 +71,8 @@ const STEPS: [CiStep; 16] = [
 ];
 
 /// Steps that take long and find little; they run nightly.
-const NIGHTLY: [CiStep; 6] = [
+const NIGHTLY: [CiStep; 7] = [
+    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
     CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
@@ -186,7 +187,13 @@ fn everyday_tests() -> Result<()> {
 
 /// With nextest one compilation serves also the tests with steps of their own; cargo can't leave those out.
 fn tests() -> Result<()> {
-    if has_nextest() { test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS].concat()) } else { everyday_tests() }
+    if !has_nextest() {
+        return everyday_tests();
+    }
+    // The profile tells which tests mostly wait, and may run beside others (.config/nextest.toml).
+    let places = (2 * std::thread::available_parallelism()?.get() + 1).to_string();
+    let side_by_side = ["--profile", "ci", "--test-threads", &places];
+    test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS, &side_by_side].concat())
 }
 
 fn peers_and_browser() -> Result<()> {
