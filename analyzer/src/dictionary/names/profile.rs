@@ -108,12 +108,32 @@ static PROFILES: LazyLock<Vec<Known>> = LazyLock::new(|| {
     profiles
 });
 
-/// The roles of the objects of all profiles, by index.
-static ROLES: LazyLock<Vec<(u16, &'static [Role])>> = LazyLock::new(|| {
-    let mut roles: Vec<_> = profiles().flat_map(Profile::roles).copied().collect();
-    roles.sort_by_key(|row| row.0);
+/// The standardized profile area of the first logical device (CiA 301, 7.4.1): its first index, and how many it has. The
+/// objects of profiles lie there.
+const OBJECTS: (u16, usize) = (0x6000, 0x800);
+
+/// A bit for each role that an object has in any profile, by index: every decoded SDO transfer asks.
+static ROLES: LazyLock<[u8; OBJECTS.1]> = LazyLock::new(|| {
+    let mut roles = [0; OBJECTS.1];
+    for (index, of_object) in profiles().flat_map(Profile::roles) {
+        let row = place(Index(*index)).and_then(|at| roles.get_mut(at));
+        debug_assert!(row.is_some(), "{index:04X}h is no object of a profile");
+        if let Some(row) = row {
+            *row |= of_object.iter().fold(0, |bits, role| bits | role.bit());
+        }
+    }
     roles
 });
+
+fn place(index: Index) -> Option<usize> {
+    index.0.checked_sub(OBJECTS.0).map(usize::from).filter(|&at| at < OBJECTS.1)
+}
+
+impl Role {
+    const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+}
 
 /// All profiles, by number.
 pub fn profiles() -> impl Iterator<Item = &'static dyn Profile> {
@@ -145,8 +165,7 @@ pub fn acting(at: Multiplexer, number: Option<u16>) -> Option<Acting> {
 
 /// Whether an object has that role in any profile.
 pub fn has_role(index: Index, role: Role) -> bool {
-    let first = ROLES.partition_point(|row| row.0 < index.0);
-    ROLES.iter().skip(first).take_while(|row| row.0 == index.0).any(|row| row.1.contains(&role))
+    place(index).and_then(|at| ROLES.get(at)).is_some_and(|roles| roles & role.bit() != 0)
 }
 
 /// The objects that have that role in a profile, by rising index.

@@ -22,8 +22,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 pub(super) struct Promptness {
     /// The least time in the run.
     usual: Option<Duration>,
-    /// The longest in the case.
+    /// The longest in the case, and in the run.
     longest: Duration,
+    longest_of_run: Duration,
     /// The reads of the run, and how many of them took much longer than usual.
     reads: u32,
     late: u32,
@@ -33,6 +34,7 @@ impl Promptness {
     fn note(&mut self, took: Duration) {
         self.usual = Some(self.usual.map_or(took, |usual| usual.min(took)));
         self.longest = self.longest.max(took);
+        self.longest_of_run = self.longest_of_run.max(took);
         self.reads += 1;
         self.late += u32::from(self.usual.is_some_and(|usual| took.0 >= usual.0 + HOST_LATE.0));
     }
@@ -55,10 +57,11 @@ impl Promptness {
 
     /// By how much the device was later than usual in the case.
     fn lateness(self) -> Duration {
-        if self.varies() {
-            return Duration::ZERO;
-        }
-        Duration(self.longest.0.saturating_sub(self.usual().0))
+        if self.varies() { Duration::ZERO } else { self.beyond_usual(self.longest) }
+    }
+
+    fn beyond_usual(self, longest: Duration) -> Duration {
+        Duration(longest.0.saturating_sub(self.usual().0))
     }
 
     /// Whether nothing is to be learned by one more read.
@@ -88,6 +91,13 @@ pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
     // A look that ends early has seen what it has seen.
     drop(looked);
     beyond(bench.knowledge.promptness.lateness())
+}
+
+/// By how much the device was later than usual at some time in the run, frames on the bus left out. That excuses nothing, so it
+/// does not matter whether its answers vary.
+pub(crate) fn lateness_of_run(bench: &Bench<'_>) -> Duration {
+    let promptness = bench.knowledge.promptness;
+    Duration(promptness.beyond_usual(promptness.longest_of_run).0.saturating_sub(bench.bus_delay().0))
 }
 
 fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {

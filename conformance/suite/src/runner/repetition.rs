@@ -3,12 +3,15 @@
 use crate::bench::Bench;
 use crate::case::Case;
 use crate::touch::Touch;
-use crate::trial::{CaseReport, run_case};
-use crate::verdict::{End, Kind, Lack, Verdict};
+use crate::trial::{CaseReport, doubt, run_case};
+use crate::verdict::{End, Kind, Lack, Reason, Verdict};
 use canvass_traces::Duration;
 
 /// A case that others disturbed is run again this many times at most.
 const REPETITIONS: usize = 3;
+
+/// A failure that the device's lateness may have made has to come this often again.
+const CONFIRMATIONS: u32 = 2;
 
 /// Runs a case as often as the options say.
 pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
@@ -59,8 +62,38 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
     last
 }
 
-/// Runs a case, and again if others disturbed it, or the device was late as a whole. Memory that wears out is not written again.
+/// Runs a case, and again if others disturbed it, or the device was or may have been late as a whole.
 fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+    let first = run_quietly(bench, case);
+    match doubt(&first, bench) {
+        Some(doubt) if !bench.is_cancelled() => confirmed(bench, case, first, doubt),
+        _ => first,
+    }
+}
+
+/// A failure that lateness of the device may have made counts if it comes each time; the doubt says what it is if not.
+fn confirmed(bench: &mut Bench<'_>, case: &'static Case, first: CaseReport, doubt: Reason) -> CaseReport {
+    let mut last = first;
+    for number in 1..=CONFIRMATIONS {
+        let tried = told(&last.verdict, number, last.duration);
+        let notes = last.notes.into_iter().chain([tried]);
+        let mut next = run_quietly(bench, case);
+        next.notes.splice(0..0, notes);
+        if matches!(next.verdict.kind(), Kind::Pass | Kind::Tolerated | Kind::Deviation) {
+            next.verdict = Verdict::inconclusive(doubt);
+            next.outcomes = vec![Kind::Inconclusive];
+            return next;
+        }
+        last = next;
+        if last.verdict.kind() != Kind::Fail || bench.is_cancelled() {
+            break;
+        }
+    }
+    last
+}
+
+/// Runs a case, and again where what kept it from a verdict comes and goes. Memory that wears out is not written again for that.
+fn run_quietly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {
         if !may_end_otherwise(&report) || may_wear_out(case) || bench.is_cancelled() {

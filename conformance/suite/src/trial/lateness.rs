@@ -1,9 +1,9 @@
 //! A device that gets no processor, as a process on a busy machine, is late as a whole: that is no failure of its timers.
 
-use super::{Trial, meanwhile};
+use super::{CaseReport, Trial, meanwhile};
 use crate::bench::{Bench, DEVICE_KEEPS_UP, HOST_LATE, Timing, promptness};
 use crate::clause::Level;
-use crate::verdict::{Allowed, Breach, End, Lack, Reason};
+use crate::verdict::{Allowed, Breach, End, Kind, Lack, Reason, Ruled};
 use canvass_analyzer::Service;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
@@ -46,6 +46,29 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
         trial.end = Some(End::Inconclusive(late(&unreached)));
     }
     trial
+}
+
+/// Why a failure has to come again: the device made nothing but breaches that lateness can make, and was late as a whole at
+/// some time in the run. A device that gets no processor now and then may be prompt again when it is asked.
+pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
+    if report.verdict.kind() != Kind::Fail {
+        return None;
+    }
+    let (timing, lateness) = (bench.timing(), promptness::lateness_of_run(bench));
+    // An answer of LSS names no question: a late one is taken for that of the next.
+    let is_mistaken = |breach: &Breach| matches!(breach.subject, Subject::Service(Service::Lss | Service::Lmt));
+    let by_lateness = |Ruled { breach, .. }: &Ruled| lateness_needed(breach, &timing).is_some() || is_mistaken(breach);
+    let mut failures = report.verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail);
+    if lateness < HOST_LATE || !failures.all(by_lateness) {
+        return None;
+    }
+    let usual = bench.knowledge.usual_answer();
+    let found = report.verdict.reason().map(|reason| meanwhile(&reason)).unwrap_or_default();
+    let actual = format!(
+        "another try found nothing, and the device was late as a whole in this run, by up to {lateness}{found}"
+    );
+    let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
+    Some(reason.for_lack_of(Lack::Promptness))
 }
 
 /// How late the device would have had to be to make the breach; `None`: no lateness makes it.

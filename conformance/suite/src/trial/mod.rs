@@ -12,6 +12,7 @@ mod restart;
 mod restoration;
 mod ruling;
 
+pub(crate) use lateness::doubt;
 pub use report::CaseReport;
 
 use crate::bench::{Bench, Remains};
