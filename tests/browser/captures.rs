@@ -34,7 +34,8 @@ impl Log {
     }
 }
 
-/// An encoder whose mapping is read, which runs for so many seconds and sends its position every 10 ms.
+/// The traffic of an encoder for `seconds` seconds: a client reads its mapping, and the encoder sends its position
+/// every 10 ms.
 pub fn machine(seconds: u64) -> Log {
     let mut log = Log::default();
     let end = seconds * 1_000_000;

@@ -20,7 +20,7 @@ pub struct Executor {
     pub advertise: Option<String>,
     /// Where the results of tasks are kept; nothing: a folder that is gone with the process.
     pub work_dir: Option<PathBuf>,
-    /// How many tasks run at a time; nothing: as many as there are processors.
+    /// Number of tasks that run at a time; `None`: number of processors.
     pub tasks: Option<usize>,
     /// How many bytes of memory all tasks together may take.
     pub memory: Option<usize>,

@@ -25,13 +25,13 @@ pub struct Wanted<'a> {
     pub columns: &'a [usize],
     /// Their schema.
     pub schema: &'a SchemaRef,
-    /// What must hold of a row.
+    /// The tests that a row must pass.
     pub tests: &'a [Test],
-    /// How many rows, at most.
+    /// Maximum number of rows.
     pub fetch: Option<usize>,
     /// Whether frames are skipped that give no rows and change nothing.
     pub skips: bool,
-    /// How many rows a batch has, at most.
+    /// Maximum number of rows in a batch.
     pub batch_rows: usize,
 }
 

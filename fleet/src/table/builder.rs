@@ -188,7 +188,7 @@ struct Names {
     values: StringBuilder,
     known: HashMap<Box<str>, i32>,
     last: Option<(Box<str>, i32)>,
-    /// Words of the program are distinguished by where they are and how long.
+    /// The keys of static strings of the program, found by address and length without comparing characters.
     words: Vec<((usize, usize), i32)>,
 }
 

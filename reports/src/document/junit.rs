@@ -114,7 +114,7 @@ impl Case {
         Self { outcome, ..self }
     }
 
-    /// The same with a remark.
+    /// The case with one more remark.
     #[must_use]
     pub fn remarked(mut self, remark: String) -> Self {
         self.remarks.push(remark);

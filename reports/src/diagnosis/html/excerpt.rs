@@ -53,13 +53,13 @@ struct Spot {
 /// A frame as the page shows it.
 #[derive(Clone)]
 pub struct Shown {
-    /// Its number among all frames, from 1; 0 where that is not known.
+    /// Number of the frame in the capture, from 1; 0 if unknown.
     pub number: u64,
     /// When it was seen.
     pub time: Timestamp,
-    /// Where.
+    /// The channel on which the frame was seen.
     pub channel: ChannelId,
-    /// Where it stands in its file.
+    /// The place of the frame in its file.
     pub place: Place,
     /// The frame, or its head.
     pub frame: Frame,
@@ -68,9 +68,9 @@ pub struct Shown {
     /// How long the payload is.
     pub len: usize,
     pub service: Option<Service>,
-    /// The node that it is about.
+    /// The node that the frame is about.
     pub node: Option<NodeId>,
-    /// What it means.
+    /// The meaning of the frame.
     pub text: String,
 }
 

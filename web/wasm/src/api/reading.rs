@@ -27,7 +27,7 @@ impl Hasher {
         self.0.update(bytes);
     }
 
-    /// The hash of all so far, in hexadecimal.
+    /// The hash of all bytes so far, in hexadecimal.
     pub fn digest(&self) -> String {
         hexadecimal(&self.0.clone().finalize())
     }

@@ -50,7 +50,7 @@ impl Store {
     const PLAIN_BYTES: usize = 32 << 20;
     /// The memory that records may take: those of a capture of about a gigabyte.
     pub const MOST_BYTES: usize = 256 << 20;
-    /// So many snapshots of one bus; of several buses fewer.
+    /// Maximum number of snapshots for one bus; several buses have fewer.
     const SNAPSHOTS: usize = 256;
 
     /// About the memory that the records of a usual log of so many bytes take.
@@ -79,7 +79,7 @@ impl Store {
         self.blocks.first().map(|block| block.first).or(self.open_first)
     }
 
-    /// Without records, for buses on which so much is known.
+    /// A store without records. `network` holds what is known of the buses beforehand.
     pub fn new(network: Network) -> Self {
         Self { snapshots: vec![network], spacing: 1, ..Self::default() }
     }
