@@ -18,7 +18,7 @@ impl Log {
         self
     }
 
-    /// An SDO request and its answer, so many microseconds later.
+    /// An SDO request and its answer `later` microseconds after the request.
     pub fn sdo(&mut self, us: u64, node: u8, request: &str, answer: &str, later: u64) -> &mut Self {
         self.at(us, &format!("6{node:02X}#{request}")).at(us + later, &format!("5{:02X}#{answer}", 0x80 + node))
     }

@@ -16,7 +16,7 @@ pub struct Trace {
 pub struct Said {
     /// The decoding.
     pub decoded: Decoded,
-    /// The same in words.
+    /// The decoding in words.
     pub text: String,
 }
 

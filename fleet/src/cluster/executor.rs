@@ -26,10 +26,10 @@ pub struct Executor {
     pub memory: Option<usize>,
 }
 
-/// How often it tells the scheduler that it is there.
+/// Seconds between two heartbeats of the executor to the scheduler.
 const HEARTBEAT_SECONDS: u64 = 3;
 
-/// So long it tries to reach its scheduler, which may be started at the same time.
+/// Seconds during which the executor tries to reach its scheduler, which may be started at the same time.
 const PATIENCE_SECONDS: u16 = 30;
 
 impl Executor {

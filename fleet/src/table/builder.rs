@@ -38,7 +38,7 @@ enum Cell {
 }
 
 impl<R: Rows> BatchBuilder<R> {
-    /// A batch is full with so many bytes of texts and payloads, whatever the number of rows.
+    /// Number of bytes of texts and payloads with which a batch is full, whatever the number of rows.
     const FULL: usize = 4 << 20;
 
     /// Makes these columns, of which `schema` tells.

@@ -108,7 +108,7 @@ impl Case {
         Self { family, name, duration: Duration::ZERO, outcome: Outcome::Passed, remarks: Vec::new() }
     }
 
-    /// The same with another outcome.
+    /// The case with this outcome.
     #[must_use]
     pub fn ended(self, outcome: Outcome) -> Self {
         Self { outcome, ..self }

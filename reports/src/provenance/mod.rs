@@ -231,7 +231,7 @@ pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Optio
     ]
 }
 
-/// The same in a line, which begins with the name.
+/// The identity in one line, which begins with the name.
 fn identity_text(identity: &DeviceIdentity) -> String {
     let told = identity_facts(identity).map(|(name, value)| format!("{name} {}", value.as_deref().unwrap_or("-")));
     told.join(", ").replacen("name ", "", 1)

@@ -46,7 +46,7 @@ impl Page {
         Ok(())
     }
 
-    /// Reads so many records on; JSON says how far it is.
+    /// Reads the next `records` records; returns the progress as JSON.
     ///
     /// # Errors
     /// If nothing is being opened.
