@@ -105,7 +105,7 @@ impl LiveReader {
         lost(since.lost)
     }
 
-    /// The same while frames come without a pause; `None` if the last check was less than [`LOSSES`] ago.
+    /// The losses while frames come without a pause; `None` if the last check was less than [`LOSSES`] ago.
     fn losses_meanwhile(&mut self) -> Option<Damage> {
         self.read += 1;
         if !self.read.is_multiple_of(CLOCK) || self.bus.now().since(self.looked) < LOSSES {

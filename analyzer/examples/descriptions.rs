@@ -1,5 +1,6 @@
-//! Writes device descriptions for measurements: `descriptions FOLDER FILES OBJECTS [findings]`, so many files of so many objects, a
-//! quarter of them with four sub-indexes. With `findings` each object that is a single value has one.
+//! Writes device descriptions for measurements: `descriptions FOLDER FILES OBJECTS [findings]` writes FILES files of
+//! OBJECTS objects each, a quarter of them with four sub-indexes. With `findings` each object that is a single value
+//! has one.
 
 #![allow(clippy::print_stderr)]
 

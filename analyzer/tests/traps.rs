@@ -36,7 +36,7 @@ fn a_block_segment_33_is_no_command() {
     assert!(trace.say("605#22 00 00 00 00 00 00 00").text.starts_with("block segment 34"));
 }
 
-/// The same for the server's segments of a block upload, which look like its answers.
+/// A segment of the server's block upload that looks like an answer is decoded as a segment.
 #[test]
 fn a_block_segment_of_an_upload_is_no_answer() {
     let mut trace = Trace::new();

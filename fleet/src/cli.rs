@@ -58,13 +58,13 @@ pub struct Engine {
     /// vendor:19,product:0x2011=encoder.eds; a file or a built-in model
     #[arg(long, value_name = "WHO=FILE")]
     device: Vec<String>,
-    /// How many parts of a query run at a time; without it, as many as there are processors
+    /// Number of parts of a query that run at a time (default: number of processors)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// How much memory queries may take before they use the disk, such as 512M or 4G
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
-    /// Run queries on a cluster, whose scheduler is there; captures have to be reachable from all its computers
+    /// Run queries on the cluster of this scheduler; captures have to be reachable from all its computers
     #[arg(long, value_name = "df://HOST:PORT", env = "CANVASS_CLUSTER")]
     cluster: Option<String>,
 }

@@ -68,10 +68,10 @@ const PLOTS: [(&str, &str); 6] = [
     ),
 ];
 
-/// So many lines of a plot can be distinguished.
+/// Maximum number of lines in a plot that can be distinguished.
 const LINES: usize = 6;
 
-/// Asks a lake, whose tables and views the session has; each answer has so many rows at most.
+/// Asks a lake whose tables and views are registered in the session. Each answer has at most `most_rows` rows.
 ///
 /// # Errors
 /// What the engine gives.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct Settings {
     /// How captures are scanned.
     pub scan: Options,
-    /// How many parts of a query run at a time; nothing: as many as there are processors.
+    /// Number of parts of a query that run at a time; `None`: number of processors.
     pub partitions: Option<usize>,
     /// How many bytes of memory queries may take before they use the disk; nothing: as much as there is.
     pub memory: Option<usize>,

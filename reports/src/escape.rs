@@ -21,7 +21,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     visible(text, acts)
 }
 
-/// The same for a document: its lines stay.
+/// The text of a document, with every character made visible that [`printable`] makes visible, except line feeds.
 pub fn document(text: &str) -> Cow<'_, str> {
     visible(text, |c| c != '\n' && acts(c))
 }

@@ -140,7 +140,7 @@ pub fn warnings(quality: &Quality) -> Vec<String> {
     warnings
 }
 
-/// The same as a result.
+/// The quality of the captures as a JSON result.
 pub fn json(captures: &[CaptureQuality<'_>], channels: &Channels) -> QualityResult {
     let source = |capture: &CaptureQuality<'_>| Source {
         format: capture.format.id().into(),

@@ -30,7 +30,7 @@ mod steady_state {
 0BF#0000000000000000
 ";
 
-    /// So many cycles go by until all memory has its size.
+    /// Number of cycles until all memory has its final size.
     const WARM_UP: usize = 8;
     const COUNTED: usize = 100;
 

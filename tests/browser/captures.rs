@@ -18,7 +18,7 @@ impl Log {
         self
     }
 
-    /// An SDO request and its answer, so many microseconds later.
+    /// An SDO request and its answer `later` microseconds after the request.
     pub fn sdo(&mut self, us: u64, node: u8, request: &str, answer: &str, later: u64) -> &mut Self {
         self.at(us, &format!("6{node:02X}#{request}")).at(us + later, &format!("5{:02X}#{answer}", 0x80 + node))
     }
@@ -34,7 +34,8 @@ impl Log {
     }
 }
 
-/// An encoder whose mapping is read, which runs for so many seconds and sends its position every 10 ms.
+/// The traffic of an encoder for `seconds` seconds: a client reads its mapping, and the encoder sends its position
+/// every 10 ms.
 pub fn machine(seconds: u64) -> Log {
     let mut log = Log::default();
     let end = seconds * 1_000_000;

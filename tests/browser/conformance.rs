@@ -37,7 +37,8 @@ fn it_renders_and_filters() {
     browser.is_quiet();
 }
 
-/// A click on the count of failures shows these and no others, first of all cases, with their frames, times and delays.
+/// A click on the count of failures shows the failed cases and no others. Each is open, with its frames and times;
+/// delays are drawn as bars.
 #[test]
 fn a_click_on_the_failures_shows_them() {
     let page = Page::of_test("sim:kuebler-sendix-58x8+boot-up-twice");

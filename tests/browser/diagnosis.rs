@@ -10,7 +10,7 @@ fn open() -> (Browser, Page) {
     (browser, page)
 }
 
-/// Seconds that all plots show, which must be the same.
+/// The range of seconds that the plots show. Panics if two plots show different ranges.
 #[track_caller]
 fn shown(browser: &Browser) -> (f64, f64) {
     let ranges = browser.run(

@@ -38,7 +38,7 @@ impl Folder {
         ended(&self.command(args).stdin(Stdio::null()).output().unwrap())
     }
 
-    /// The same with that standard input.
+    /// Status, standard output and standard error of a run with this standard input.
     pub fn run_with_input(&self, args: &str, input: &[u8]) -> (i32, String, String) {
         let mut command = self.command(args);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());

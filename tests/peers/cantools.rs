@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 const PYTHON: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/peers-venv/bin/python");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/signals.py");
 const NODE: u8 = 42;
-/// So many frames of each PDO.
+/// Number of frames of each PDO.
 const FRAMES: usize = 200;
 
 /// Gives bytes, always the same.

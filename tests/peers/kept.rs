@@ -72,12 +72,12 @@ fn with_error(seen: Seen, data: &[u8]) -> Seen {
     seen.with_record(record)
 }
 
-/// All that is left of an error frame is that there was one: a bus error, as Linux numbers it.
+/// Keeps of an error frame only that it was a bus error, with the error class of Linux.
 pub fn no_error_detail(seen: Seen) -> Seen {
     with_error(seen, &[])
 }
 
-/// The same, with the eight bytes that SocketCAN's error frames have.
+/// Keeps of an error frame only that it was a bus error, with the eight data bytes of SocketCAN's error frames.
 pub fn zeros_of_errors(seen: Seen) -> Seen {
     with_error(seen, &[0; 8])
 }

@@ -15,7 +15,7 @@ const GOOD: &str = "\
 (1.400000) can0 705#05
 ";
 
-/// The same, with an error that the node reports.
+/// A further line, with which the node reports an error.
 const BAD: &str = "(1.500000) can0 085#1042090000000000\n";
 
 /// The commands in the code of the page that judge captures, with the lines that they go on in.

@@ -64,7 +64,7 @@ fn nothing_is_overwritten_unasked() {
 fn what_can_not_be_written_is_refused_with_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let dcf = run(&["eds", "convert", MODEL, &path(folder.path(), "a.dcf")]);
-    let expected = "it describes a type of device, but DCF is for a configured device: write EDS or XDD\n";
+    let expected = "the description is of a device type, but DCF is for a configured device: write EDS or XDD\n";
     assert!(dcf.status == 2 && dcf.stderr.ends_with(expected), "{}", dcf.stderr);
     let unknown = run(&["eds", "convert", MODEL, &path(folder.path(), "a.txt")]);
     assert!(

@@ -11,7 +11,8 @@ use std::time::Duration;
 /// More than waits for a reader of the bus that falls behind.
 const FRAMES: u64 = 400_000;
 
-/// An adapter that sends so many frames as fast as they are taken, and says when all are; then it is silent.
+/// An adapter that sends [`FRAMES`] frames as fast as the program reads them, reports when all are sent, and then is
+/// silent.
 fn adapter() -> (String, mpsc::Receiver<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let bus = format!("slcan:tcp://{}", listener.local_addr().unwrap());

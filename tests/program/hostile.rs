@@ -55,7 +55,7 @@ fn sample(name: &str) -> Vec<u8> {
     std::fs::read(format!("{}/traces/samples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-/// So many bytes that are all the same.
+/// Writes `count` equal bytes.
 fn fill(out: &mut dyn Write, byte: u8, count: u64) -> io::Result<()> {
     let block = vec![byte; 1 << 20];
     (0..count >> 20).try_for_each(|_| out.write_all(&block))

@@ -8,13 +8,14 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// So many runs are killed, on so many devices at a time: most of the time is waiting.
+/// Number of runs that are interrupted or killed, and of devices that are tested at a time: most of the time is
+/// waiting.
 #[cfg(unix)]
 const INTERRUPTED: u64 = 100;
 const KILLED: u64 = 50;
 const DEVICES: u64 = 10;
-/// One run of so many is killed at a moment counted from its start, and so perhaps before its first case; the others once
-/// the first case has begun.
+/// One run in [`AT_ANY_MOMENT`] is killed at a moment counted from its start, and so perhaps before its first case; the
+/// others once the first case has begun.
 const AT_ANY_MOMENT: u64 = 7;
 
 /// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.

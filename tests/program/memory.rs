@@ -38,7 +38,7 @@ fn peak(child: &Child) -> u64 {
     line.trim().trim_end_matches("kB").trim().parse().unwrap()
 }
 
-/// So many cycles, a millisecond between frames.
+/// Writes `count` cycles, with a millisecond between frames.
 fn cycles(first: usize, count: usize, out: &mut impl Write) {
     let mut text = String::new();
     for cycle in first..first + count {

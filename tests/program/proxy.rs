@@ -112,7 +112,7 @@ impl Proxy {
         self.way().sent.iter().filter(|&&byte| byte == b'\r').count()
     }
 
-    /// Whether programs have sent that so often.
+    /// Whether programs have sent this text at least `times` times.
     pub fn has_sent(&self, text: &str, times: usize) -> bool {
         String::from_utf8_lossy(&self.way().sent).matches(text).count() >= times
     }
@@ -123,7 +123,7 @@ impl Proxy {
         sent.split('\r').filter_map(|line| line.strip_prefix(begin)).map(str::to_owned).collect()
     }
 
-    /// Waits until so many more lines were sent.
+    /// Waits until `more` further lines were sent.
     pub fn wait_for_lines(&self, more: usize) {
         let goal = self.lines() + more;
         self.wait(&format!("{more} more lines"), || self.lines() >= goal);

@@ -30,7 +30,7 @@ const COMMANDS: &[&[&str]] = &[
     &["test", "no-such-bus"],
 ];
 
-/// What a terminal of so many columns gets of both streams.
+/// Both output streams, as a terminal of `columns` columns receives them.
 fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     let size = Winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
     let terminal = openpty(Some(&size), None).unwrap();

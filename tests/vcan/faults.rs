@@ -114,7 +114,7 @@ fn a_removed_interface_is_found_again() {
     assert!(std::fs::read_to_string(path).unwrap().contains("103#03"), "{}", ended.stderr);
 }
 
-/// So many segments are asked for before the cases of `301/sdo` and in the first of them.
+/// Number of segment requests before the cases of `301/sdo` and in the first of them.
 const EARLIER: usize = 23;
 
 /// Waits for a frame of a segmented upload in one of the cases, in the middle of which somebody dies.

@@ -5,8 +5,8 @@ use crate::running::{Running, canvass, run, simulate, text};
 use serde_json::Value;
 use std::time::Duration;
 
-/// So many runs are killed, on so many devices at a time. 50 take ten minutes here; over a serial line they are faster, and
-/// are run each time (tests/program/killed.rs).
+/// Number of killed runs, one on each of the interfaces at a time. 50 take ten minutes here; over a serial line they
+/// are faster, and are run each time (tests/program/killed.rs).
 const KILLS: u64 = 15;
 const INTERFACES: [&str; 5] = ["vkill0", "vkill1", "vkill2", "vkill3", "vkill4"];
 

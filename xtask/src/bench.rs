@@ -17,9 +17,9 @@ const READING_RUNS: &str = "15";
 const SLOW_RUNS: usize = 1;
 /// Instructions are counted for few and for many frames; the difference excludes the start of the program.
 const COUNTED: (u32, u32) = (20_000, 120_000);
-/// The same for exchanges with simulated devices.
+/// Numbers of exchanges with simulated devices for which instructions are counted.
 const EXCHANGED: (u32, u32) = (10_000, 60_000);
-/// The same for exchanges of the fuzzer.
+/// Numbers of exchanges of the fuzzer for which instructions are counted.
 const FUZZED: (u32, u32) = (20_000, 60_000);
 
 const RIPGREP: Package = Package { program: "rg", probe: &["--version"], package: "ripgrep" };

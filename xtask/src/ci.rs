@@ -33,7 +33,7 @@ const LINTS: &str =
 
 /// Duration of each fuzz target in CI, in seconds: enough for the seeds and quick findings.
 const FUZZ: u32 = 3;
-/// The same at night.
+/// Duration of each fuzz target at night, in seconds.
 const FUZZ_AT_NIGHT: u32 = 120;
 
 /// A step that must pass.

@@ -113,7 +113,7 @@ fn ensure_static() -> Result<()> {
     let said = [output.stdout, output.stderr].concat();
     let said = String::from_utf8_lossy(&said);
     let is_static = said.contains("statically linked") || said.contains("not a dynamic executable");
-    ensure!(is_static, "expected a static program, found {PROGRAM} with {said}");
+    ensure!(is_static, "expected a statically linked program; ldd says of {PROGRAM}: {said}");
     Ok(())
 }
 

@@ -25,7 +25,7 @@ use tally::{Run, Tally, Verdicts};
 /// Maximum percentage of verdicts lost to a late machine.
 const MOST_LATE: f64 = 1.0;
 
-/// The same if the device is starved.
+/// Maximum percentage of verdicts lost to a late machine if the device is starved.
 const MOST_LATE_DEVICE: f64 = 2.0;
 
 /// Repeats the suite and prints a row of the table in `docs/testing.md` for each model.

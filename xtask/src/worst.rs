@@ -23,7 +23,7 @@ const KINDS: [(&str, u32, Option<f64>); 11] = [
     ("identifiers", 3_000_000, BOUND),
 ];
 const BOUND: Option<f64> = Some(128.0);
-/// No frame may cost more than so many usual ones.
+/// Maximum cost of a frame, as a multiple of the cost of a usual frame.
 const TIMES: f64 = 20.0;
 const USUAL: u32 = 300_000;
 const COMMANDS: [&[&str]; 2] = [&["diagnose", "--fail-on", "never"], &["decode"]];

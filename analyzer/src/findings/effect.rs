@@ -67,7 +67,7 @@ pub enum Kinds {
     Any,
     /// The kind of its cause.
     Same,
-    /// One of these kinds, such as codes of EMCY.
+    /// One of these kinds. The kind of an EMCY finding is its error code.
     These(&'static [u64]),
 }
 

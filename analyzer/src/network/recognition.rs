@@ -16,7 +16,7 @@ use std::sync::{Arc, LazyLock};
 /// A model as which nodes can be recognised.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Its name.
+    /// The name of the model.
     pub id: Arc<str>,
     /// The values that a node of this model shows.
     pub facts: Vec<(Multiplexer, Fact)>,

@@ -21,7 +21,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/list/link", Lines(link)),
 ];
 
-/// A list with at least so many entries.
+/// A list with at least `least` entries.
 fn list(eds: &Eds, dice: &mut Dice, least: usize) -> Option<usize> {
     let lists = LISTS.iter().filter_map(|name| eds.header(name));
     dice.pick(&lists.filter(|&list| eds.listed(list).len() >= least).collect::<Vec<_>>())

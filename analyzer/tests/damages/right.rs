@@ -124,7 +124,7 @@ impl Writer<'_> {
         self.entry(&format!("{index:04X}"), data_type, access, false, &[("DefaultValue", default.to_owned())]);
     }
 
-    /// The object of sub-indexes and its sub-index 0.
+    /// The section of an array or record, and the section of its sub-index 0.
     fn container(&mut self, index: u16, code: u8, subs: u8, access: &str, count: u8) {
         self.indexes.push(index);
         let name = format!("{index:04X}");

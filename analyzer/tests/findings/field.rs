@@ -4,7 +4,7 @@ use crate::traffic::{Traffic, diagnose, shown};
 use canvass_analyzer::findings::{Finding, Severity};
 use canvass_analyzer::{Service, findings};
 
-/// A master whose heartbeat goes on for so many seconds.
+/// A master that sends heartbeats for `seconds` seconds.
 fn master(seconds: u64) -> Traffic {
     let mut traffic = Traffic::default();
     traffic.every(50, seconds * 1_000, 1_000, |_| "701#05".to_owned());

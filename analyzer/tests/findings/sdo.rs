@@ -9,7 +9,7 @@ fn a_request_without_an_answer() {
     assert!(finding.message.contains("1000h:00"), "{}", finding.message);
 }
 
-/// A node that never says anything may be asked, but a scan of many is no fault.
+/// One unanswered request to a silent node is a finding; a scan of many node-IDs is none.
 #[test]
 fn nodes_that_are_not_there() {
     let mut one = machine();

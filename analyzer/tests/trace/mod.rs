@@ -1,4 +1,4 @@
-//! A trace spoken frame by frame, in candump's syntax, and what the analyzer says to it.
+//! A trace built frame by frame from candump's notation, and how the analyzer decodes each frame.
 
 use canvass_analyzer::Meaning;
 use canvass_analyzer::network::{Decoded, Network};
@@ -12,11 +12,11 @@ pub struct Trace {
     pub now: Timestamp,
 }
 
-/// What the analyzer says to a frame.
+/// How the analyzer decodes a frame.
 pub struct Said {
-    /// All that it knows.
+    /// The decoding.
     pub decoded: Decoded,
-    /// The same in words.
+    /// The decoding in words.
     pub text: String,
 }
 

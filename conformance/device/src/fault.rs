@@ -353,7 +353,7 @@ pub enum Fault {
     /// The master is missed after the guard time, whatever the life time factor is.
     #[row(fuzz = Never(LossNoticed))]
     LifeTimeFactorIgnored,
-    /// A node is missed that was never heard.
+    /// The loss of a node is reported although no heartbeat of the node was ever received.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerStartsAtOnce,
     /// Node 1 is not watched, whatever 1016h says.
@@ -1370,7 +1370,7 @@ impl Faults {
     /// A firmware without any of them.
     pub const NONE: Self = Self([0; WORDS]);
 
-    /// The same set with one more.
+    /// The set with one more fault.
     pub const fn with(mut self, fault: Fault) -> Self {
         self.0[fault as usize / u64::BITS as usize] |= Self::bit(fault);
         self

@@ -100,7 +100,8 @@ fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::
     Ok(())
 }
 
-/// Each liberty alone, and so many random combinations: a line for each violation, and how many exchanges there were.
+/// Tries each liberty alone, and `combinations` random combinations. Prints a line for each violation, and the number
+/// of exchanges.
 fn liberties(exchanges: u64, seed: u64, combinations: u64) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = stdout().lock();
     let trial = canvass_fuzzer::liberties::run(Chance { seed, combinations: combinations as usize, exchanges })?;

@@ -67,21 +67,21 @@ pub(super) fn restore(
 /// What the settings of a device hold at the end of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinalState {
-    /// So many there are that were read before the run.
+    /// Number of settings that were read before the run.
     pub settings: usize,
-    /// So many of them were read after it.
+    /// Number of these settings that were also read after the run.
     pub compared: usize,
     /// Those that hold another value than before. What moves by itself is not among them.
     pub different: Vec<Kept>,
 }
 
-/// After so many requests without an answer the device is not asked any more.
+/// Number of unanswered requests after which the fuzzer stops asking the device.
 const MOST_SILENT: u32 = 3;
 
 /// What differs is read once more after that time: a clock has gone on by then.
 const MOVES: Duration = Duration::from_millis(1_100);
 
-/// So long the settings are read at most: a run ends in its time on a slow device, too.
+/// Maximum time for reading the settings, so that a run ends in its time on a slow device, too.
 const LONGEST_LOOK: Duration = Duration::from_secs(5);
 
 /// Reads the settings again, whether or not a frame has named them, and writes nothing; `None`: the device does not answer.

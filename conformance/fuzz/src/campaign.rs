@@ -35,7 +35,7 @@ pub struct Plan {
     pub targets: Targets,
     /// The seed of everything random.
     pub seed: u64,
-    /// What the sequences may do beyond what leaves no trace.
+    /// The touches that the user allows.
     pub allow: BTreeSet<Touch>,
     /// How many tries making one violation smaller may take.
     pub shrink_budget: u32,
@@ -129,12 +129,13 @@ pub enum FuzzError {
 /// More violations of different kinds than this are not distinguished any more: the device is simply broken.
 const MOST_VIOLATIONS: usize = 25;
 
-/// After so many sequences the least exercised combination is looked for anew.
+/// Number of sequences after which the fuzzer looks anew for the least exercised combination.
 const REFOCUS: u64 = 64;
-/// The same on a device that goes on, where a sequence takes much longer.
+/// Number of sequences after which it does so on a device that is not reset between them: there a sequence takes much
+/// longer.
 const REFOCUS_LIVE: u64 = 4;
 
-/// On a device that goes on, one part in so many of the time is spent in pauses.
+/// On a device that is not reset between sequences, one part in [`PAUSES`] of the time is spent in pauses.
 const PAUSES: u64 = 10;
 
 /// Fuzzes a device. `go_on` is asked after each sequence. If the bus fails, the run ends with what was found until then.
@@ -248,10 +249,10 @@ struct Campaign<'a> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Standing {
     Confirmed,
-    /// It did not come back so often.
+    /// The violation did not come back in this number of repetitions.
     Doubtful(u32),
-    /// All that was sent since a start shows it again at the swift pace, and is being made shorter. Before that it did not
-    /// come back so often.
+    /// The violation comes back at the swift pace when everything sent since a start is sent again; that sequence is
+    /// being made shorter. Before, the violation did not come back in this number of repetitions.
     InHistory(u32),
 }
 

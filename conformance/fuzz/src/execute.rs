@@ -99,30 +99,32 @@ pub(super) const DEATH: &str = "device death";
 /// The rule that a device breaks that one reset does not bring back.
 const REVIVED: &str = "reset after a sequence";
 
-/// So often a sequence is run that is interrupted each time: it may be what interrupts the way to the bus.
+/// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the bus.
 const MOST_INTERRUPTED: u32 = 3;
 
-/// After so many sequences a device that goes on is reset, so that what shows is not the sum of too much.
+/// Number of sequences after which a device that is not reset between them is reset, so that a violation does not
+/// depend on too many frames.
 const MOST_IN_A_ROW: u32 = 64;
 
-/// An answer that takes so many times as long as silence has to last is slow.
+/// An answer is slow if it takes this multiple of the time after which the device counts as silent.
 const SLOW_ANSWER: u64 = 25;
 
-/// So many slow answers of a kind are waited for, and judged; the others end in an abort of the client.
+/// Maximum number of slow answers of a kind that are waited for and judged; the client aborts the other transfers.
 const MOST_SLOW: u32 = 2;
 
-/// Silence is waited for so many times as long as it has to last, where others keep the bus busy.
+/// Maximum wait for silence where others keep the bus busy, as a multiple of the time after which the device counts as
+/// silent.
 const MOST_QUIET: u64 = 10;
 
-/// On a device that goes on, an answer that may come or not is waited for so many times as long as silence has to last; and
-/// so is every one where a violation is repeated.
+/// Wait for an optional answer of a device that is not reset between sequences, as a multiple of the time after which
+/// the device counts as silent. While a violation is repeated, the fuzzer waits this long for every answer.
 const LATE_ANSWER: u64 = 3;
 
-/// So many frames may have their answers under way.
+/// Maximum number of frames that wait for their answers.
 const LATELY: usize = 8;
 
-/// An answer that is missing, as it was before, is waited for so many times as long as silence has to last: twelve times the
-/// usual time of an answer, and more.
+/// Wait for an answer that was missing before, as a multiple of the time after which the device counts as silent:
+/// twelve times the usual time of an answer, and more.
 const MISSING_ANSWER: u64 = 6;
 
 /// Whether an answer to that frame that must not come is wrong whenever it comes: servers and slaves answer one request

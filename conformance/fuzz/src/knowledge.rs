@@ -119,7 +119,7 @@ const LEAST_QUIET: Duration = Duration::from_millis(1);
 const LEAST_BOOT: Duration = Duration::from_secs(1);
 
 impl Default for Patience {
-    /// As on a live bus with a slow device.
+    /// The patience for a slow device on a live bus.
     fn default() -> Self {
         Self {
             answer: Duration::from_millis(1_000),

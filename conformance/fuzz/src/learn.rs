@@ -21,13 +21,13 @@ pub(super) type Answers = bool;
 /// The longest value that comes in one frame.
 const EXPEDITED: usize = 4;
 
-/// So long is listened to what comes by itself.
+/// Time for which the fuzzer listens to messages that the device sends unasked.
 const LISTEN: Duration = Duration::from_millis(600);
 
 /// The first answer may take that long: nobody knows yet how slow the device is.
 const FIRST_ANSWER: Duration = Duration::from_secs(5);
 
-/// So often the device is read if the way to the bus is interrupted each time.
+/// Maximum number of attempts to read the device if each is interrupted on the way to the bus.
 const MOST_INTERRUPTED: u32 = 5;
 
 /// Reads what the device holds after power-on: its identity, and every number of its dictionary. `lss`: and what it knows

@@ -22,7 +22,7 @@ pub struct Live<'a> {
     time: TimeLimit,
 }
 
-/// So often a device that shows no sign of life is reset before it is given up.
+/// Number of resets of a device without a sign of life before it is given up.
 const RESETS: u32 = 3;
 
 /// A device that was alive before its first reset is given that time to come back: nobody knows yet how long it takes.
@@ -45,7 +45,7 @@ impl<'a> Live<'a> {
         }
     }
 
-    /// The same; once that time is over, a device that shows no sign of life is reset only once.
+    /// Limits the resets: after this time, a device without a sign of life is reset only once.
     #[must_use]
     pub fn until(self, time: TimeLimit) -> Self {
         Self { time, ..self }

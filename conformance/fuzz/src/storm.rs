@@ -56,16 +56,16 @@ pub enum Broken {
         model: String,
         /// The frames until then.
         frames: u64,
-        /// So often.
+        /// Number of wake-ups.
         wakes: u64,
-        /// In that time.
+        /// The pause in which they came.
         pause: Duration,
         /// The seed of the storm.
         seed: u64,
     },
 }
 
-/// A device has so many frames before it is switched off and on.
+/// Number of frames that a device receives before it is switched off and on.
 const EPISODE: u64 = 2_000;
 /// More wake-ups than that have no reason, in any pause and for each of its milliseconds: no timer is finer, but there are
 /// many.
@@ -76,7 +76,7 @@ const START: Duration = Duration::from_secs(10);
 const USUAL_NODE: u8 = 63;
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// Lets so many frames loose on a device of that model. The same seed gives the same storm.
+/// Sends `frames` random frames to a device of this model. The same seed gives the same storm.
 ///
 /// One device of eight has faults of its firmware, in any combination; those may fall silent.
 ///

@@ -5,10 +5,10 @@
 use super::property::Property;
 use canvass_traces::Duration;
 
-/// A device that has shown so often what did not come back is not taken to serve what comes first first.
+/// Number of violations that did not come back after which the device is not assumed to serve requests in their order.
 const MOST_DOUBTS: u32 = 3;
 
-/// After so many sequences without a doubt silence has to last half as long again, down to what was measured.
+/// Number of sequences without a doubt after which the required silence is halved, down to the measured time.
 const REGAINED: u32 = 64;
 
 /// What is thought of one of the device's services.
@@ -60,7 +60,8 @@ impl Trusts {
         Self { lss: trust, others: trust, measured, awaits_lss: false }
     }
 
-    /// A sequence has shown something that did not come back. Silence has to last longer for a while, at most so long.
+    /// A sequence has shown something that did not come back. The required silence grows for a while, to at most
+    /// `longest`.
     pub fn doubt(&mut self, property: Property, longest: Duration) {
         if is_lss(property) { self.lss.doubt(longest) } else { self.others.doubt(longest) }
     }
@@ -81,7 +82,7 @@ impl Trusts {
         self.others.is_in_order() && (!self.awaits_lss || self.lss.is_in_order())
     }
 
-    /// The same of the service that a property is about.
+    /// Whether an answer of the property's service to a later request says that the requests before it are done.
     pub const fn is_in_order(&self, property: Property) -> bool {
         if is_lss(property) { self.lss.is_in_order() } else { self.others.is_in_order() }
     }

@@ -196,17 +196,17 @@ impl ForeignKind {
         TABLE.iter().find(|influence| influence.kind == self)
     }
 
-    /// Whether such messages may have caused a breach.
+    /// Whether foreign messages of this kind may have caused a breach.
     pub(crate) fn may_cause(self, breach: &Breach) -> bool {
         self.influence().is_some_and(|influence| influence.breaches.iter().any(|reach| reach.covers(breach)))
     }
 
-    /// Whether a case of that id may have passed because of such messages.
+    /// Whether foreign messages of this kind may be the reason why this case passed.
     pub(crate) fn may_pass(self, case: &str) -> bool {
         self.influence().is_some_and(|influence| influence.passes.iter().any(|pattern| glob::matches(pattern, case)))
     }
 
-    /// Whether such messages may keep a case from its precondition.
+    /// Whether foreign messages of this kind may keep a case from its precondition.
     pub(crate) fn may_keep_out(self) -> bool {
         self.influence().is_some_and(|influence| influence.preconditions)
     }

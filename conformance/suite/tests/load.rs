@@ -20,7 +20,7 @@ use std::sync::atomic::AtomicBool;
 
 const BIT_RATE: u32 = 125_000;
 
-/// A node that sends without a pause for breath: so many percent of the bus, with a high and a low priority in turn.
+/// A node that sends without a pause, at a given bus load in percent, with a high and a low priority in turn.
 struct Babbler {
     every: Duration,
     due: Timestamp,
@@ -85,7 +85,7 @@ fn judged(model: &'static Model, load: u64, crowd: &[(&str, u8)], allow: &[Touch
     cases.map(|(_, case)| judge(case)).collect()
 }
 
-/// No case fails; so many of a hundred of those that apply are judged all the same.
+/// Requires that no case fails, and that at least `judged_percent` of the applicable cases are judged.
 fn check(id: &str, load: u64, crowd: &[(&str, u8)], allow: &[Touch], judged_percent: usize) {
     let reports = judged(Model::by_id(id).unwrap(), load, crowd, allow);
     let wrong: Vec<String> = reports

@@ -1,5 +1,5 @@
-//! A controller that uses the device while it is tested: what it may have caused is no failure of the device, and every report can
-//! name it.
+//! A controller that uses the device during the test: a breach that the controller may have caused is no failure of the
+//! device, and every report can name the controller.
 
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]

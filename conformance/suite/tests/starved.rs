@@ -246,7 +246,7 @@ fn wrong_timers_are_found() {
     }
 }
 
-/// Being busy with what a case has stored excuses nothing.
+/// The time that a device needs to store parameters excuses no late heartbeat.
 #[test]
 fn a_device_that_writes_its_memory_is_not_late() {
     for (fault, case) in [

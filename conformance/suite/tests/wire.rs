@@ -7,9 +7,10 @@ use canvass_device::models::Model;
 use canvass_suite::catalogue;
 use canvass_suite::selftest::wire::{Outcome, Primitive, Sample, WireRow, run};
 
-/// Of the mutants of the sample that change the traffic and are not left open so many are found, in percent, at least.
+/// Minimum percentage of mutants that are found, among those of the sample that change the traffic and are not left
+/// open.
 const FOUND: usize = 85;
-/// And so many of these are named rightly.
+/// Minimum percentage of found mutants that are named rightly.
 const NAMED: usize = 95;
 
 /// The sample is drawn anew wherever a field is added: the shares are those of all mutants, less what a sample may differ.

@@ -20,16 +20,16 @@ pub struct Executor {
     pub advertise: Option<String>,
     /// Where the results of tasks are kept; nothing: a folder that is gone with the process.
     pub work_dir: Option<PathBuf>,
-    /// How many tasks run at a time; nothing: as many as there are processors.
+    /// Number of tasks that run at a time; `None`: number of processors.
     pub tasks: Option<usize>,
     /// How many bytes of memory all tasks together may take.
     pub memory: Option<usize>,
 }
 
-/// How often it tells the scheduler that it is there.
+/// Seconds between two heartbeats of the executor to the scheduler.
 const HEARTBEAT_SECONDS: u64 = 3;
 
-/// So long it tries to reach its scheduler, which may be started at the same time.
+/// Seconds during which the executor tries to reach its scheduler, which may be started at the same time.
 const PATIENCE_SECONDS: u16 = 30;
 
 impl Executor {

@@ -18,7 +18,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use tokio::net::TcpListener;
 
-/// An executor that has said nothing for so long is taken for dead, and its work is given to others.
+/// Seconds of silence after which an executor is taken for dead, and its work is given to others.
 const SILENT_SECONDS: u64 = 15;
 
 /// Schedules until the process is told to end; `ready` is told the address.

@@ -17,19 +17,20 @@ pub struct Args {
     /// The scheduler
     #[arg(long, value_name = "HOST:PORT", value_parser = parse_scheduler)]
     scheduler: (String, u16),
-    /// Where others fetch the results of its tasks; it takes tasks at the next port. Port 0: two that are free
+    /// The address at which other computers fetch the results of tasks. Tasks arrive at the next port; with port 0, two
+    /// free ports are chosen
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:50051")]
     bind: SocketAddr,
-    /// How others reach it, if not by the address that it calls the scheduler from
+    /// The name by which others reach this executor (default: the address from which it calls the scheduler)
     #[arg(long, value_name = "HOST")]
     advertise: Option<String>,
-    /// Where the results of tasks are kept; without it, a folder that is gone with the process
+    /// The folder for the results of tasks (default: a temporary folder, removed at the end)
     #[arg(long, value_name = "DIR")]
     work_dir: Option<PathBuf>,
-    /// How many tasks run at a time; without it, as many as there are processors
+    /// Number of tasks that run at a time (default: number of processors)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     tasks: Option<u16>,
-    /// How much memory all tasks together may take, such as 4G; without it, seven tenths of what there is
+    /// Memory that all tasks together may take, such as 4G (default: seven tenths of the machine's memory)
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
     #[command(flatten)]

@@ -24,7 +24,7 @@ pub struct Args {
     engine: Engine,
 }
 
-/// So many broken files are told of one by one.
+/// Maximum number of broken files that are reported one by one.
 const TOLD: usize = 20;
 
 impl Args {

@@ -25,10 +25,11 @@ pub struct Args {
     /// Statements, separated by semicolons, such as "SELECT count(*) FROM events('field/*.log')"
     #[arg(value_name = "STATEMENT")]
     statement: Option<String>,
-    /// A lake, whose tables are there by their names
+    /// The lake whose tables the statements use by name
     #[arg(long, value_name = "LAKE")]
     lake: Option<String>,
-    /// Files, folders and patterns, here or as s3://BUCKET/..., whose tables are there by their names, decoded on the fly
+    /// Files, folders and patterns, local or as s3://BUCKET/..., whose tables the statements use by name; captures are
+    /// decoded on the fly
     #[arg(long, value_name = "SOURCE", conflicts_with = "lake")]
     over: Vec<String>,
     /// How to print answers

@@ -6,7 +6,7 @@ use datafusion::common::ScalarValue;
 use datafusion::logical_expr::expr::InList;
 use datafusion::logical_expr::{BinaryExpr, Expr, Operator};
 
-/// The tests that hold exactly where the expression does; `None` where there are none.
+/// The tests that together are equivalent to the expression; `None` if the expression is no conjunction of tests.
 pub fn tests_of(expression: &Expr, schema: &Schema) -> Option<Vec<Test>> {
     if let Expr::BinaryExpr(BinaryExpr { left, op: Operator::And, right }) = expression {
         let mut tests = tests_of(left, schema)?;

@@ -60,7 +60,7 @@ pub struct Summary {
     pub bytes: u64,
 }
 
-/// Entries are committed when so many wait, or the first of them has waited so long.
+/// Entries are committed when [`WAITING`] of them wait, or when the first has waited [`LONGEST_WAIT`].
 const WAITING: usize = 64;
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 

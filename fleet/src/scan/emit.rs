@@ -25,13 +25,13 @@ pub struct Wanted<'a> {
     pub columns: &'a [usize],
     /// Their schema.
     pub schema: &'a SchemaRef,
-    /// What must hold of a row.
+    /// The tests that a row must pass.
     pub tests: &'a [Test],
-    /// How many rows, at most.
+    /// Maximum number of rows.
     pub fetch: Option<usize>,
     /// Whether frames are skipped that give no rows and change nothing.
     pub skips: bool,
-    /// How many rows a batch has, at most.
+    /// Maximum number of rows in a batch.
     pub batch_rows: usize,
 }
 
@@ -56,7 +56,7 @@ pub struct Emitter<'a, R: Rows> {
 }
 
 impl<'a, R: Rows> Emitter<'a, R> {
-    /// So many rows that do not pass, and then it is asked whether anybody still waits.
+    /// Number of rejected rows after which the scan checks whether the outlet still wants rows.
     const LOOK: usize = 8192;
 
     /// Gives what is wanted to an outlet.
@@ -107,7 +107,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
         !filter.passes(row)
     }
 
-    /// So many frames were skipped; `Break` where nobody waits any more.
+    /// Counts `frames` skipped frames; `Break` if the outlet wants no more rows.
     #[inline]
     pub fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
         self.unlooked += frames;

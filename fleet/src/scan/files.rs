@@ -21,7 +21,7 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::Sender;
 
-/// So many batches wait for whoever takes them: memory is bounded.
+/// Number of batches that wait for the reader, so that memory is bounded.
 const AHEAD: usize = 2;
 
 /// What such plans say of themselves alike.

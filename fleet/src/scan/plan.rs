@@ -64,7 +64,7 @@ impl CaptureScan {
         Ok(Self { spec, input, schema, properties, metrics: ExecutionPlanMetricsSet::new(), host: None })
     }
 
-    /// The same on a computer, whose name is told with every error.
+    /// Sets the name of the computer, which every error then names.
     #[must_use]
     pub fn at(self, host: Option<Arc<str>>) -> Self {
         Self { host, ..self }

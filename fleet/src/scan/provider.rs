@@ -33,7 +33,7 @@ pub enum Files {
     Known(Vec<CaptureFile>),
 }
 
-/// So many captures of one partition are open at a time for each partition that the engine wants.
+/// Number of captures of one partition that are open at a time, for each partition that the engine wants.
 const PARTITIONS: usize = 4;
 
 impl CaptureTable {

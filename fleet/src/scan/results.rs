@@ -9,7 +9,7 @@ use crate::table::verdicts::{VerdictRow, Verdicts};
 use canvass_traces::Timestamp;
 use serde_json::Value;
 
-/// A result may have so many bytes: far more than any has.
+/// Maximum number of bytes of a result: far more than any result has.
 pub const LONGEST: u64 = 256 << 20;
 
 /// Gives the rows of a result; `false` where the file is none.

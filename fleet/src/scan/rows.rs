@@ -54,7 +54,7 @@ pub trait OfFrames {
     /// Whether this frame, which was the last one, and all that are like it give no rows.
     fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
 
-    /// So many frames were skipped before the next one; `Break` where no more are wanted.
+    /// Reports `frames` skipped frames before the next frame; `Break` if no more are wanted.
     fn skipped(&mut self, frames: usize) -> ControlFlow<()>;
 }
 

@@ -38,7 +38,7 @@ enum Cell {
 }
 
 impl<R: Rows> BatchBuilder<R> {
-    /// A batch is full with so many bytes of texts and payloads, whatever the number of rows.
+    /// Number of bytes of texts and payloads with which a batch is full, whatever the number of rows.
     const FULL: usize = 4 << 20;
 
     /// Makes these columns, of which `schema` tells.
@@ -188,7 +188,7 @@ struct Names {
     values: StringBuilder,
     known: HashMap<Box<str>, i32>,
     last: Option<(Box<str>, i32)>,
-    /// Words of the program are distinguished by where they are and how long.
+    /// The keys of static strings of the program, found by address and length without comparing characters.
     words: Vec<((usize, usize), i32)>,
 }
 

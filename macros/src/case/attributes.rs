@@ -34,7 +34,7 @@ impl Parse for Needs {
     }
 }
 
-/// The same while it is read.
+/// The attributes of a case while they are parsed.
 #[derive(Default)]
 struct CaseKeys {
     id: Option<LitStr>,

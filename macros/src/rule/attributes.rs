@@ -34,7 +34,7 @@ pub enum Of {
     Nothing,
 }
 
-/// The same while it is read.
+/// The attributes of a rule while they are parsed.
 #[derive(Default)]
 struct RuleKeys {
     id: Option<LitStr>,

@@ -12,9 +12,9 @@ use canvass_traces::{Direction, Timestamp};
 
 /// The lines of a case below its title on a terminal: with that, and an empty one before it, it fits on one of 24 lines.
 const LINES: usize = 22;
-/// Of these lines, so many are for breaches.
+/// Of these, the lines for breaches.
 const BREACHES: usize = 12;
-/// And this many for what else was noticed.
+/// Of these, the lines for remarks.
 const REMARKS: usize = 4;
 /// More frames than these explain nothing on a terminal.
 const FRAMES: usize = 16;

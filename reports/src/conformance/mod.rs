@@ -233,8 +233,8 @@ fn quarantined(report: &CaseReport) -> Option<String> {
     report.quarantine.as_ref().map(ToString::to_string)
 }
 
-/// The frames that show a case's verdict best, at most so many, and how many came before them: those up to the worst breach,
-/// else the last ones.
+/// At most `most` frames that show a case's verdict best, and the number of frames before them: the frames up to the
+/// worst breach, otherwise the last frames.
 fn decisive(report: &CaseReport, most: usize) -> (Vec<&Exhibit>, u64) {
     let frames: Vec<&Exhibit> = report.evidence.frames().collect();
     let seen = report.verdict.worst().and_then(|ruled| ruled.breach.seen);

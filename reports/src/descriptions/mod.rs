@@ -30,13 +30,13 @@ pub struct CheckedFile {
 /// A finding with its place in lines and columns, both from 1; all are 0 where it concerns no single line.
 #[derive(Clone, Debug)]
 pub struct Located {
-    /// What it is.
+    /// The finding.
     pub finding: Finding,
-    /// Where it ends: the line.
+    /// The line in which the place of the finding ends.
     pub end_line: u32,
-    /// Where it ends: the column after the last character.
+    /// The column after the last character of the place.
     pub end_column: u32,
-    /// The changes that fix it.
+    /// The changes that fix the finding.
     pub edits: Vec<LocatedEdit>,
 }
 

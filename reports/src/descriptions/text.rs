@@ -1,4 +1,4 @@
-//! For people: each finding with its line, the place marked, and how to fix it.
+//! The findings as text for a terminal: each with its line, a marker under its place, and its fix.
 
 use super::{CheckedFile, Counts, Located};
 use crate::escape::printable;

@@ -19,7 +19,8 @@ enum Detail {
     Line,
 }
 
-/// The findings; in a short text in so many lines: in full if they fit, then in short, then the last ones in a line each.
+/// The findings. A text for a terminal has `room` lines: the findings in full if they fit, otherwise in short,
+/// otherwise the last of them in a line each.
 pub fn blocks(report: &DiagnosisReport<'_>, depth: Depth, room: usize) -> Vec<Block> {
     let diagnosed = report.diagnosed;
     let all: Vec<Told<'_>> = story::all(diagnosed).collect();

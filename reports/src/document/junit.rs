@@ -108,13 +108,13 @@ impl Case {
         Self { family, name, duration: Duration::ZERO, outcome: Outcome::Passed, remarks: Vec::new() }
     }
 
-    /// The same with another outcome.
+    /// The case with this outcome.
     #[must_use]
     pub fn ended(self, outcome: Outcome) -> Self {
         Self { outcome, ..self }
     }
 
-    /// The same with a remark.
+    /// The case with one more remark.
     #[must_use]
     pub fn remarked(mut self, remark: String) -> Self {
         self.remarks.push(remark);

@@ -70,7 +70,7 @@ pub struct Style {
     pub width: Option<u16>,
 }
 
-/// How much there is room for.
+/// How detailed a report is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Depth {
     /// What matters most.

@@ -51,7 +51,7 @@ pub fn text(table: &Table) -> String {
     text
 }
 
-/// The same for programs.
+/// The table as JSON.
 ///
 /// # Errors
 /// What `out` gives.

@@ -80,12 +80,12 @@ impl Words {
     }
 }
 
-/// Of that many combinations of state and command so many were exercised.
+/// The share of combinations of state and command that was exercised.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Share {
-    /// Exercised.
+    /// Number of exercised combinations.
     pub reached: usize,
-    /// There are.
+    /// Number of all combinations.
     pub reachable: usize,
 }
 

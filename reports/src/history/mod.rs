@@ -138,12 +138,12 @@ impl ReleaseRow {
         self.cells.get(release).and_then(Cell::kind)
     }
 
-    /// Whether it did not always end the same way in a release.
+    /// Whether the case ended differently in runs of one release.
     pub fn is_flaky(&self) -> bool {
         self.cells.iter().any(|cell| cell.flaky)
     }
 
-    /// What it did over the releases.
+    /// How the verdict of the case changed over the releases.
     pub fn course(&self) -> Course {
         let verdicts: Vec<Option<Kind>> = self.cells.iter().map(Cell::kind).collect();
         let bad: Vec<bool> = verdicts.iter().map(|verdict| verdict.is_some_and(is_bad)).collect();

@@ -19,15 +19,15 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Where a result comes from. Texts come from the user, files and devices: they may hold anything.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Provenance {
-    /// When; none of a run on a simulated bus whose date nobody gave.
+    /// The date of the run; none for a simulated bus if the user gave no date.
     pub date: Option<Date>,
-    /// On which computer; none where only a simulated bus was needed.
+    /// The computer on which canvass ran; none if only a simulated bus was used.
     pub host: Option<Host>,
-    /// On which bus; none where files were read.
+    /// The bus that was used; none if canvass read files.
     pub bus: Option<BusUsed>,
     /// What the devices say of themselves, each with what it is called: `node 63`.
     pub devices: Vec<(String, DeviceIdentity)>,
-    /// The seed of everything that was left to chance.
+    /// The seed of all random choices.
     pub seed: Option<u64>,
     /// The files that were read, and the recording.
     pub files: Vec<FileUsed>,
@@ -231,7 +231,7 @@ pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Optio
     ]
 }
 
-/// The same in a line, which begins with the name.
+/// The identity in one line, which begins with the name.
 fn identity_text(identity: &DeviceIdentity) -> String {
     let told = identity_facts(identity).map(|(name, value)| format!("{name} {}", value.as_deref().unwrap_or("-")));
     told.join(", ").replacen("name ", "", 1)

@@ -38,7 +38,7 @@ pub struct Sampler {
     skipped: u64,
 }
 
-/// So many rows without a single PDO are not written: the clock has jumped, or the network was off.
+/// Number of rows without a single PDO from which on the gap is left out: the clock has jumped, or the network was off.
 const LONGEST_SILENCE: u64 = 100_000;
 
 impl Sampler {

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// A bus that is never silent is listened to for so long after a frame was sent.
+/// Maximum time that the test listens after a sent frame, on a bus that is never silent.
 const PATIENCE: Duration = Duration::from_millis(1_000);
 
 /// What a run can change: bus and device, and the journal that it leaves.

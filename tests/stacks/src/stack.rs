@@ -83,7 +83,8 @@ impl<S: Stack> StackDevice<S> {
         device
     }
 
-    /// With a watchdog that switches it off and on so long after it died, as most devices in the field have one.
+    /// With a watchdog that switches the device off and on this long after it died, as most devices in the field have
+    /// one.
     #[must_use]
     pub fn with_watchdog(mut self, after: Duration) -> Self {
         self.watchdog = Some(after);

@@ -31,8 +31,8 @@ const UNCONFIGURED: u8 = 255;
 /// 1018h:04.
 const SERIAL: u32 = 0x1234;
 
-/// The application's task calls `process` so often, and whenever a message wants it: 10 ms in the documentation's
-/// example, more often here so that nothing that comes late is the application's fault.
+/// Period at which the application's task calls `process`, besides the calls that a message causes: 10 ms in the
+/// documentation's example, less here so that nothing that comes late is the application's fault.
 const TASK_NS: u64 = 1_000_000;
 
 /// A device of which `zencan-node` is the stack.

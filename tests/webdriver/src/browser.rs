@@ -12,9 +12,9 @@ use std::time::Duration;
 use tokio::runtime::{Builder, Runtime};
 use tokio::time::timeout;
 
-/// So long an answer may take.
+/// Maximum time of an answer.
 const LONGEST: Duration = Duration::from_secs(120);
-/// And so long the browser may take to end after a test that failed.
+/// Maximum time that the browser takes to end after a failed test.
 const AFTER_FAILURE: Duration = Duration::from_secs(5);
 
 /// A browser window with one page.

@@ -10,7 +10,7 @@ use fantoccini::key::Key;
 use serde_json::Value;
 use std::time::Duration;
 
-/// So long the mouse takes from one place to the next.
+/// Time that the mouse takes from one place to the next.
 const MOVE: Duration = Duration::from_millis(50);
 
 impl Browser {

@@ -3,7 +3,7 @@
 use std::fs::{read_dir, read_to_string};
 use std::io;
 
-/// Of all pages below a process, the most that one has for itself, in kB.
+/// The largest private memory of a page among all pages below a process, in kB.
 pub fn of_pages(ancestor: u32) -> io::Result<u64> {
     let mut most = 0;
     for process in descendants(ancestor)? {

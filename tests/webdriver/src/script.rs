@@ -11,14 +11,14 @@ impl Browser {
         self.ask(script, self.client.execute(script, Vec::new()))
     }
 
-    /// The same where it returns a number.
+    /// Runs a function's body in the page, and returns the number that it gives.
     #[track_caller]
     pub fn number(&self, script: &str) -> f64 {
         let value = self.run(script);
         value.as_f64().unwrap_or_else(|| panic!("{script}: {value}"))
     }
 
-    /// The same where it returns a text.
+    /// Runs a function's body in the page, and returns the text that it gives.
     #[track_caller]
     pub fn text(&self, script: &str) -> String {
         let value = self.run(script);
@@ -31,7 +31,7 @@ impl Browser {
         self.wait_for(expression, Duration::from_secs(20));
     }
 
-    /// The same of what takes longer.
+    /// Waits until an expression holds, for at most `longest`.
     #[track_caller]
     pub fn wait_for(&self, expression: &str, longest: Duration) {
         let begin = Instant::now();

@@ -32,7 +32,7 @@ pub fn read(bytes: &[u8]) -> (Vec<String>, Vec<Damage>) {
     (frames, damages)
 }
 
-/// The same of a sample.
+/// All frames and damages of a sample.
 pub fn read_file(name: &str) -> (Vec<String>, Vec<Damage>) {
     read(&bytes(name))
 }

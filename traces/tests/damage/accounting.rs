@@ -3,9 +3,9 @@
 use crate::corpus::{Sample, Xorshift, read, samples};
 use canvass_traces::{Damage, DamageKind, Format};
 
-/// So many values are tried in place of each byte, beside those that make comments and line ends.
+/// Number of values that replace each byte, beside those that make comments and line ends.
 const TRIED: usize = 4;
-/// So many bytes of a sample are damaged at most, evenly over all of it.
+/// Maximum number of damaged bytes in a sample, evenly over the whole sample.
 const PLACES: usize = 1_200;
 
 /// How many frames a damage stands for: the rest of the file, if it ends there or tells how many there should be.

@@ -84,7 +84,7 @@ impl Described {
         json!(canvass_reports::descriptions::json::document(&[file]))
     }
 
-    /// The same in words.
+    /// The findings as text.
     pub fn findings_text(&self) -> String {
         let Ok(checked) = check(&self.bytes, Some(&self.name)) else { return String::new() };
         let file = CheckedFile::new(&self.name, &checked, |_| true);

@@ -144,7 +144,7 @@ impl Export {
         &self.input
     }
 
-    /// Reads so many records on, and appends what they give to `out`; `false` when all is written.
+    /// Reads the next `records` records, and appends the exported frames to `out`; `false` when everything is written.
     ///
     /// # Errors
     /// [`ExportError`].

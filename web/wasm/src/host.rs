@@ -12,7 +12,7 @@ mod page {
         #[wasm_bindgen(js_namespace = canvassHost, catch)]
         pub(super) fn read(file: u32, at: f64, buffer: &mut [u8]) -> Result<u32, JsValue>;
 
-        /// Tells the page how far it is: so many of so many, and what comes now.
+        /// Reports progress to the page: `done` of `all`, and the next step in words.
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn progress(done: f64, all: f64, what: &str);
 

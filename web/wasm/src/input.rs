@@ -37,7 +37,7 @@ pub enum Next {
 }
 
 impl Input {
-    /// So many damages are told one by one.
+    /// Maximum number of damages that are reported one by one.
     const TOLD: usize = 100;
 
     /// Opens them all.

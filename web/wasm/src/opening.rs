@@ -65,10 +65,10 @@ impl Opening {
         Ok(Self { input, reading, store: Store::new(network(described)), damages: 0 })
     }
 
-    /// Reads on: so many records; `false` at the end.
+    /// Reads the next `records` records; `false` at the end of the captures.
     ///
     /// # Errors
-    /// None that happens: nothing is written.
+    /// None in practice: the output goes to memory.
     pub fn step(&mut self, records: usize) -> io::Result<bool> {
         for _ in 0..records {
             match self.input.advance() {

@@ -21,7 +21,7 @@ struct AllSeries {
     start: Timestamp,
     all: Vec<Series>,
     points: usize,
-    /// So many values became two: the least and the greatest of them.
+    /// Number of consecutive values of which only the least and the greatest are kept.
     thinned: usize,
 }
 
@@ -61,7 +61,7 @@ impl AllSeries {
 }
 
 impl Plots {
-    /// So many values are held, of all columns.
+    /// Maximum number of values in all columns together.
     const MOST: usize = 4_000_000;
 
     /// Nothing is gathered yet.

@@ -5,9 +5,9 @@ use std::ops::Range;
 /// A change of the program.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What stands there instead.
+    /// The text that replaces the original.
     pub text: String,
-    /// In a few words.
+    /// The change in a few words.
     pub what: String,
 }
 

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// So often mutants that can't be compiled are taken out.
+/// Number of times that mutants which can't be compiled are taken out.
 const ROUNDS: u32 = 12;
 /// Soon built.
 const PROFILE: &str =

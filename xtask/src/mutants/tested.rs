@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 
 /// KiB: a mutant that fills its memory ends.
 const MEMORY: u64 = 4_000_000;
-/// A mutant may take so many times the processor time that a test takes without one.
+/// Maximum processor time of a mutant, as a multiple of the time that the test takes without a mutant.
 const SLOWER: u32 = 10;
-/// And so many seconds besides.
+/// Seconds that a mutant may take in addition.
 const BESIDES: u64 = 5;
 
 /// What became of a mutant.
@@ -76,7 +76,7 @@ impl Programs {
         Ok(Self(programs))
     }
 
-    /// Runs each test without a mutant. Those that take more than so many seconds of a processor are left out.
+    /// Runs each test without a mutant. Tests that take more than `within` seconds of a processor are left out.
     pub fn tests(&self, within: Option<u64>) -> Result<Tests<'_>> {
         let mut named = Vec::new();
         for program in &self.0 {

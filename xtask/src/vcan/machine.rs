@@ -62,7 +62,7 @@ const SECOND_CONTROLLER: [&str; 2] = ["-device", "kvaser_pci,canbus=wires"];
 /// # Errors
 /// If it can't be had.
 pub fn install_all() -> Result<()> {
-    install(&QEMU).context("QEMU and what starts a kernel in it could not be installed")
+    install(&QEMU).context("can't install QEMU and the packages that start a kernel in it")
 }
 
 /// Runs the tests of those names, dealt out to as many machines as there are processors.

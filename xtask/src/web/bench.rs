@@ -114,7 +114,7 @@ fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
         }})()"
     );
     let times = browser.run(&script);
-    let time = |at: usize| times[at].as_f64().context("a time");
+    let time = |at: usize| times[at].as_f64().context("expected a time in milliseconds");
     Ok([time(0)?, time(1)?])
 }
 

@@ -17,7 +17,7 @@ pub fn bind(wasm: &str, folder: &str) -> Result<()> {
         .generate(folder)
 }
 
-/// The same, by an xtask that can.
+/// Makes the bindings with an xtask that has the feature `web`.
 #[cfg(not(feature = "web"))]
 pub fn bind(wasm: &str, folder: &str) -> Result<()> {
     super::by_another(&["web-bind", wasm, folder])

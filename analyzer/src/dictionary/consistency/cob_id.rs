@@ -26,7 +26,7 @@ const PREDEFINED: [(u16, u8, u32); 9] = [
     (0x1802, 1, 0x380),
     (0x1803, 1, 0x480),
 ];
-/// The same for messages of the whole network.
+/// Default COB-IDs of messages of the whole network.
 const OF_THE_NETWORK: [(u16, u32); 2] = [(object::COB_ID_SYNC, 0x80), (object::COB_ID_TIME, 0x100)];
 
 /// EMCY, the first four PDOs of each direction, SYNC and TIME should have the COB-IDs of the predefined connection
@@ -88,7 +88,7 @@ fn first_server(check: &mut Check<'_>) {
 /// A COB-ID that the device uses on the bus.
 struct Used {
     at: Multiplexer,
-    /// The field with its value.
+    /// The EDS field that holds the COB-ID: `DefaultValue` or `ParameterValue`.
     field: &'static str,
     /// The COB-ID; the node-ID of a DCF is added if required.
     cob_id: CobId,

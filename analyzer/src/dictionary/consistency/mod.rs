@@ -88,7 +88,7 @@ impl<'a> Check<'a> {
         configured.or(entry.default.as_ref().map(|setting| (setting, "DefaultValue")))
     }
 
-    /// The same as a number; `None` if it depends on the node-ID.
+    /// The effective value as a number; `None` if it depends on the node-ID.
     fn effective_number(&self, at: Multiplexer) -> Option<(u64, &'static str)> {
         let (setting, field) = self.effective(at)?;
         Some((u64::try_from(setting.fixed()?.as_number()?).ok()?, field))

@@ -68,7 +68,7 @@ pub enum ConvertError {
     #[error(transparent)]
     Description(#[from] DescriptionError),
     /// The description of a type of device has no configuration to write.
-    #[error("it describes a type of device, but {0} is for a configured device: write EDS or XDD")]
+    #[error("the description is of a device type, but {0} is for a configured device: write EDS or XDD")]
     NotConfigured(Form),
 }
 

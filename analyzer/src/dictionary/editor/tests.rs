@@ -36,7 +36,7 @@ DefaultValue=0x60040020
 ParameterName=Position
 ";
 
-/// Where a text stands, and so many characters after its start.
+/// The place `more` characters after the start of a text.
 fn at(what: &str, more: usize) -> usize {
     TEXT.find(what).unwrap() + more
 }

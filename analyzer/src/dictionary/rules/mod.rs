@@ -91,7 +91,7 @@ fn paragraphs(text: &str) -> String {
     text.split("\n\n").map(joined).filter(|paragraph| !paragraph.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-/// The rules of a device profile, which registers them.
+/// The rules of one device profile. The module of the profile registers them.
 pub(crate) struct OfProfile(pub &'static [&'static Rule]);
 
 inventory::collect!(OfProfile);

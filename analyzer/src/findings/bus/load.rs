@@ -23,9 +23,9 @@ const EFFECTS: &[Effect] = &[
 /// the bus is nearly full
 ///
 /// The bits of all frames within a window, with their stuff bits and the pauses between frames, fill more than the
-/// given share of it. The bit rate is the one that was said, or is inferred from frames that follow each other without
-/// a pause; where neither is possible, nothing is said. An inferred bit rate is never one at which the frames of a
-/// tenth of a second would not have fitted.
+/// given share of it. The bit rate is given by the user, or inferred from frames that follow each other without a
+/// pause; if neither is possible, the rule reports nothing. An inferred bit rate is always high enough for the frames
+/// of each tenth of a second.
 ///
 /// # Why
 /// What is sent with a high CAN-ID waits until nothing more important is sent. At a high load answers come late, PDOs

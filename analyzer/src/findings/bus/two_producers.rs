@@ -55,9 +55,9 @@ struct TwoProducers {
 #[derive(Clone, Copy, Default)]
 struct Pdo {
     interleaving: Interleaving,
-    /// Number of times it came since the last SYNC.
+    /// Number of frames of this TPDO since the last SYNC.
     since_sync: u8,
-    /// Number of cycles in a row in which it came twice.
+    /// Number of consecutive cycles with two frames of this TPDO.
     twice: u8,
 }
 

@@ -55,13 +55,13 @@ pub struct Facts {
 /// The meaning of a frame to several rules: computed once for all of them.
 #[derive(Default)]
 pub struct News {
-    /// Whether it is an NMT command that changes the state of a node, so that periodic messages may begin anew.
+    /// Whether the frame is an NMT command that changes the state of a node, so that periodic messages may begin anew.
     pub begins_anew: bool,
-    /// Whether it is a TPDO with a known parameter.
+    /// Whether the frame is a TPDO with a known parameter.
     pub is_known_tpdo: bool,
-    /// Whether the concerned node has sent it.
+    /// Whether the concerned node has sent the frame.
     pub is_from_node: bool,
-    /// The outage of its node that ends with it.
+    /// The outage of the node that ends with this frame.
     pub returned: Option<Outage>,
     /// The interval that ends with a heartbeat.
     pub heartbeat: Option<Interval>,
@@ -69,9 +69,9 @@ pub struct News {
     pub request: RequestEvent,
     /// The errors that end with an EMCY.
     pub ended_errors: Vec<(EmcyCode, Raised)>,
-    /// The values of objects of its node's device profile in the frame.
+    /// The values in the frame of objects of the node's device profile.
     pub operands: Vec<Operand>,
-    /// The profile whose values these are.
+    /// The device profile that defines the objects in `operands`.
     pub profile: Option<u16>,
 }
 

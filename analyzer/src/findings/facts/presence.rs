@@ -74,7 +74,8 @@ pub struct Outage {
 impl Presence {
     /// A silence that is longer than this share of the period is an outage.
     const MISSING: Percent = Percent(300);
-    /// The same before a reset: masters reset a node after one and a half periods of silence.
+    /// A silence before a reset that is longer than this share of the period is an outage: masters reset a node after
+    /// one and a half periods of silence.
     const BEFORE_RESET: Percent = Percent(150);
     /// Resets within this time count as one: some masters reset communication and then the node.
     const RETRY: Duration = Duration::from_secs(2);

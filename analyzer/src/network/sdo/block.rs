@@ -71,7 +71,7 @@ impl Block {
 /// The progress of a sub-block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Run {
-    /// Number of its segments.
+    /// Number of segments in the sub-block.
     block_size: u8,
     /// The sequence number of the last segment that came in order.
     in_order: u8,

@@ -22,12 +22,12 @@ pub struct Transfer {
     pub announced: Option<u32>,
     /// The number of segments with data; repeated ones count once.
     pub segments: u32,
-    /// Its end, or that it is open.
+    /// How the transfer ended, or that it is open.
     pub outcome: Outcome,
-    /// The first rule broken in it.
+    /// The first violation of the protocol in the transfer.
     pub violation: Option<Violation>,
     data: Vec<u8>,
-    /// Maximum number of its bytes that are kept.
+    /// Maximum number of bytes of the value that are kept.
     most: usize,
     length: u64,
     crc: u16,

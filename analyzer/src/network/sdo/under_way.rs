@@ -15,7 +15,7 @@ pub struct UnderWay {
     over: bool,
     /// The sequence number of the client's next segment, and the time of the one before.
     download: Option<(u8, Timestamp)>,
-    /// The same for the server's segments.
+    /// The sequence number of the server's next segment, and the time of the one before.
     upload: Option<(u8, Timestamp)>,
 }
 

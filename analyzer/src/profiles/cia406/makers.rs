@@ -18,11 +18,11 @@ pub struct Maker {
 
 /// A bit whose place depends on the version of the profile, in the low word of 6507h (0302h is 3.2).
 pub struct SpeedFormat {
-    /// The first version of the profile with the new place.
+    /// The first version of the profile in which the bit has its new place.
     pub from: u16,
-    /// The bit before that version.
+    /// The number of the bit before version `from`.
     pub before: u8,
-    /// The bit from that version on.
+    /// The number of the bit from version `from` on.
     pub after: u8,
 }
 

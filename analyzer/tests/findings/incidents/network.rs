@@ -24,7 +24,7 @@ pub struct Node {
     pub period: u64,
     /// The heartbeat that it waits for, and how long.
     pub consumes: Option<(u8, u64)>,
-    /// Whether its TPDO comes with each SYNC, or every so many milliseconds.
+    /// Whether the node sends its TPDO with each SYNC; otherwise it sends the TPDO every `cycle` milliseconds.
     pub synchronous: bool,
     pub cycle: u64,
     pub length: usize,
@@ -87,7 +87,7 @@ pub struct Network {
     pub slower: Option<(u8, u64, u64)>,
     /// The length of TPDOs that is another one: node, from when on.
     pub shorter: Option<(u8, u64)>,
-    /// From when on a client waits for the answers of a node for only so many microseconds.
+    /// A client with a short timeout: the node that it asks, the begin, and the timeout in microseconds.
     pub impatient: Option<(u8, u64, u64)>,
     jitter: Random,
 }

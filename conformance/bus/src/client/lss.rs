@@ -17,11 +17,11 @@ pub struct Fastscan {
 
 #[derive(Clone, Copy, Debug)]
 enum Stage {
-    /// Asked whether there is any slave.
+    /// The master asked whether any slave without node-ID exists.
     Begin,
-    /// Asked whether this bit of this part is 0.
+    /// The master asked whether bit `bit` of part `part` of the LSS address is 0.
     Bit { part: usize, bit: u8 },
-    /// Asked whether the whole part is right; slaves with another value leave the scan.
+    /// The master asked whether part `part` of the LSS address is right; slaves with another value leave the scan.
     Verify { part: usize },
 }
 

@@ -13,7 +13,7 @@ struct Kind {
     name: &'static str,
     /// The handle of channel n, for 1 to 8, is this plus n.
     first: u16,
-    /// The same for channels from 9 on.
+    /// The handle of channel n, from 9 on, is this plus n.
     further: u16,
     /// Number of channels.
     count: u16,

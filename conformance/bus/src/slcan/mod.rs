@@ -328,7 +328,7 @@ mod tests {
         drop(silent);
     }
 
-    /// An adapter that has no 800 kbit/s, and takes its time to say so; gives what it received, line by line.
+    /// An adapter without 800 kbit/s, which reports the error after a delay. Returns the lines that it received.
     fn adapter(listener: TcpListener) -> JoinHandle<Vec<String>> {
         std::thread::spawn(move || {
             let (mut stream, mut told, mut line) = (listener.accept().unwrap().0, Vec::new(), String::new());

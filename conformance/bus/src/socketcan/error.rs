@@ -60,7 +60,7 @@ pub enum SocketCanError {
         interface: String,
         /// In bit/s.
         bit_rate: u32,
-        /// The command that sets it.
+        /// The command that sets the bit rate.
         command: String,
         /// The kernel's error.
         source: io::Error,

@@ -94,7 +94,7 @@ impl StandIn {
         }
     }
 
-    /// So many messages arrive, a millisecond apart, the first at that time on the adapter's clock.
+    /// Makes `times` messages arrive, a millisecond apart, the first at `micros` on the adapter's clock.
     pub fn receive(&self, message: Message, micros: u64, times: u32) {
         // SAFETY: declared so in stand_in.c.
         unsafe {

@@ -95,10 +95,10 @@ impl StoreCommand {
         matches!(self, Self::Save(_))
     }
 
-    /// Checks the signature.
+    /// Checks the signature written to 1010h or 1011h.
     ///
     /// # Errors
-    /// The abort code of this model for a wrong one.
+    /// The abort code of this model for a wrong signature.
     pub fn check(self, value: u64, storage: &Storage) -> Result<(), AbortCode> {
         let signature = match self {
             Self::Save(_) => storage.save_signature,

@@ -24,7 +24,7 @@ impl Liberties {
     /// A firmware that takes none of them.
     pub const NONE: Self = Self([0; WORDS]);
 
-    /// The same set with one more.
+    /// The set with one more liberty.
     pub const fn with(mut self, liberty: Liberty) -> Self {
         self.0[liberty as usize / u64::BITS as usize] |= Self::bit(liberty);
         self

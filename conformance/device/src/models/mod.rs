@@ -169,7 +169,7 @@ impl Model {
         &self.sheet.id
     }
 
-    /// What it is, in one line.
+    /// The description of the model in one line.
     pub fn summary(&self) -> &str {
         &self.sheet.summary
     }

@@ -35,7 +35,7 @@ pub struct Quirks {
     pub scaling_bit_guards: bool,
     /// While scaling is on, 6501h and 6502h show 6001h and the revolutions of 6002h.
     pub resolution_follows_scaling: bool,
-    /// 2104h and 2105h are limit switches, which bits 12 and 13 of 6000h switch on and of 6500h show.
+    /// 2104h and 2105h are limit switches: bits 12 and 13 of 6000h enable them, these bits of 6500h show their states.
     pub limit_switches: bool,
     /// 6200h is the only event of TPDO 1, whose communication parameters have no event timer.
     pub cyclic_tpdo: bool,

@@ -152,11 +152,11 @@ pub struct LmtAddress {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BitRate {
-    /// In kbit/s.
+    /// The bit rate in kbit/s.
     pub kbit: u32,
-    /// In the device's own object.
+    /// The code of the bit rate in the device's own object.
     pub object_code: Option<u8>,
-    /// In LSS; `None`: not selectable.
+    /// The code of the bit rate in LSS; `None`: not selectable by LSS.
     pub lss_code: Option<u8>,
     /// For people: how slow PDOs have to be at that bit rate.
     #[serde(default)]
@@ -226,11 +226,11 @@ impl Timing {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Storage {
-    /// Writing it to 1010h stores.
+    /// The signature that stores the parameters when it is written to 1010h.
     pub save_signature: u32,
-    /// Writing it to 1011h restores the defaults.
+    /// The signature that restores the defaults when it is written to 1011h.
     pub load_signature: u32,
-    /// The abort code for any other value.
+    /// The abort code for any other signature.
     pub wrong_signature_abort: u32,
     /// The object that stores `bus_objects` when the save signature is written.
     #[serde(deserialize_with = "address_option")]

@@ -151,8 +151,8 @@ fn time_does_not_end() {
     assert_eq!(rig.bus.now(), before);
 }
 
-/// What a service still waits for when a reset comes is no event before the end of initialisation: here the SYNC window
-/// closes, a producer of heartbeats falls silent, and SYNC and TIME of the device itself are due.
+/// Timers that ran before a reset take no effect during initialisation: the SYNC window, the heartbeat consumer time,
+/// and the periods at which the device itself sends SYNC and TIME.
 #[test]
 fn nothing_is_due_while_initialising() {
     let model = Model::by_id("reference-301").unwrap();

@@ -43,7 +43,7 @@ impl Rig {
         self.bus.send(&parse(frame)).unwrap();
     }
 
-    /// All that the device sends in so many milliseconds.
+    /// All frames that the device sends within `millis` milliseconds.
     pub fn records(&mut self, millis: u64) -> Vec<Record> {
         let deadline = self.bus.now() + Duration::from_millis(millis);
         let mut records = Vec::new();

@@ -58,7 +58,7 @@ impl Machine {
         self.bus.send(&frame(id, bytes)).unwrap();
     }
 
-    /// Runs until something answers to `wanted`, or for so many milliseconds.
+    /// Runs until a frame is `wanted`, for at most `millis` milliseconds.
     fn until(&mut self, millis: u64, wanted: impl Fn(&Record) -> bool) -> Option<Record> {
         let end = self.bus.now() + Duration::from_millis(millis);
         loop {
@@ -125,7 +125,7 @@ impl Machine {
         Some(u32::from_le_bytes([answer[4], answer[5], answer[6], answer[7]]))
     }
 
-    /// Writes a number of so many bytes.
+    /// Writes a number of `length` bytes.
     pub fn write(&mut self, index: u16, sub: u8, value: u32, length: u8) {
         let ([low, high], [a, b, c, d]) = (index.to_le_bytes(), value.to_le_bytes());
         self.ask([0x23 | (4 - length) << 2, low, high, sub, a, b, c, d]);

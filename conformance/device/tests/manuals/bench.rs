@@ -34,7 +34,7 @@ impl Bench {
         }
     }
 
-    /// What the device sends in so many milliseconds.
+    /// The frames that the device sends within `millis` milliseconds.
     pub fn run(&mut self, millis: u64) -> Vec<String> {
         let deadline = self.now + Duration::from_millis(millis);
         let mut sent = Vec::new();

@@ -80,7 +80,8 @@ fn table_of_bit_rates() {
     }
 }
 
-/// 4.7.3.2: in order, and silent; in configuration it has no effect.
+/// "Switch mode selective" (4.7.3.2) needs its parts in order and is not answered. In configuration mode it has no
+/// effect.
 #[test]
 fn switch_mode_selective() {
     const PARTS: [&str; 3] = ["7E5#0154522D454C4543", "7E5#024C4D5033300000", "7E5#0332200044002100"];

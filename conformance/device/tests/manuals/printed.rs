@@ -64,7 +64,7 @@ impl Comparison {
         }
     }
 
-    /// The value as the device gives it by SDO, written as the cell is.
+    /// The value read by SDO, in the notation of the printed cell.
     fn value(&mut self, index: u16, sub: u8, cell: &str) -> String {
         let value = match self.bench.read_bytes_from(self.node, index, sub) {
             Ok(value) => value,

@@ -21,7 +21,7 @@ use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_device::Motion;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So long a printed frame is waited for, in milliseconds.
+/// Maximum wait for a printed frame, in milliseconds.
 const PATIENCE: u64 = 6_000;
 
 struct Replay {

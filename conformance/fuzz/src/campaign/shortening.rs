@@ -19,13 +19,13 @@ const LONGEST: Duration = Duration::from_secs(5);
 /// As many tries are made on the slowest device.
 const LEAST_TRIES: u32 = 24;
 
-/// So long one violation is made shorter before the run goes on.
+/// Time for which one violation is made shorter before the run goes on.
 const TURN: Duration = Duration::from_millis(250);
 
-/// One part in so many of the time is spent on making sequences shorter while the run goes on.
+/// Sequences are made shorter in one part of the time in [`SHARE`] while the run goes on.
 const SHARE: u64 = 4;
 
-/// For the last part in so many of a run, what was made shorter so far is shown from power-on.
+/// In the last part in [`LAST_PART`] of a run, the sequences made shorter so far are shown from power-on.
 const LAST_PART: u32 = 20;
 
 /// A confirmed violation that is being made shorter. On a device that goes on most tries begin where the one before has ended,

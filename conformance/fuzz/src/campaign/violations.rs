@@ -12,7 +12,7 @@ use crate::stimulus::Sequence;
 use canvass_bus::BusError;
 use proptest::strategy::ValueTree;
 
-/// A violation that did not come back so often is not tried again.
+/// Number of failed repetitions after which a violation is not tried again.
 const MOST_DOUBTS: u32 = 3;
 
 /// A violation that was seen, while it is being repeated.

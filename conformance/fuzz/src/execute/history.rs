@@ -3,7 +3,7 @@
 use crate::stimulus::{Sequence, Start, Stimulus};
 use canvass_traces::{Record, Timestamp};
 
-/// So many of the last frames are kept as evidence at least.
+/// Minimum number of the last frames that are kept as evidence.
 const LONGEST_EVIDENCE: usize = 1_000;
 
 /// The frames of a device that goes on from sequence to sequence, and where in them the last sequence began.
@@ -15,7 +15,7 @@ pub(crate) struct History {
     evidence: Vec<Record>,
     /// What was sent since the last start, on a device that goes on.
     sent: Vec<Stimulus>,
-    /// The same of the start before, with its frames: of these a device died that does not come back.
+    /// The stimuli and frames since the start before: a device that does not come back died of these.
     before: (Sequence, Vec<Record>),
     /// The way to the bus was interrupted in the last sequence: whether what began it was done is not known.
     pub was_interrupted: bool,
@@ -57,7 +57,7 @@ impl History {
         (self.begun_at, self.settled) = (0, 0);
     }
 
-    /// A sequence begins now, or its tail, after so many of its stimuli.
+    /// A sequence begins now, or its tail after `tail` of its stimuli.
     pub fn begin(&mut self, tail: usize) {
         (self.begun_at, self.tail) = (self.sent.len(), tail);
     }
@@ -92,7 +92,7 @@ impl History {
         &self.evidence
     }
 
-    /// The same, which are not needed here any more.
+    /// Takes the frames since the last start, which are not needed here any more.
     pub fn take_evidence(&mut self) -> Vec<Record> {
         std::mem::take(&mut self.evidence)
     }

@@ -61,7 +61,7 @@ impl Strategy for Dialogues {
     }
 }
 
-/// On a device that goes on, one pause in so many is made.
+/// On a device that is not reset between sequences, one pause in [`PAUSES_LIVE`] is made.
 const PAUSES_LIVE: usize = 16;
 
 /// The most frames of a sequence.

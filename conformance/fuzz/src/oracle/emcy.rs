@@ -18,9 +18,10 @@ pub(super) struct Watch {
     last: Option<(Timestamp, [u8; 8])>,
     /// The last frame that may have been an error: not one that an SDO server answers.
     cause: Option<Frame>,
-    /// So often it came since the last EMCY, with no other between them that may have ended the error.
+    /// Number of times that the cause came since the last EMCY, with no other frame between them that may have ended
+    /// the error.
     causes: u32,
-    /// So often the last EMCY may come again: once for each further cause.
+    /// Number of times that the last EMCY may come again: once for each further cause.
     again: u32,
     second: Timestamp,
     count: u32,
@@ -96,7 +97,8 @@ mod tests {
     use super::*;
     use canvass_traces::parse_frame;
 
-    /// 8240h, unexpected length of SYNC, so often after so many causes; whether all may come.
+    /// Whether EMCY 8240h (unexpected length of SYNC) may come `times` times after `causes` SYNC messages with a wrong
+    /// length.
     fn come(causes: u32, times: u32) -> bool {
         let sync = frame("080#010203");
         let mut watch = Watch::new();

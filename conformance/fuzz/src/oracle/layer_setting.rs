@@ -76,7 +76,7 @@ pub(super) struct LayerSetting<D: Dialect, O> {
     owed: Option<(Request<D>, Timestamp)>,
 }
 
-/// So many requests may have their answers under way.
+/// Maximum number of requests that wait for their answers.
 const LATELY: usize = 8;
 
 impl InOrder {
@@ -320,7 +320,8 @@ pub(super) fn includes<D: Dialect>(limit: Limit, bound: D::Value, own: D::Value)
     }
 }
 
-/// An error is told by code 1, or by 255 with a code of the manufacturer.
+/// Whether the actual response is the expected one. A device may report an error by code 1, or by 255 with a code of
+/// the manufacturer.
 fn same<D: Dialect>(expected: Response<D>, actual: Response<D>) -> bool {
     match (expected, actual) {
         (

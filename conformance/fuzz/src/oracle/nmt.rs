@@ -32,7 +32,7 @@ pub(crate) enum Phase {
     Unsure,
 }
 
-/// So many sub-indices of 1029h are looked at: communication, and what device profile and manufacturer add.
+/// Number of sub-indexes of 1029h that are read: communication error, and those of device profile and manufacturer.
 const ERROR_CLASSES: u8 = 16;
 
 /// What a frame changed.

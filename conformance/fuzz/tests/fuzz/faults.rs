@@ -11,7 +11,7 @@ const SEED: u64 = 1;
 /// fault. In a test a fault gets few of them, and as much time as the slowest machine needs for these.
 const LIMIT: Limit = Limit { exchanges: 12_000, time: Duration::from_secs(120) };
 
-/// So many percent of the faults have to be found with these.
+/// Minimum percentage of the faults that must be found within [`LIMIT`].
 const SOON: usize = 70;
 
 /// Frames of the longest minimal sequence.

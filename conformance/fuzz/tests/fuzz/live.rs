@@ -290,7 +290,7 @@ struct Mortal {
     machine: Perishable,
     /// Frames of SDO until it is dead.
     left: u32,
-    /// So many resets bring it back.
+    /// Number of resets that bring the device back.
     needs: u32,
 }
 

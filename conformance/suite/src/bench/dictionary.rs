@@ -26,8 +26,8 @@ const MOST_SUBS: u8 = 16;
 /// Who the device is.
 const IDENTITY: u16 = object::IDENTITY;
 
-/// On a live bus: after so many objects in a row that are read without an answer, or with one that makes no sense, the rest
-/// would only take its time.
+/// Number of consecutive objects without a valid answer after which reading ends on a live bus: the rest would only
+/// take time.
 const MOST_UNANSWERED: u32 = 20;
 
 /// Reads every object that the description calls readable; without a description the communication objects that

@@ -11,7 +11,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Duration
     u64::deserialize(from).map(Duration)
 }
 
-/// The same of a time that may not be given.
+/// An optional time in nanoseconds.
 pub(super) mod optional {
     use super::{Deserialize, Deserializer, Duration, Serializer};
 

@@ -148,10 +148,10 @@ impl Bench<'_> {
         Err(Stop::NotApplicable(Reason::new(duty, "one or more", "none")))
     }
 
-    /// Demands that there is something to map.
+    /// Requires at least one object that can be mapped.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if there is nothing.
+    /// [`Stop::NotApplicable`] if `mapping` is empty.
     pub(crate) fn require_one(&self, pdo: Pdo, mapping: &[Mapped]) -> Judged {
         if !mapping.is_empty() {
             return Ok(());

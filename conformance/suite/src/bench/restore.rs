@@ -13,7 +13,8 @@ use canvass_traces::hex;
 /// Stores all parameters.
 pub(super) const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 
-/// What puts a device right after a case that could not go on; `true` if the case stored something.
+/// Brings a device back to its normal operation after a case that could not go on. The flag says whether the case
+/// stored something.
 pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
 
 impl Bench<'_> {

@@ -95,7 +95,7 @@ impl Bench<'_> {
         self.expect_effect(multiplexer, value)
     }
 
-    /// The same for a value whose effect is what the case judges: it only has to be confirmed.
+    /// Writes a value whose effect the case judges: the device only has to confirm it.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses it.

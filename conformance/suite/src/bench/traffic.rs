@@ -16,7 +16,7 @@ const SLICE: Duration = Duration::from_millis(200);
 /// A listener keeps no more frames than this; more than any period or count needs.
 const LISTENED: usize = 20_000;
 
-/// Whether frames were lost is looked at after so many.
+/// Number of frames after which the bench checks whether frames were lost.
 const LOOK_AT_LOSSES: u64 = 512;
 
 /// The proof that a frame was handed to the bus, and when.
@@ -139,7 +139,7 @@ impl<'a> Traffic<'a> {
         Ok(())
     }
 
-    /// Forgets the case before: what others have sent counts for the run.
+    /// Forgets the evidence of the case before. Messages of other clients still count for the whole run.
     pub(super) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.clients.begin();

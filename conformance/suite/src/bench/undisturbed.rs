@@ -3,7 +3,7 @@
 
 use super::Bench;
 
-/// So often something is done if the way to the bus is interrupted each time.
+/// Maximum number of attempts if the way to the bus is interrupted each time.
 const MOST_TRIES: u32 = 5;
 
 impl Bench<'_> {

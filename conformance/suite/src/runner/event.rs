@@ -27,7 +27,7 @@ pub enum RunEvent<'a> {
     CaseFinished(&'a CaseReport),
     /// The object dictionary was read again; only where a case has run.
     DictionaryCompared(&'a Comparison),
-    /// What others sent to the device or for it during the whole run, if they did.
+    /// The foreign messages of the whole run, if there were any.
     OtherClients(&'a [ForeignMessages]),
     /// Something about the run as a whole that a person should know.
     Noticed(&'a str),

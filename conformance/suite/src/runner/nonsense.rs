@@ -157,7 +157,8 @@ mod tests {
         }
     }
 
-    /// Forty quick cases, or ten that took a minute: of a run that repeats them, so many times that minute.
+    /// A run ends after forty quick cases, or after ten slow ones that took a minute together. A run that repeats its
+    /// cases ends after this minute times the number of repetitions.
     #[test]
     fn a_run_ends_after_many_cases_or_some_slow_ones() {
         let ms = Duration::from_millis;

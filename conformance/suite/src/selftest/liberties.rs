@@ -36,10 +36,10 @@ pub struct Sparing {
     pub missed: Vec<(Fault, Liberties)>,
 }
 
-/// What the cases made of a firmware that takes liberties and has no fault.
+/// The result of the cases on a firmware with liberties and without a fault.
 #[derive(Clone, Debug)]
 pub struct LibertyRow {
-    /// What it takes.
+    /// The liberties of the firmware.
     pub liberties: Liberties,
     /// The model.
     pub model: &'static str,

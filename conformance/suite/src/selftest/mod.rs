@@ -36,7 +36,7 @@ use std::sync::{Mutex, PoisonError};
 pub enum Extent {
     /// All.
     Whole,
-    /// Those of the faults with the cases that name them, and of the others one in so many, evenly spread.
+    /// The cells of each fault with the cases that name it, and of the other cells one in this number, evenly spread.
     OneIn(usize),
 }
 

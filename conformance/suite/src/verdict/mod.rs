@@ -221,7 +221,7 @@ impl Verdict {
         self.breaches.iter().find(|ruled| ruled.kind() == kind)
     }
 
-    /// Why; a pass needs no reason.
+    /// The reason for the verdict; a pass has none.
     pub fn reason(&self) -> Option<Reason> {
         let kind = self.kind();
         if kind == Kind::Pass {

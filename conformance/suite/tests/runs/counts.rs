@@ -382,7 +382,7 @@ fn can_fd_frames_are_told_of() {
     assert!(events.iter().any(|event| event.contains("CAN FD frames came, and none was taken")), "{events:?}");
 }
 
-/// What a case does without the user's leave is not done; the touch that is missing is named.
+/// A case whose touch the user has not allowed does not run; the verdict names the missing touch.
 #[test]
 fn the_leave_that_is_missing_is_named() {
     static TWO: Case = Case { touches: &[Touch::Nvm, Touch::NodeId], ..test_case("test/two", |_| Ok(())) };

@@ -74,7 +74,7 @@ pub fn with_bench<T>(
     with_options(script, &Options::default(), test)
 }
 
-/// The same with options.
+/// Runs `test` on a bench with this script and these options.
 pub fn with_options<T>(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     options: &Options,
@@ -83,7 +83,7 @@ pub fn with_options<T>(
     with_target(script, &Target::unknown(NodeId::new(NODE).unwrap()), options, test)
 }
 
-/// The same with a device of which more is known.
+/// Runs `test` on a bench with this script, these options and a device of which more is known.
 pub fn with_target<T>(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     target: &Target,

@@ -55,7 +55,7 @@ fn statement(random: &mut Random, table: Table, file: &str, rows: &[Value]) -> S
     }
 }
 
-/// Each capture is asked so many questions of each table.
+/// Number of questions to each table of each capture.
 const QUESTIONS: usize = 3;
 
 /// Tables of what single frames tell: what is not asked for is not even read.

@@ -285,7 +285,7 @@ pub fn write(folder: &Path, format: Format, seed: u64) -> PathBuf {
     path
 }
 
-/// A candump log of so many frames. Gives back where it is.
+/// Writes a candump log of `frames` frames, and returns its path.
 pub fn log(folder: &Path, seed: u64, frames: usize) -> PathBuf {
     let path = folder.join(format!("long-{seed}.log"));
     let records = traffic(seed, frames, kinds(Format::Candump));

@@ -24,7 +24,7 @@ impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
         Self { start, width, most: MOST, slots: Vec::new() }
     }
 
-    /// No more than so many, at least one.
+    /// The buckets, limited to `most` of them, at least one.
     pub fn limited_to(self, most: usize) -> Self {
         Self { most: most.clamp(1, MOST), ..self }
     }

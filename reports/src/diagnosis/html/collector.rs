@@ -20,7 +20,7 @@ pub struct Collector {
     pub(super) emergencies: BTreeMap<(ChannelId, NodeId), Buckets<Emergencies, 256>>,
 }
 
-/// So many nodes, four full buses, have their EMCY in all buckets, the others in so few.
+/// Number of nodes (four full buses) whose EMCY messages fill all buckets; further nodes have [`ROUGHLY`] buckets each.
 const CLOSELY: usize = 508;
 const ROUGHLY: usize = 32;
 

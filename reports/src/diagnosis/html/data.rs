@@ -40,12 +40,12 @@ struct Node {
     name: String,
     first: i64,
     last: i64,
-    /// From, to, and what the node has said of its state then, or that it was silent.
+    /// Periods of one NMT state or of silence: begin, end, and the state in words.
     states: Vec<(i64, i64, String)>,
     boot_ups: Vec<i64>,
-    /// How often it was silent beside these times.
+    /// Number of periods of silence that `states` does not list.
     silent: u64,
-    /// Time of the first, code and name, how many.
+    /// EMCY messages by time: the time of the first, its error code in words, and the number of messages.
     emergencies: Vec<(i64, String, u64)>,
 }
 

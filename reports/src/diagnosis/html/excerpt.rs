@@ -6,18 +6,18 @@ use canvass_traces::{ChannelId, Frame, Place, Record, Timestamp};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::fmt::Write as _;
 
-/// A capture of so many frames is shown whole.
+/// Maximum number of frames of a capture that is shown whole.
 const WHOLE: usize = 3_000;
-/// Of others, so many frames from the start.
+/// Number of frames shown from the start of a longer capture.
 const OPENING: usize = 40;
-/// So many frames before the one with which something was found, and so many after it.
+/// Number of frames shown before and after the frame of a finding.
 const BEFORE: u64 = 40;
 const BEHIND: u64 = 20;
-/// So many frames around findings, at most.
+/// Maximum number of frames around findings.
 const MOST: usize = 30_000;
-/// So many places of findings of one rule.
+/// Maximum number of places of findings of one rule.
 const MOST_OF_RULE: u32 = 30;
-/// So many bytes of a payload, and so many characters of what it means.
+/// Maximum number of bytes of a payload, and of characters of its meaning.
 const BYTES: usize = 64;
 const CHARACTERS: usize = 400;
 
@@ -53,13 +53,13 @@ struct Spot {
 /// A frame as the page shows it.
 #[derive(Clone)]
 pub struct Shown {
-    /// Its number among all frames, from 1; 0 where that is not known.
+    /// Number of the frame in the capture, from 1; 0 if unknown.
     pub number: u64,
     /// When it was seen.
     pub time: Timestamp,
-    /// Where.
+    /// The channel on which the frame was seen.
     pub channel: ChannelId,
-    /// Where it stands in its file.
+    /// The place of the frame in its file.
     pub place: Place,
     /// The frame, or its head.
     pub frame: Frame,
@@ -68,9 +68,9 @@ pub struct Shown {
     /// How long the payload is.
     pub len: usize,
     pub service: Option<Service>,
-    /// The node that it is about.
+    /// The node that the frame is about.
     pub node: Option<NodeId>,
-    /// What it means.
+    /// The meaning of the frame.
     pub text: String,
 }
 

@@ -8,17 +8,17 @@ use canvass_analyzer::statistics::Histogram;
 use canvass_traces::Duration;
 use maud::{Markup, html};
 
-/// So many columns for each power of two.
+/// Number of columns for each power of two.
 const PER_OCTAVE: f64 = 4.0;
 /// From 1 µs on; up to 2^26 µs, more than a minute.
 const OCTAVES: usize = 26;
 const COLUMNS: usize = OCTAVES * PER_OCTAVE as usize;
-/// So many columns are shown at least.
+/// Minimum number of shown columns.
 const LEAST: usize = 40;
 /// The size of the drawing.
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 110.0;
-/// So many nodes have a histogram of their own.
+/// Maximum number of nodes with a histogram of their own.
 const MOST_NODES: usize = 24;
 
 /// The section: a histogram for each node that was asked.

@@ -49,7 +49,7 @@ const SECTIONS: [(&str, &str); 9] = [
     ("about", "About this report"),
 ];
 
-/// So many findings are shown; more of them nobody reads.
+/// Maximum number of shown findings; nobody reads more.
 const MOST_FINDINGS: usize = 1000;
 
 /// Writes the page.

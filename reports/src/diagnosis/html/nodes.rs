@@ -12,9 +12,9 @@ use canvass_traces::{ChannelId, Duration};
 use maud::{Markup, PreEscaped, html};
 use std::io::{self, Write};
 
-/// So many changes of a node's state are listed.
+/// Maximum number of listed state changes of a node.
 const STATES: usize = 40;
-/// So many cases of CiA's test tool.
+/// Maximum number of listed cases of CiA's test tool.
 const CASES: usize = 500;
 
 /// Writes a table of all nodes, and each in full: on many channels they are thousands.

@@ -5,7 +5,7 @@ use crate::signals::{Columns, SampleRow, Sheet};
 use canvass_traces::{Duration, Timestamp};
 use std::io;
 
-/// So many buckets, with up to two points each.
+/// Number of buckets, with up to two points each.
 pub const BUCKETS: usize = 2048;
 /// The narrowest.
 const FINEST: Duration = Duration::from_millis(1);

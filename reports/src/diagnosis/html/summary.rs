@@ -10,7 +10,7 @@ use canvass_analyzer::statistics::BusStatistics;
 use canvass_traces::TimeBase;
 use maud::{Markup, html};
 
-/// So many findings are listed in the summary.
+/// Maximum number of findings in the summary.
 const FOREMOST: usize = 12;
 
 /// The captures' names, or how many there are.

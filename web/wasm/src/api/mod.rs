@@ -127,7 +127,7 @@ impl Page {
         Ok(self.description(name)?.findings().to_string())
     }
 
-    /// The same in words.
+    /// The findings in a description as text.
     ///
     /// # Errors
     /// If there is no such description.

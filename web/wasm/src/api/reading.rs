@@ -27,7 +27,7 @@ impl Hasher {
         self.0.update(bytes);
     }
 
-    /// The hash of all so far, in hexadecimal.
+    /// The hash of all bytes so far, in hexadecimal.
     pub fn digest(&self) -> String {
         hexadecimal(&self.0.clone().finalize())
     }
@@ -46,7 +46,7 @@ impl Page {
         Ok(())
     }
 
-    /// Reads so many records on; JSON says how far it is.
+    /// Reads the next `records` records; returns the progress as JSON.
     ///
     /// # Errors
     /// If nothing is being opened.

@@ -12,7 +12,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 impl Page {
-    /// So many rows from the n-th on, of those chosen: JSON.
+    /// The `count` chosen rows from row `from` on, as JSON.
     ///
     /// # Errors
     /// If no capture is open.
@@ -55,8 +55,8 @@ impl Page {
         json!({ "from": from, "words": words }).to_string()
     }
 
-    /// Works out what the list needs, of so many records on; JSON says how far it is. Until that has ended, rows far from
-    /// the first take long, and `overview` has not all of them.
+    /// Indexes the next `records` records for the list; returns the progress as JSON. Before the index is complete,
+    /// rows far from the first take long, and `overview` is incomplete.
     ///
     /// # Errors
     /// If no capture is open.
@@ -88,7 +88,7 @@ impl Page {
         Ok(())
     }
 
-    /// Looks at so many records on; JSON says how far it is.
+    /// Filters the next `records` records; returns the progress as JSON.
     ///
     /// # Errors
     /// If no capture is open.
@@ -115,7 +115,7 @@ impl Page {
         Ok(self.selection.as_ref().map_or(row, |selection| selection.rank(row)) as u32)
     }
 
-    /// The first frame so many seconds after the start, or later.
+    /// The first frame at or after `seconds` seconds from the start.
     ///
     /// # Errors
     /// If no capture is open.
@@ -136,7 +136,7 @@ impl Page {
         Ok(())
     }
 
-    /// Looks at so many records on: JSON.
+    /// Searches the next `records` records; returns the progress as JSON.
     ///
     /// # Errors
     /// If nothing is looked for.
@@ -157,7 +157,8 @@ impl Page {
         Ok(())
     }
 
-    /// Looks at so many records on; JSON says how far it is, and at the end what there is to draw.
+    /// Gathers values from the next `records` records; returns the progress as JSON, and at the end the columns to
+    /// draw.
     ///
     /// # Errors
     /// If nothing is gathered.
@@ -173,7 +174,7 @@ impl Page {
         Ok(told.to_string())
     }
 
-    /// Times and values of a column between two times, thinned out to about so many.
+    /// Times and values of a column between two times, thinned out to the extremes of `parts` spans.
     pub fn points(&self, column: u32, from: f64, to: f64, parts: u32) -> Vec<f64> {
         self.plots.as_ref().map_or_else(Vec::new, |plots| plots.points(column as usize, from, to, parts as usize))
     }

@@ -73,7 +73,7 @@ pub(super) fn is_bad(service: Service, message: &Message, violation: Option<Viol
     aborted || violation.is_some() || service == Service::ErrorFrame || (service == Service::Emcy && !gone)
 }
 
-/// So many bytes stand in a row.
+/// Maximum number of data bytes in a row.
 const SHOWN: usize = 64;
 
 fn data(record: &Record) -> String {

@@ -83,7 +83,7 @@ impl Selection {
         self.len == 0
     }
 
-    /// The places of so many rows from the n-th on.
+    /// The places of `count` rows from row `from` on.
     pub fn places(&self, from: usize, count: usize) -> Vec<usize> {
         let block = self.before.partition_point(|before| *before <= from).saturating_sub(1);
         let skipped = from - self.before.get(block).copied().unwrap_or(0).min(from);

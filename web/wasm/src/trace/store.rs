@@ -22,9 +22,9 @@ pub struct Store {
     before: Before,
     len: usize,
     bytes: usize,
-    /// So many blocks, the first ones, are compressed.
+    /// Number of compressed blocks; they are the first ones.
     compressed: usize,
-    /// The bytes of the blocks that are not.
+    /// The bytes of the blocks that are not compressed.
     plain_bytes: usize,
     /// Records that there was no more room for.
     left_out: u64,
@@ -46,14 +46,15 @@ enum Packed {
 }
 
 impl Store {
-    /// So many bytes are kept as they are: who waits for a usual capture does not wait for its compression.
+    /// Number of bytes that are kept uncompressed, so that the user of a usual capture does not wait for its
+    /// compression.
     const PLAIN_BYTES: usize = 32 << 20;
     /// The memory that records may take: those of a capture of about a gigabyte.
     pub const MOST_BYTES: usize = 256 << 20;
-    /// So many snapshots of one bus; of several buses fewer.
+    /// Maximum number of snapshots for one bus; several buses have fewer.
     const SNAPSHOTS: usize = 256;
 
-    /// About the memory that the records of a usual log of so many bytes take.
+    /// Approximate memory for the records of a usual log of `log` bytes.
     pub fn room(log: u64) -> u64 {
         let (plain, compressed) = (log / 100 * 40, log / 100 * 28);
         plain.min(Self::PLAIN_BYTES as u64).max(compressed).min(Self::MOST_BYTES as u64)
@@ -79,7 +80,7 @@ impl Store {
         self.blocks.first().map(|block| block.first).or(self.open_first)
     }
 
-    /// Without records, for buses on which so much is known.
+    /// A store without records. `network` holds what is known of the buses beforehand.
     pub fn new(network: Network) -> Self {
         Self { snapshots: vec![network], spacing: 1, ..Self::default() }
     }
@@ -179,7 +180,7 @@ pub struct Indexing {
 }
 
 impl Indexing {
-    /// Of a store that is complete, with the records of so many buses.
+    /// Begins to index a complete store with the records of `buses` buses.
     pub fn new(store: &Store, buses: usize) -> Self {
         Self { walk: store.walk(0), buses, overview: Overview::default() }
     }
@@ -270,7 +271,7 @@ mod tests {
     use super::*;
     use canvass_traces::parse_frame;
 
-    /// A node whose state changes all along, over so many blocks.
+    /// A store of `blocks` blocks with a node whose state changes all the time.
     fn filled(blocks: usize) -> Store {
         let mut store = Store::new(Network::new());
         let frames = ["000#0105", "705#05", "000#8005", "705#7F", "605#4000100000000000", "585#4300100096010200"];

@@ -168,7 +168,7 @@ proptest! {
         }
     }
 
-    /// Texts of any kind: what does not stay the same is reported.
+    /// Converting a description with arbitrary texts reports every value that changes.
     #[test]
     fn what_changes_is_told(description in description(hostile().boxed())) {
         for xml in [false, true] {

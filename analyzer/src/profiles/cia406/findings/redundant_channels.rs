@@ -69,9 +69,10 @@ fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
 const POSITION: u16 = objects::CHANNEL_POSITION_VALUES;
 
 impl RedundantChannels {
-    /// Number of PDOs that determine the sum, if the mapping is known.
+    /// Number of PDOs with the same sum after which this sum is the expected one, if the mapping is known.
     const ENOUGH: u32 = 5;
-    /// Number of PDOs and movements with a constant sum that prove two channels, if the mapping is unknown.
+    /// Number of PDOs with the same sum, and of movements among them, that prove two channels if the mapping is
+    /// unknown.
     const SHOWN: u32 = 20;
 }
 

@@ -55,12 +55,12 @@ impl Encoder {
         u64::from(self.sheet.full_scale_tenth_mm) - length + drift
     }
 
-    /// Z1.
+    /// The angle of the first inclinometer channel (Z1).
     fn angle(&self, parameters: &Parameters) -> u64 {
         self.shown(self.tilt(parameters), parameters)
     }
 
-    /// Z2.
+    /// The angle of the redundant inclinometer channel (Z2).
     fn redundant_angle(&self, parameters: &Parameters) -> u64 {
         let tilt = self.tilt(parameters);
         let opposite =

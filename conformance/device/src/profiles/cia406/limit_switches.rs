@@ -1,5 +1,5 @@
 //! Limit switches (2104h, 2105h) of some devices: bits 12 and 13 of 6000h enable them, the same bits of 6500h show
-//! them.
+//! their states.
 
 use crate::device::Parameters;
 use crate::{Fault, Firmware};

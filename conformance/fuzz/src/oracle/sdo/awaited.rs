@@ -24,7 +24,7 @@ pub(super) enum Awaited {
     Write { at: Multiplexer, writing: Writing },
     /// The confirmation that a segmented download may begin.
     BeginDownload { at: Multiplexer, writing: Writing, announced: Option<u32> },
-    /// The same for a block download.
+    /// The confirmation that a block download may begin.
     BeginBlockDownload { at: Multiplexer, writing: Writing, announced: Option<u32>, crc: bool },
     /// The confirmation of a download segment; the last one ends the transfer.
     ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
@@ -80,7 +80,7 @@ impl Awaited {
         }
     }
 
-    /// Whether an answer may come that need not come.
+    /// Whether the server may answer but need not.
     pub fn is_open(&self) -> bool {
         matches!(self, Self::Anything | Self::AbortOrIgnored)
     }

@@ -163,7 +163,7 @@ fn anything_if_unknown(knowledge: &Knowledge) -> CodeSet {
     codes::NO_OBJECT.or(codes::NO_SUB_INDEX).or(codes::READ_ONLY).or(codes::WRITE_ONLY).or(codes::NO_DATA)
 }
 
-/// What may be said to a transfer that announces so many bytes.
+/// The allowed answers to a transfer that announces `size` bytes.
 fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writing {
     let entry = knowledge.position(at);
     let mut writing = Writing { entry, raw: None, must: CodeSet::NONE, may: CodeSet::NONE, why: "", pdo_rule: false };

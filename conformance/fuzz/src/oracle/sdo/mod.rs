@@ -329,7 +329,7 @@ impl Server {
         matches!(self.state, TransferState::Unsure | TransferState::Idle) && self.is_open()
     }
 
-    /// Whether an answer may come that need not come.
+    /// Whether the server may answer but need not.
     pub fn is_open(&self) -> bool {
         self.overlapped || self.awaited.is_open()
     }

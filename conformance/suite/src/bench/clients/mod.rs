@@ -22,9 +22,9 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub(crate) struct Clients {
     node: NodeId,
-    /// What the device listens to as it is.
+    /// The addresses that the device listens to in its own configuration.
     usual: Addresses,
-    /// The same, with what the case has told it.
+    /// The addresses that the device listens to with the configuration that the case has written.
     now: Addresses,
     echo: Echo,
     queue: ServerQueue,
@@ -124,12 +124,12 @@ impl Clients {
         self.now = self.usual.clone();
     }
 
-    /// What others have sent to the device, or for it, in the case.
+    /// The foreign messages of the case.
     pub fn messages(&self) -> Vec<ForeignMessages> {
         self.foreign.messages(|can_id, form| self.kind(can_id, form))
     }
 
-    /// The same since the start of the run.
+    /// The foreign messages since the start of the run.
     pub fn messages_of_run(&self) -> Vec<ForeignMessages> {
         let mut counts = self.before.clone();
         count(&mut counts, self.messages());

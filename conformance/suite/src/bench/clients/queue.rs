@@ -13,15 +13,15 @@ const PAUSE: Duration = Duration::from_millis(100);
 /// More requests than this do not wait at a server.
 const KEPT: usize = 32;
 
-/// What was asked, oldest first.
+/// Requests that clients sent to a server of the device, oldest first.
 #[derive(Debug, Default)]
 pub struct ServerQueue {
     asked: VecDeque<Asked>,
-    /// Until when a transfer of others may go on.
+    /// Until when a transfer of another client may go on.
     busy_until: Option<Timestamp>,
-    /// How many requests of others there were.
+    /// Number of requests of other clients.
     foreign: u64,
-    /// When the last two of them came.
+    /// When the last two requests of other clients came.
     latest: [Option<Timestamp>; 2],
 }
 

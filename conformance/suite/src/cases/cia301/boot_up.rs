@@ -194,7 +194,7 @@ mod tests {
     use crate::scripted::{frame, with_bench};
     use canvass_traces::Frame;
 
-    /// A device that sends a frame so long after reset node, and starts after 200 ms.
+    /// Whether a device is in breach that sends a frame `delay_ms` after reset node, and starts after 200 ms.
     fn is_breach(delay_ms: u64, sent: &'static str) -> bool {
         let script = move |request: &Frame| match request.to_string().as_str() {
             "000#813F" => {

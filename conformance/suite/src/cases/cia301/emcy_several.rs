@@ -23,9 +23,9 @@ const HISTORY: u16 = object::PREDEFINED_ERROR_FIELD;
 const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
 const CONSUMER: u16 = object::CONSUMER_HEARTBEAT_TIME;
 const CONSUMER_MS: u16 = 200;
-/// Heartbeats of a node that is there come so often.
+/// Period of the heartbeats of the monitored node.
 const BEAT: Duration = Duration::from_millis(50);
-/// How many of these intervals pass until a node that sends nothing is missed, with a tolerance.
+/// Number of these periods until the device reports a silent node, with a tolerance.
 const UNTIL_LOST: usize = 10;
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6B0;
@@ -152,7 +152,7 @@ fn all(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The codes of the newest so many entries of the history, in words.
+/// The codes of the newest `count` entries of the error history, in words.
 fn listed(bench: &mut Bench<'_>, count: usize) -> String {
     let read = |sub| match bench.unjudged(|bench| bench.read_number(Multiplexer::new(HISTORY, sub))) {
         Ok(entry) => format!("{:04X}h", entry & 0xFFFF),

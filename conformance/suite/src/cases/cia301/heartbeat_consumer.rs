@@ -24,7 +24,7 @@ const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 const CONSUMER_MS: u16 = 200;
 pub(super) const CONSUMER_TIME: Duration = Duration::from_millis(200);
-/// Heartbeats show the state so often.
+/// Period of the device's heartbeats, which show its state.
 const SHOWN_EVERY: Duration = Duration::from_millis(50);
 
 /// The entry that watches a node for that time.
@@ -160,7 +160,8 @@ pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
 /// Demands that nothing shows.
 pub(super) fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs) -> Check {
     demand(!signs.any(), || {
-        let breach = Breach::new(at, duty.into()).expected("no EMCY, and operational").found(signs.observation());
+        let breach =
+            Breach::new(at, duty.into()).expected("no EMCY, and the state operational").found(signs.observation());
         breach.told(signs.text())
     })
 }

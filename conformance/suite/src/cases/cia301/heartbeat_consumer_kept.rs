@@ -69,7 +69,11 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     beat(bench, watch.node)?;
     let lost = signs(bench, time.times(2))?;
     if let Err(Stop::Breach(_)) = noticed(WATCHED, &watch, &lost) {
-        let reason = Reason::new("a node that is heard in operational is missed", "a loss that shows", lost.text());
+        let reason = Reason::new(
+            "the device reports the loss of a node that it monitors in operational",
+            "a loss that shows",
+            lost.text(),
+        );
         return Err(Stop::NotApplicable(reason));
     }
     let found = format!("{}; the node's heartbeat came while the device was stopped, and none since", missed.text());

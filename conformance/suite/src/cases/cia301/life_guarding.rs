@@ -87,7 +87,7 @@ fn not_missed(bench: &mut Bench<'_>, duty: &str, lost: Option<Report>) -> Judged
         (None, Some(state)) if state != State::OPERATIONAL => Observation::State(state),
         _ => return Ok(()),
     };
-    let breach = Breach::new(Service::Guarding, duty.to_owned()).expected("no EMCY, and operational");
+    let breach = Breach::new(Service::Guarding, duty.to_owned()).expected("no EMCY, and the state operational");
     bench.check(Err(Box::new(breach.found(found))))
 }
 

@@ -51,7 +51,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Maps the same object so often.
+/// Maps the same object `needed` times.
 fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Judged {
     bench.open_mapping(pdo)?;
     for sub in 1..=needed {
@@ -59,7 +59,8 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
         match attempt.abort() {
             None => {}
             Some(AbortCode::NO_SUB_INDEX) => {
-                let reason = Reason::new("so many objects can be mapped", format!("{needed}"), format!("{}", sub - 1));
+                let reason =
+                    Reason::new("the PDO can map this many objects", format!("{needed}"), format!("{}", sub - 1));
                 return Err(Stop::NotApplicable(reason));
             }
             // Some check the sum with every entry.

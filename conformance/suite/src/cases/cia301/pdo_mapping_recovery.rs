@@ -20,14 +20,14 @@ fn first_mapped(bench: &mut Bench<'_>) -> Result<Mapped, Stop> {
         .ok_or_else(|| Stop::NotApplicable(Reason::new("TPDO 1 maps an object as delivered", "one", "none")))
 }
 
-/// Maps one entry and switches the mapping on; what the device answers to the first message that it refuses.
+/// Maps one entry and switches the mapping on; returns the answer to the first message that the device refuses.
 fn try_entry(bench: &mut Bench<'_>, entry: u32) -> Result<Attempt, Stop> {
     let mut attempt = try_entries(bench, &[entry])?;
     attempt.what = format!("mapping of {entry:08X}h");
     Ok(attempt)
 }
 
-/// The same of several entries.
+/// Maps several entries and switches the mapping on; returns the answer to the first message that the device refuses.
 fn try_entries(bench: &mut Bench<'_>, entries: &[u32]) -> Result<Attempt, Stop> {
     bench.open_mapping(TPDO)?;
     let count = u8::try_from(entries.len()).unwrap_or(u8::MAX);

@@ -145,7 +145,8 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(scratch.multiplexer, &scratch.value, "a value that was not stored is lost with reset node")
 }
 
-/// Not applicable where the object is the manufacturer's: such a variable need not be a parameter, and a reset may leave it.
+/// Makes a case not applicable if the scratch object is the manufacturer's. A variable of the manufacturer need not be
+/// a parameter, and a reset may keep its value.
 pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
     if scratch.multiplexer.index.0 >= 0x6000 {
         return Ok(());
@@ -154,7 +155,7 @@ pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
     Err(Stop::NotApplicable(Reason::new("an object of the device profile can be written", "6000h and above", actual)))
 }
 
-/// Not applicable where the device stores autonomously: nothing is unstored then.
+/// Makes a case not applicable if the device stores autonomously: every value is stored then.
 pub(super) fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
     if !bench.stores_by_itself()? {
         return Ok(());
@@ -286,7 +287,7 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
     let can_be_stored = whole[0] == two.communication.other && whole[1] == two.application.other;
     let [old, found] = if is_new[0] { [objects[1], objects[0]] } else { [objects[0], objects[1]] };
     bench.check(demand(!can_be_stored, || {
-        Breach::new(STORE, "a reset while parameters are stored leaves a whole image")
+        Breach::new(STORE, "after a reset while parameters are stored, all parameters are old or all are new")
             .expected("all old or all new")
             .found(Observation::named("some parameters are new and some are old"))
             .told(format!("{} old, {} new", old.multiplexer, found.multiplexer))

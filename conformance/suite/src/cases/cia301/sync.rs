@@ -148,7 +148,7 @@ fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
     let heard = syncs(bench, id, 4)?;
     let found = heard.first().map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
     bench.check(demand(found == Observation::Value(vec![1]), || {
-        let breach = Breach::new(Service::Sync, "after stopped the SYNC counter begins with 1");
+        let breach = Breach::new(Service::Sync, "after the state stopped the SYNC counter begins with 1");
         breach.expected(Observation::Value(vec![1])).found(found).told(data(&heard))
     }))
 }
@@ -301,7 +301,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     if attempt.abort().is_none() {
         demand(bench.has(PERIOD)?, || {
-            let breach = Breach::new(COB_ID, "a device that takes bit 30 of 1005h has a period in 1006h");
+            let breach = Breach::new(COB_ID, "a device that accepts bit 30 of 1005h has a period in 1006h");
             breach.expected("abort 0609 0030h").found(Observation::Confirmation)
         })?;
         // A producer, then: it must produce.
@@ -309,7 +309,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
         let id = produce(bench, 0)?;
         let heard = syncs(bench, id, 6)?;
         return bench.check(demand(!heard.is_empty(), || {
-            let breach = Breach::new(COB_ID, "a device that takes bit 30 of 1005h produces SYNC");
+            let breach = Breach::new(COB_ID, "a device that accepts bit 30 of 1005h produces SYNC");
             let breach = breach.expected("SYNC, or abort 0609 0030h").found(Observation::Confirmation);
             breach.told("confirmation, but no SYNC")
         }));

@@ -108,8 +108,8 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether a device that takes bit 30 of 1012h sends TIME within 5 s on the CAN-ID that 1012h names: recorded only, as CiA 301
-/// does not say when a producer sends it.
+/// Whether a device that accepts bit 30 of 1012h sends TIME within 5 s on the CAN-ID that 1012h names: recorded only,
+/// as CiA 301 does not say when a producer sends it.
 #[case(id = "301/time/produced", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Open,
        needs = [Time], catches = [TimeNotProduced])]
 fn produced(bench: &mut Bench<'_>) -> Judged {

@@ -403,7 +403,7 @@ fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
         breach.expected(Observation::Number(u64::from(start))).found(found)
     }))?;
     bench.check(demand(missing == 0, || {
-        counted("after its first SYNC TPDO 1 of type 1 follows each: so many are missing", 0, Some(0), missing)
+        counted("TPDO 1 of type 1 follows each SYNC after its first one: number of missing TPDOs", 0, Some(0), missing)
     }))
 }
 
@@ -428,7 +428,8 @@ fn length(bench: &mut Bench<'_>) -> Judged {
     }
     let wrong = heard.iter().map(|record| record.data().len()).find(|&found| found != length);
     bench.check(demand(wrong.is_none(), || {
-        let breach = Breach::new(TPDO.subject(), format!("TPDO 1, which maps {bits} bits, has so many bytes"));
+        let breach =
+            Breach::new(TPDO.subject(), format!("TPDO 1 has the number of bytes for the {bits} bits that it maps"));
         let breach = breach.expected(Observation::Number(length as u64));
         breach.found(Observation::Number(wrong.unwrap_or_default() as u64))
     }))

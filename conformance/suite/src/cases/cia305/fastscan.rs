@@ -1,6 +1,7 @@
-//! Fastscan (CiA 305, 6.7): a slave without node-ID is found by halving. Not every slave has it.
+//! Fastscan (CiA 305, 6.7): a binary search for the LSS address of a slave without node-ID. Not every slave supports
+//! it.
 //!
-//! The device has its node-ID taken away for these cases, and gets it back.
+//! The cases take the node-ID away from the device, and set it again afterwards.
 
 use super::dialogue::{
     breach, configure, exchange, expect, expect_configuration, expect_silence, expect_waiting, observed, tell, wait,

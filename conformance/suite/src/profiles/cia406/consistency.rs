@@ -21,7 +21,8 @@ const HIGHEST: Multiplexer = Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3)
 const TPDO_2: Subject = Subject::Pdo { transmit: true, number: 2 };
 const HIGH_PRECISION: Multiplexer = Multiplexer::new(encoder::HIGH_PRECISION_POSITION, 0);
 
-/// Where 650Ah names the lowest and the highest position, so many positions lie between them as 6501h times 6502h gives.
+/// Where 650Ah gives the lowest and the highest position, the number of positions from the one to the other is 6501h
+/// times 6502h.
 ///
 /// 650Ah is signed: a highest position of 7FFF FFFFh stands for every range that it has no room for.
 #[case(id = "406/resolution/consistent", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder],

@@ -60,7 +60,7 @@ fn sum(bench: &mut Bench<'_>) -> Judged {
     bench.check(expect_constant_sum(&channels))
 }
 
-/// The same while the wire moves.
+/// While the wire moves, the second channel of the position counts down as the first one counts up.
 #[case(id = "406/redundant-channels/opposite", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[RedundantChannels, TurningShaft], catches = [RedundantChannelNotNegated])]
 fn opposite(bench: &mut Bench<'_>) -> Judged {
@@ -108,7 +108,7 @@ fn tilted(bench: &mut Bench<'_>) -> Result<i64, Stop> {
     Ok(angle)
 }
 
-/// 3003h turns the direction in which the angle counts.
+/// 3003h reverses the direction in which the angle counts.
 #[case(id = "406/inclinometer/direction", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Inclinometer], catches = [AngleDirectionIgnored])]
 fn direction(bench: &mut Bench<'_>) -> Judged {

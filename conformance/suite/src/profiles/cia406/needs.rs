@@ -19,7 +19,7 @@ const PRESET: Multiplexer = Multiplexer::new(encoder::PRESET_VALUE, 0);
 const VENDOR_ID: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
 const KUEBLER: u32 = 0x13;
 
-/// A shaft at rest trembles by so many units.
+/// Maximum change of the position of a shaft at rest, in measuring steps.
 const TREMBLE: u32 = 4;
 
 /// The device is an encoder (CiA 406).

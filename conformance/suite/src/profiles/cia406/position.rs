@@ -97,7 +97,7 @@ fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::InvalidValue))
 }
 
-/// The code sequence, bit 0 of 6000h, turns the direction in which the position counts.
+/// The code sequence, bit 0 of 6000h, reverses the direction in which the position counts.
 #[case(id = "406/operating-parameters/code-sequence", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [CodeSequenceIgnored])]
 fn code_sequence(bench: &mut Bench<'_>) -> Judged {

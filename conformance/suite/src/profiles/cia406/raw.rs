@@ -28,7 +28,9 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     super::preset::preset(bench, wanted)?;
     let after = bench.read_number(RAW_POSITION)?;
     bench.check(demand(after.abs_diff(raw) <= 64, || {
-        Breach::new(RAW_POSITION, "600Ch does not follow a preset").expected(number(raw)).found(number(after))
+        Breach::new(RAW_POSITION, "a preset does not change the raw position 600Ch")
+            .expected(number(raw))
+            .found(number(after))
     }))
 }
 

@@ -58,9 +58,12 @@ fn period(bench: &mut Bench<'_>) -> Judged {
         let right = 2_000 / u64::from(milliseconds);
         // A position that changes may send more.
         bench.check(demand(heard >= right * 9 / 10, || {
-            Breach::new(CYCLIC_TIMER, format!("TPDO 1 comes every {milliseconds} ms by 6200h, in 2 s"))
-                .expected(Allowed::Count { least: right * 9 / 10, most: None })
-                .found(Observation::Count(heard))
+            Breach::new(
+                CYCLIC_TIMER,
+                format!("the device sends TPDO 1 every {milliseconds} ms by 6200h, counted for 2 s"),
+            )
+            .expected(Allowed::Count { least: right * 9 / 10, most: None })
+            .found(Observation::Count(heard))
         }))
     })
 }

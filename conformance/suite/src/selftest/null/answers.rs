@@ -11,11 +11,11 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Frame};
 use std::collections::BTreeMap;
 
-/// What becomes of a frame that came in.
+/// How a null device reacts to a frame.
 pub(super) enum Reaction {
-    /// The right device gets it.
+    /// The right device behind the null device gets the frame.
     Passed,
-    /// It does not, and these go out.
+    /// The right device does not get the frame; the null device sends these frames instead.
     Answered(Vec<Frame>),
 }
 
@@ -128,7 +128,7 @@ impl Answers {
         Reaction::Answered(answer.into_iter().collect())
     }
 
-    /// `None`: the request reads.
+    /// The confirmation of a request that writes, if the request has one; the outer `None`: the request reads.
     fn confirmation(&mut self, frame: &Frame) -> Option<Option<Frame>> {
         let answer = |response: Response| Some(Some(response.to_frame(RESPONSE_BASE + self.node)));
         if let Some(sequence) = self.block {

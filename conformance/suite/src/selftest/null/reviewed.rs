@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// Which cases pass on which null device, and why that is right.
 pub(super) struct Reviewed(BTreeMap<String, Vec<Passes>>);
 
-/// Cases that pass for one reason.
+/// Cases that pass for the same reason.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Passes {

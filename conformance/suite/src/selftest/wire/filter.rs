@@ -46,11 +46,11 @@ struct History {
     count: u64,
     /// The message before, as the device meant it, and when it was sent.
     before: Option<(Timestamp, Frame)>,
-    /// The last one about another object than the one before.
+    /// The latest message about another object than `before`.
     other: Option<Frame>,
-    /// A reset has come, and no message of the sort since.
+    /// No message of the sort was sent since the last reset.
     was_reset: bool,
-    /// The next one has already been sent, early.
+    /// The next message has already been sent, early.
     is_ahead: bool,
 }
 
@@ -145,7 +145,7 @@ impl Filter {
         self.mutant.is_some_and(|mutant| matches!(mutant.primitive.service, Service::Sdo | Service::Lss | Service::Lmt))
     }
 
-    /// An answer from before comes ahead of the right one.
+    /// Queues the answer to an earlier request ahead of the right answer.
     fn answer_early(&mut self, now: Timestamp, request: &Frame) {
         let is_early = self.mutant.is_some_and(|mutant| mutant.change == Change::Frame(FrameChange::Early));
         let id = request.id().as_standard();

@@ -21,7 +21,7 @@ fn subject(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
     Ok(scratch)
 }
 
-/// A writable string and a value of so many bytes for it.
+/// A writable string, and a value for it of `length` bytes or of the only length that the device accepts.
 fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Vec<u8>), Stop> {
     let multiplexer = bench.long_scratch()?;
     let value = text(length);

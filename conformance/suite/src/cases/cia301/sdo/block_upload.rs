@@ -47,7 +47,8 @@ fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: 
         breach.expected(Observation::Value(right.to_vec())).found(Observation::Value(value))
     }))?;
     bench.check(demand(may_switch || !client.switched, || {
-        let breach = Breach::new(multiplexer, "without a threshold a block upload does not become a normal one");
+        let breach =
+            Breach::new(multiplexer, "a block upload without a protocol switch threshold stays a block upload");
         breach.expected("blocks").found(Observation::named("a switch to a normal upload"))
     }))
 }

@@ -19,7 +19,8 @@ pub(super) const MISSING: [(Multiplexer, Situation); 2] = [
 /// An object whose upload takes at least two segments.
 pub(in crate::cases::cia301) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
     bench.long_object(8)?.ok_or_else(|| {
-        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
+        let reason =
+            Reason::new("the device has an object that is read in segments", "more than 7 bytes", "none found");
         Stop::NotApplicable(reason)
     })
 }

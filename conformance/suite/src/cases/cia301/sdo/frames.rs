@@ -71,7 +71,7 @@ fn short(bench: &mut Bench<'_>) -> Judged {
     }
     bench.note(match answered.is_empty() {
         true => "requests of fewer than eight bytes are ignored".to_owned(),
-        false => format!("requests of so many bytes are answered: {}", answered.join(", ")),
+        false => format!("answered requests by length in bytes: {}", answered.join(", ")),
     });
     Ok(())
 }

@@ -145,7 +145,7 @@ fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// So long a client may think; a server that supervises its transfers ends them by then.
+/// Time for which the client stays silent; a server that supervises its transfers ends them by then.
 const SILENCE: Duration = Duration::from_millis(3_000);
 
 /// After a client that does not go on with a segmented transfer the next request is served. A server that ends the

@@ -89,7 +89,8 @@ fn ask_both(bench: &mut Bench<'_>, first: &Request, other: &Request) -> Result<[
 fn parallel(bench: &mut Bench<'_>) -> Judged {
     open(bench)?;
     let Some(name) = bench.long_object(8)? else {
-        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
+        let reason =
+            Reason::new("the device has an object that is read in segments", "more than 7 bytes", "none found");
         return Err(Stop::NotApplicable(reason));
     };
     bench.exchange(&Request::upload(name), format!("upload of {name} on the first channel"))?;
