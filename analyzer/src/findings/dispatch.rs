@@ -98,7 +98,7 @@ mod tests {
         assert!(shown(Service::Sdo, ended).contains(&"sdo/store-wear"));
         assert!(!shown(Service::Sdo, ended).contains(&"sdo/retries"));
         assert!(shown(Service::Sdo, unusual).contains(&"sdo/retries"));
-        // By its service and by both traits.
+        // The service and both traits of this frame select the rule; it is shown the frame once.
         let known = unusual.with(Also::KnownTpdos, true);
         assert_eq!(shown(Service::Nmt, known).iter().filter(|id| **id == "pdo/period").count(), 1);
         assert!(shown(Service::Lss, Traits::default()).iter().all(|id| !id.starts_with("sdo/")));
