@@ -44,7 +44,7 @@ pub struct Definition {
     pub services: &'static [Service],
     /// Further frames that the rule sees.
     pub also: &'static [Also],
-    /// The constructor of its state.
+    /// The constructor of the rule's state.
     pub make: Make,
 }
 
