@@ -69,7 +69,7 @@ pub enum Outcome {
     Open,
     /// The transfer was completed.
     Complete,
-    /// One side aborted it.
+    /// One side aborted the transfer.
     Aborted(Side, AbortCode),
     /// The client began another transfer before its end.
     Superseded,
@@ -108,7 +108,7 @@ pub enum Violation {
 }
 
 impl Transfer {
-    /// Maximum number of bytes of a value that are kept; of longer ones the bytes are counted and the CRC is
+    /// Maximum number of bytes of a value that are kept. Of longer values all bytes are counted, and the CRC is
     /// calculated.
     pub const KEPT: usize = 64 * 1024;
     /// Number of bytes that are kept even without room for more.
