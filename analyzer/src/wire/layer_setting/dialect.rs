@@ -43,11 +43,11 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     const SWITCH_SELECTIVE: u8;
     /// The command specifier of the first bound of "identify remote slave".
     const IDENTIFY_REMOTE: u8;
-    /// The command specifier of the answer to it.
+    /// The command specifier of the answer to "identify remote slave".
     const IDENTIFIED: u8;
     /// The command specifier that inquires the first part of an address.
     const INQUIRE: u8;
-    /// The fields of the answer to an inquiry of that part.
+    /// The fields of the answer to an inquiry of a part.
     const PART_FIELDS: &'static [Field];
     /// The standard's word for the state of a slave: state, or mode.
     const STATE: &'static str;
