@@ -92,7 +92,7 @@ fn lists_are_completed_and_comments_stay() {
 fn missing_sections_are_added_and_the_character_set_is_changed() {
     let text = PLAIN.replace("[Comments]\nLines=1\nLine1=one\n", "");
     assert!(fixed(&text).ends_with("\n[Comments]\nLines=0\n"));
-    // python-canopen reads no file without a section `DummyUsage`.
+    // python-canopen reads no file that lacks one of the seven entries.
     let dummies = fixed(&PLAIN.replace("[DummyUsage]", "[Comments2]"));
     assert!((1..=7).all(|index| dummies.contains(&format!("\nDummy000{index}=0"))), "{dummies}");
     let utf_16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(PLAIN.encode_utf16().flat_map(u16::to_le_bytes)).collect();

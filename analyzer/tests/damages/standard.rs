@@ -21,7 +21,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/encoder/preset", Lines(preset)),
 ];
 
-/// The entries of CiA 301 for which a right file has only one access type.
+/// The entries of CiA 301 whose access type is one of `access`.
 fn entries(eds: &Eds, access: &[&str]) -> Vec<Entry> {
     let is_standard = |entry: &Entry| {
         matches!(entry.index, 0x1000..=0x1FFF) && (entry.sub.is_none() || !matches!(entry.sub, Some(0)))

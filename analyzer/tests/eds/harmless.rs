@@ -4,7 +4,7 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, consistency};
 use proptest::prelude::*;
 
-/// No text of the description acts on a terminal, and every start value fits its type.
+/// No text of a problem acts on a terminal, and every start value fits its type.
 pub fn check(description: &DeviceDescription) -> Result<(), TestCaseError> {
     for problem in description.problems.iter().chain(&consistency::check(description)) {
         prop_assert!(!problem.to_string().chars().any(char::is_control), "{problem}");

@@ -76,7 +76,7 @@ fn a_repeated_request() {
     traffic.finds("sdo/retries", Some(4), 15_400);
 }
 
-/// Some interfaces record a sent frame twice, at the same time.
+/// Some interfaces record a sent frame twice, a few microseconds apart.
 #[test]
 fn a_copy_is_no_repetition() {
     let mut traffic = machine();
