@@ -34,7 +34,7 @@ impl Traits {
 
 impl Dispatch {
     fn new() -> Self {
-        // For each rule the requested services, as bits, and traits.
+        // The services, as bits, and the traits that each rule asks for.
         let asked = |definition: &Definition| {
             let services = definition.services.iter().fold(0_u32, |services, service| services | 1 << *service as u8);
             let traits = definition.also.iter().fold(Traits::default(), |traits, also| traits.with(*also, true));

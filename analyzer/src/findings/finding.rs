@@ -86,7 +86,7 @@ pub struct Exhibit {
     pub time: Timestamp,
     /// The place of the frame in the source.
     pub place: Place,
-    /// The frame; `None` if there is no frame at that place.
+    /// The frame; `None` if there is no frame at the place.
     pub record: Option<Record>,
     /// The decoded frame as text.
     pub text: String,

@@ -3,7 +3,7 @@
 use super::rule::Definition;
 use std::sync::LazyLock;
 
-/// The families in the order of listings; those of device profiles follow.
+/// The families in the order of listings; families of device profiles follow.
 const FAMILIES: [&str; 7] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss"];
 
 /// All rules, sorted by family, then by id.

@@ -83,8 +83,8 @@ pub trait Rule {
     /// Handles a frame of one of its services.
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>);
 
-    /// Tells that time has advanced: called at most every [`super::Diagnosis::TICK`], before the frame with that
-    /// time.
+    /// Tells that time has advanced: called at most every [`super::Diagnosis::TICK`], before the frame with the
+    /// new time.
     fn tick(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
 
     /// Tells that the parameters of a node's TPDOs may change, or become known, with the following frame.

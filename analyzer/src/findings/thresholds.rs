@@ -52,7 +52,7 @@ pub enum ThresholdError {
     /// The rule does not exist.
     #[error("there is no rule \"{0}\": `canvass list rules` lists them")]
     Rule(String),
-    /// The rule has no threshold of that name.
+    /// The rule has no threshold with this name.
     #[error("rule {rule} has no threshold \"{name}\": it has {known}")]
     Name {
         /// The rule.

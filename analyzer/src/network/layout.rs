@@ -24,7 +24,7 @@ pub struct Signal {
     pub bits: u8,
     /// The data type, if known.
     pub data_type: Option<DataType>,
-    /// The unit of the signal's values, if the device's configuration determines one and is known.
+    /// The unit of the signal's values, if the device's configuration determines a unit and is known.
     pub scale: Option<Unit>,
 }
 

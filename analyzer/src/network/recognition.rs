@@ -44,7 +44,7 @@ impl Candidates {
         self.0.is_some() && (OBJECTS.contains(&object) || object.sub.0 == 0 && has_role(object.index, Role::Identity))
     }
 
-    /// The objects that may identify a node: those of the communication profile, and of all device profiles.
+    /// The objects of the communication profile and of all device profiles that may identify a node.
     pub fn objects() -> impl Iterator<Item = Multiplexer> {
         let of_profiles = profiles().flat_map(|profile| with_role(profile, Role::Identity));
         OBJECTS.into_iter().chain(of_profiles.map(|index| Multiplexer { index, sub: SubIndex(0) }))

@@ -133,7 +133,7 @@ fn tail_of(rest: &[u8]) -> ([u8; 7], &[u8]) {
 
 #[cfg(test)]
 pub(crate) mod vectors {
-    //! The same static bytes for the parser and for the encoder.
+    //! Checks of the parser and the encoder against the same static bytes.
     use super::*;
 
     /// Parses `bytes`, compares, encodes into a buffer of A5h, compares again.

@@ -159,7 +159,7 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(line))
 }
 
-/// Gives an object the name of one with a lower index, or an entry that of one before it.
+/// Gives an object the name of an object with a lower index, or an entry the name of an entry before it.
 fn name_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let mut headers: Vec<(u16, usize)> = eds.objects();
     if dice.heads() {

@@ -13,7 +13,7 @@ mod unknown_ids;
 
 use crate::object;
 
-/// Whether the object is a COB-ID: of SYNC, TIME, EMCY, an SDO server or a PDO.
+/// Whether the object is a COB-ID: of SYNC, TIME, EMCY, an SDO or a PDO.
 const fn is_cob_id(index: u16, sub: u8) -> bool {
     matches!(
         (index, sub),

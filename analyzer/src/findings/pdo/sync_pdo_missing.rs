@@ -30,7 +30,7 @@ struct SyncPdoMissing {
 /// The state of a TPDO.
 #[derive(Clone, Copy, Default)]
 struct Pdo {
-    /// Number of SYNC messages since the last such TPDO; `None` before the first one.
+    /// Number of SYNC messages since the TPDO last came; `None` before it has come at all.
     since: Option<u32>,
     /// The TPDO is due with every n-th SYNC; 0 if it is not synchronous and cyclic.
     cycle: u8,
