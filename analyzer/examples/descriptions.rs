@@ -1,16 +1,16 @@
 //! Writes device descriptions for measurements: `descriptions FOLDER FILES OBJECTS [findings]` writes FILES files of
-//! OBJECTS objects each, a quarter of them with four sub-indexes. With `findings` each object that is a single value
-//! has one.
+//! OBJECTS objects each. A quarter of the objects have four sub-indexes. With `findings` the default value of each
+//! other object is outside its limits.
 
 #![allow(clippy::print_stderr)]
 
 use std::fmt::Write;
 use std::path::Path;
 
-/// The first index; the objects go on from there.
+/// The index of the first object; the other objects follow without gaps.
 const FIRST: u32 = 0x2001;
 
-/// A description of that many objects; each file has another vendor.
+/// A description with `objects` objects; each file has another vendor.
 fn description(file: u32, objects: u32, has_findings: bool) -> String {
     let mut text = format!(
         "[FileInfo]\nFileName={file:04}.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\nDescription=measured\n\
@@ -44,7 +44,7 @@ fn description(file: u32, objects: u32, has_findings: bool) -> String {
     text
 }
 
-/// The fields of a single value; 0 to 1000 are allowed.
+/// The EDS fields of a single value with the limits 0 and 1000.
 fn variable(default: u32) -> String {
     format!(
         "ObjectType=0x7\nDataType=0x0006\nAccessType=rw\nLowLimit=0\nHighLimit=1000\nDefaultValue={default}\n\

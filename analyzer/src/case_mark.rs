@@ -18,7 +18,7 @@ pub struct CaseMark<'a> {
 }
 
 impl<'a> CaseMark<'a> {
-    /// Parses a line; `None` if it is no mark.
+    /// Parses a line; `None` if the line is no mark.
     pub fn of(line: &'a str) -> Option<Self> {
         let (id, what) = line.strip_prefix("case ")?.split_once(' ')?;
         let verdict = match what {

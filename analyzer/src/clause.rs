@@ -19,7 +19,7 @@ pub struct Clause {
 pub enum Confidence {
     /// The section was read in a public edition of the standard.
     Cited,
-    /// An independent source cites it.
+    /// An independent source cites the section.
     Attested,
     /// The number was counted between two attested sections.
     Derived,
@@ -74,9 +74,9 @@ impl fmt::Display for Clause {
 pub enum Level {
     /// The standard says "shall".
     Must,
-    /// The standard recommends it, or several readings are plausible.
+    /// The standard recommends the behaviour, or several readings are plausible.
     Should,
-    /// The standard leaves it open: the behaviour is recorded and never fails.
+    /// The standard leaves the behaviour open: it is recorded and never fails.
     Open,
 }
 

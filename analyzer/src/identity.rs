@@ -19,7 +19,7 @@ impl NodeId {
     /// The highest node-ID.
     pub const MAX: Self = Self(127);
 
-    /// The node-ID with that number, or `None` outside 1..=127.
+    /// The node-ID with the number `raw`, or `None` outside 1..=127.
     pub const fn new(raw: u8) -> Option<Self> {
         match raw {
             1..=127 => Some(Self(raw)),
@@ -32,7 +32,7 @@ impl NodeId {
         Self::new((cob_id & 0x7F) as u8)
     }
 
-    /// 1 to 127.
+    /// The number, 1 to 127.
     pub const fn raw(self) -> u8 {
         self.0
     }
@@ -137,7 +137,7 @@ pub struct Index(pub u16);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubIndex(pub u8);
 
-/// Index and sub-index together: the address of an SDO.
+/// Index and sub-index together: the address in an SDO message.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Multiplexer {
     /// The index.
@@ -152,19 +152,19 @@ impl Multiplexer {
         Self { index: Index(index), sub: SubIndex(sub) }
     }
 
-    /// From the three bytes of an SDO: index low, index high, sub-index.
+    /// Reads the three bytes of an SDO message: index low, index high, sub-index.
     pub const fn from_bytes(bytes: [u8; 3]) -> Self {
         Self::new(u16::from_le_bytes([bytes[0], bytes[1]]), bytes[2])
     }
 
-    /// The three bytes of an SDO.
+    /// The three bytes in an SDO message.
     pub const fn to_bytes(self) -> [u8; 3] {
         let [low, high] = self.index.0.to_le_bytes();
         [low, high, self.sub.0]
     }
 }
 
-/// `6000h`.
+/// Writes `6000h`.
 impl fmt::Display for Index {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:04X}h", self.0)
@@ -177,7 +177,7 @@ impl fmt::Debug for Index {
     }
 }
 
-/// Two hexadecimal digits.
+/// Writes two hexadecimal digits.
 impl fmt::Display for SubIndex {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:02X}", self.0)
@@ -192,7 +192,7 @@ impl fmt::Debug for SubIndex {
 
 const HEX: &[u8; 16] = b"0123456789ABCDEF";
 
-/// `1018h:01`.
+/// Writes `1018h:01`.
 impl fmt::Display for Multiplexer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Most lines of a trace name an object, and this is faster than `{:04X}`.

@@ -4,8 +4,8 @@
 //! - [`dictionary`]: data types, values, device descriptions and the standard's object names.
 //! - [`filter`]: a small language for selecting frames.
 //! - [`network`]: the state of a bus: COB-IDs in use, node states, whole transfers.
-//! - [`findings`]: problems found by rules, one file each.
-//! - [`profiles`]: support of device profiles, a folder each.
+//! - [`findings`]: problems found by rules, one file for each rule.
+//! - [`profiles`]: support of device profiles, one folder for each profile.
 //! - [`statistics`]: figures of a bus and its nodes.
 
 #![warn(clippy::disallowed_methods)]

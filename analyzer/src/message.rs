@@ -175,7 +175,7 @@ impl PdoNumber {
         }
     }
 
-    /// The PDO whose communication parameters have that index.
+    /// The PDO whose communication parameters have this index.
     pub const fn of_communication_index(index: u16) -> Option<Self> {
         match index {
             0x1400..=0x15FF | 0x1800..=0x19FF => Self::of_mapping_index(index + 0x200),
@@ -183,7 +183,7 @@ impl PdoNumber {
         }
     }
 
-    /// The PDO whose mapping parameters have that index.
+    /// The PDO whose mapping parameters have this index.
     pub const fn of_mapping_index(index: u16) -> Option<Self> {
         match index {
             0x1600..=0x17FF => Some(Self::Receive(index - object::RPDO_MAPPING_PARAMETER + 1)),
@@ -204,7 +204,7 @@ impl fmt::Display for Service {
     }
 }
 
-/// `TPDO 1`, `RPDO 2`.
+/// Writes `TPDO 1`, `RPDO 2`.
 impl fmt::Display for PdoNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

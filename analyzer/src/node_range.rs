@@ -14,16 +14,16 @@ pub struct NodeRange {
 /// Why a text names no nodes.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum NodeError {
-    /// No node-ID.
+    /// The text is no node-ID.
     #[error("expected a node-ID of 1 to 127, found \"{0}\"")]
     Node(String),
-    /// A range that ends before it begins.
+    /// The range ends before it begins.
     #[error("expected nodes such as 5, 1..8 or all, found \"{0}\"")]
     Range(String),
 }
 
 impl NodeRange {
-    /// Whether the node is one of them.
+    /// Whether the node is in the range.
     pub fn contains(self, node: NodeId) -> bool {
         (self.first..=self.last).contains(&node)
     }
@@ -44,7 +44,7 @@ impl NodeRange {
     /// Parses a node-ID: 1 to 127, decimal or hexadecimal with 0x.
     ///
     /// # Errors
-    /// [`NodeError`] if it is not a node-ID.
+    /// [`NodeError`] if the text is no node-ID.
     pub fn node(text: &str) -> Result<NodeId, NodeError> {
         let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
             Some(hex) => u8::from_str_radix(hex, 16),

@@ -1,4 +1,4 @@
-//! Whatever is on the bus: the analyzer says one line to it, without control characters, and goes on.
+//! For any frame on the bus the analyzer writes one line without control characters, and goes on.
 
 #[cfg(test)]
 mod trace;
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use std::sync::LazyLock;
 use trace::Trace;
 
-/// CAN-IDs of few nodes, so that frames meet each other, and of all services.
+/// CAN-IDs of all services and of few nodes, so that frames concern the same nodes and transfers.
 fn can_id() -> impl Strategy<Value = u32> {
     let of_nodes = (0_u32..16, 0_u32..4).prop_map(|(function, node)| function << 7 | node);
     let single = prop_oneof![
@@ -27,7 +27,7 @@ fn can_id() -> impl Strategy<Value = u32> {
     prop_oneof![4 => of_nodes, 2 => single, 1 => 0_u32..0x800]
 }
 
-/// Payloads that often are commands to objects that move CAN-IDs and mappings.
+/// Payloads, many of which are SDO commands to objects that move CAN-IDs and mappings.
 fn payload() -> impl Strategy<Value = Vec<u8>> {
     let command =
         prop_oneof![any::<u8>(), Just(0x23), Just(0x2F), Just(0x40), Just(0x43), Just(0x60), Just(0xA0), Just(0xC6)];
@@ -66,7 +66,7 @@ fn record() -> impl Strategy<Value = Record> {
     })
 }
 
-/// The line that a record gets is one.
+/// Asserts that the text of a record is one line.
 #[cfg(test)]
 fn say(trace: &mut Trace, record: &Record) {
     let said = trace.record(record.clone());
@@ -95,7 +95,7 @@ proptest! {
     }
 }
 
-/// Every CAN-ID with many first bytes, the first nodes and the uppermost CAN-IDs with all of them.
+/// Every CAN-ID with many first bytes. The CAN-IDs of the first nodes, and the uppermost ones, with every first byte.
 #[test]
 fn every_can_id_with_every_command() {
     let mut trace = Trace::new();

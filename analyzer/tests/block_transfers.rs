@@ -14,26 +14,26 @@ use canvass_traces::{ChannelId, Duration, Frame, Record, Timestamp};
 use proptest::prelude::*;
 use trace::{Said, Trace};
 
-/// What happens to a segment on its way.
+/// The fate of a segment on its way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Fate {
-    /// It arrives.
+    /// The segment arrives.
     Arrives,
-    /// It is never on the bus.
+    /// The segment is never on the bus.
     Lost,
-    /// It is on the bus, but the receiver does not take it.
+    /// The segment is on the bus, but the receiver does not accept it.
     Missed,
-    /// It is on the bus twice.
+    /// The segment is on the bus twice.
     Repeated,
 }
 
-/// How a transfer goes.
+/// The course of a transfer.
 #[derive(Clone, Debug)]
 struct Plan {
     node: u8,
     direction: Direction,
     value: Vec<u8>,
-    /// The sizes of the blocks, again and again.
+    /// The sizes of the blocks, repeated for further blocks.
     block_sizes: Vec<u8>,
     /// The fates of the first segments that are sent; all others arrive.
     fates: Vec<Fate>,
@@ -157,7 +157,7 @@ impl Plan {
         }
     }
 
-    /// The analyzer holds this transfer, whole.
+    /// Asserts that the analyzer holds this transfer with its whole value.
     fn assert_joined(&self, trace: &Trace) {
         let transfer = transfer(trace, self.node);
         assert_eq!((transfer.multiplexer, transfer.direction, transfer.mode), (OBJECT, self.direction, Mode::Block));
@@ -237,8 +237,8 @@ fn without_a_crc_none_is_checked() {
     }
 }
 
-/// The receiver confirms segments that the capture has not: the value can't be right, and that is said. It ends all
-/// the same, and the next transfer is understood.
+/// The receiver confirms segments that the capture lacks. The value can't be right, so a violation is reported. The
+/// transfer ends all the same, and the next transfer is decoded.
 #[test]
 fn segments_missing_in_the_capture() {
     for direction in BOTH {
@@ -259,7 +259,7 @@ fn segments_missing_in_the_capture() {
     }
 }
 
-/// Any frame may be missing in a capture: the next transfer is understood.
+/// Whichever frame is missing in a capture, the next transfer is decoded.
 #[test]
 fn any_frame_missing_in_the_capture() {
     for direction in BOTH {
@@ -300,7 +300,7 @@ fn an_abort_ends_it_at_any_place() {
                 let said = play(&mut trace, &[abort]);
                 assert!(matches!(transfer(&trace, 5).outcome, Outcome::Aborted(..)), "after frame {place}");
                 assert!(said[0].text.contains("aborts 1F50h:01"), "{}", said[0].text);
-                // The next transfer is understood.
+                // The next transfer is decoded.
                 play(&mut trace, &frames);
                 plan.assert_joined(&trace);
             }
@@ -308,7 +308,7 @@ fn an_abort_ends_it_at_any_place() {
     }
 }
 
-/// A small value: the server answers the request for blocks by an ordinary upload.
+/// The server answers the request for blocks by an ordinary upload, because the value is small.
 #[test]
 fn the_server_may_switch_to_an_ordinary_upload() {
     let mut trace = Trace::new();
@@ -318,8 +318,8 @@ fn the_server_may_switch_to_an_ordinary_upload() {
     assert_eq!((transfer(&trace, 5).mode, transfer(&trace, 5).data()), (Mode::Expedited, &[0x34, 0x12][..]));
 }
 
-/// The client gives up without a word in the middle of a block. Its next request looks like a segment, but the
-/// server's answer does not: from there on all is understood again.
+/// The client gives up in the middle of a block without an abort. Its next request looks like a segment, but the
+/// server's answer does not: from the answer on all frames are decoded again.
 #[test]
 fn a_client_that_gives_up_silently() {
     let plan = Plan::new(5, Direction::Download, value(700));
@@ -387,7 +387,7 @@ proptest! {
         plan.assert_joined(&trace);
     }
 
-    /// One after the other on the same channel.
+    /// Two transfers one after the other on the same channel.
     #[test]
     fn nothing_is_left_behind(first in plan(5), second in plan(5)) {
         let mut trace = Trace::new();

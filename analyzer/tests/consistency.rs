@@ -1,11 +1,11 @@
-//! What a device description contradicts.
+//! Contradictions in device descriptions.
 
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DataType, DeviceDescription, Object, ObjectCode, Setting, Value, consistency, eds};
 
 const SENDIX: &str = include_str!("../../conformance/device/models/kuebler-sendix-58x8.eds");
 
-/// What is found after one replacement in the Sendix EDS, without what its manual itself has otherwise.
+/// The problems after one replacement in the Sendix EDS, without the problems of the unchanged EDS.
 fn found(from: &str, to: &str) -> Vec<String> {
     assert!(SENDIX.contains(from), "{from}");
     let description = eds::read(SENDIX.replacen(from, to, 1).as_bytes()).unwrap_or_default();
@@ -13,7 +13,7 @@ fn found(from: &str, to: &str) -> Vec<String> {
     problems(&description).into_iter().filter(|problem| !known.contains(problem)).collect()
 }
 
-/// Without lines.
+/// The problems as text, without their lines.
 fn problems(description: &DeviceDescription) -> Vec<String> {
     let problems = consistency::check(description).into_iter();
     problems.map(|problem| format!("[{}] {}: {}", problem.section, problem.field, problem.found)).collect()

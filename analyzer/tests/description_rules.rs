@@ -1,7 +1,7 @@
-//! Each rule of device descriptions finds the example that breaks it, laid over every built-in model, and spares the one
-//! that keeps it.
+//! Each rule of device descriptions finds its failing example, laid over every built-in model, and has no finding for
+//! its passing example.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::dictionary::check::{Folder, check, check_in};
@@ -15,7 +15,7 @@ use overlay::overlay;
 
 const NAME: &str = "example.eds";
 
-/// The built-in models: name and text. The first is without fault.
+/// The name and text of each built-in model. The first one is without fault.
 fn models() -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../conformance/device/models");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
@@ -29,7 +29,7 @@ fn models() -> Vec<(String, String)> {
     files.iter().map(|path| read(path)).collect()
 }
 
-/// The folder of the files: a file to download, and the EDS of another device.
+/// The folder of the files, with a file to download and the EDS of another device.
 struct Beside;
 
 impl Folder for Beside {
@@ -49,7 +49,7 @@ fn found(bytes: &[u8]) -> Vec<&'static str> {
     checked.findings.iter().map(|finding| finding.problem.rule.id).collect()
 }
 
-/// What can't be laid over a text as sections.
+/// The text with a damage that can't be laid over it as sections.
 fn damaged(rule: &Rule, base: &str) -> Option<Vec<u8>> {
     Some(match rule.id {
         "eds/text/byte-order-mark" => [b"\xEF\xBB\xBF", base.as_bytes()].concat(),
@@ -70,7 +70,7 @@ fn each_rule_finds_its_example_on_every_model() {
     assert!(models.len() > 10);
     let mut missed = Vec::new();
     for rule in of_eds() {
-        // A million lines take their time, whatever the model.
+        // A file of a million lines takes long, and the model makes no difference.
         let models = if rule.id == "eds/text/too-much" { &models[..1] } else { &models[..] };
         for (name, text) in models {
             let bytes = damaged(rule, text).unwrap_or_else(|| overlay(text, rule.fails).into_bytes());
@@ -88,7 +88,7 @@ fn each_rule_spares_what_keeps_it() {
     let of = |text: &str, rule: &Rule| found(text.as_bytes()).into_iter().filter(|id| *id == rule.id).count();
     let mut wrong = Vec::new();
     for rule in of_eds().filter(|rule| damaged(rule, "").is_none()) {
-        // The reference has hints of its own.
+        // The reference model itself has findings of severity hint.
         let before = of(reference, rule);
         if of(&overlay(reference, rule.passes), rule) > before || of(&overlay(reference, rule.fails), rule) <= before {
             wrong.push(rule.id);
@@ -97,7 +97,7 @@ fn each_rule_spares_what_keeps_it() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// A description in XML with that object.
+/// A description in XML with this object.
 fn xdd(object: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<ISO15745ProfileContainer><ISO15745Profile><ProfileBody>\n<CANopenObjectList>\n\
@@ -117,7 +117,7 @@ fn each_rule_of_xml_finds_its_example_and_spares_what_keeps_it() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// No model has an error but those whose manuals map 16 bits of an object of 32.
+/// No model has an error, except those whose manuals map 16 bits of an object of 32 bits.
 #[test]
 fn the_models_have_no_errors() {
     for (name, text) in models() {
@@ -135,7 +135,7 @@ fn the_models_have_no_errors() {
     }
 }
 
-/// Every finding that has a line stands there, within the text.
+/// The line and column of each finding lie within the text, at the marked characters.
 #[test]
 fn places_are_those_of_the_text() {
     let (_, reference) = &models()[0];

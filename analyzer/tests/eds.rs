@@ -1,4 +1,4 @@
-//! Oddities of device descriptions: each file in `eds/` is `plain.eds` with one of them.
+//! Oddities of device descriptions: each file in `eds/` is `plain.eds` with one oddity.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/eds")
 }
 
-/// Empty, and so no description, if there is no such file.
+/// The bytes of a file; empty, and so no description, if there is no such file.
 fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(folder().join(name).with_extension("eds")).unwrap_or_default()
 }
@@ -26,7 +26,7 @@ fn read(name: &str) -> Result<DeviceDescription, DescriptionError> {
     eds::read(&bytes(name))
 }
 
-/// Severity, kind, section, field, and what stands in the line that the problem names.
+/// The problems as text: severity, kind, section, field, and the text of the line that the problem names.
 fn problems(name: &str, description: &DeviceDescription) -> Vec<String> {
     let text: String = bytes(name).iter().map(|&byte| char::from(byte)).collect();
     let lines: Vec<&str> = text.lines().collect();
@@ -45,7 +45,7 @@ fn address(object: &Object, entry: &Entry) -> String {
     format!("{:04X}:{:02X}", object.index.0, entry.sub.0)
 }
 
-/// What was read of the objects from 1017h on that stand in the file.
+/// The entries of the file from 1017h on, as they were read.
 fn reads(description: &DeviceDescription) -> Vec<(String, String)> {
     let objects =
         description.dictionary.objects().iter().filter(|object| object.index >= Index(0x1017) && object.line != 0);
@@ -60,7 +60,7 @@ fn reads(description: &DeviceDescription) -> Vec<(String, String)> {
     entries.map(shown).collect()
 }
 
-/// What was read otherwise than in `plain.eds`.
+/// The entries that were read otherwise than those of `plain.eds`.
 fn differences(plain: &DeviceDescription, description: &DeviceDescription) -> Vec<String> {
     let (plain, found) = (reads(plain), reads(description));
     let addresses: BTreeSet<&str> = found.iter().map(|(address, _)| address.as_str()).collect();
@@ -100,7 +100,7 @@ fn compact_pdos_are_filled_in() {
     let description = read("compact-pdo").unwrap();
     let entry = |index, sub| description.dictionary.entry(Multiplexer::new(index, sub));
     let node = NodeId::new(5).unwrap();
-    // What is described stays; mask 13h is COB-ID, transmission type and event timer.
+    // Described entries stay. The mask 13h adds COB-ID, transmission type and event timer.
     assert_eq!(entry(0x1800, 0).unwrap().start_value(node), Some(Value::Unsigned(2)));
     assert_eq!(entry(0x1801, 1).unwrap().start_value(node), Some(Value::Unsigned(0x285)));
     assert!(entry(0x1801, 3).is_err() && entry(0x1801, 5).is_ok());

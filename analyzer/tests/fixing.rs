@@ -1,6 +1,7 @@
-//! What `apply_fixes` changes in a description, and what it leaves: comments, order, and everything that the reader understands.
+//! Changes of `apply_fixes` in a description, and what it keeps: comments, order, and everything that the reader
+//! understands.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::dictionary::check::{apply_fixes, check};
@@ -19,7 +20,7 @@ fn fixed(text: &str) -> String {
     String::from_utf8(apply_fixes(text.as_bytes(), |_| true).unwrap().bytes).unwrap()
 }
 
-/// The text after one replacement, fixed.
+/// The text after one replacement and the fixes.
 fn after(from: &str, to: &str) -> String {
     assert!(PLAIN.contains(from), "{from}");
     fixed(&PLAIN.replacen(from, to, 1))
@@ -54,7 +55,7 @@ fn what_can_be_mended_becomes_what_it_was() {
     }
 }
 
-/// A line without a name is no field: what is wrong with the section is not sought there.
+/// A line without a name is no field, so a problem of the section is not located there.
 #[test]
 fn the_line_that_is_mended_is_that_of_the_section() {
     let damaged = PLAIN.replacen("[2000]\n", "[0x2000]\n=5\n", 1);
@@ -67,7 +68,7 @@ fn what_would_be_a_guess_stays() {
         ("CreationDate=11-21-2026", "CreationDate=01/02/2026"),
         ("DefaultValue=5", "DefaultValue=010"),
         ("DefaultValue=5", "DefaultValue=five"),
-        // Whether the device has PDOs that the file does not describe is not known.
+        // It is unknown whether the device has PDOs that the file does not describe.
         ("NrOfTXPDO=1", "NrOfTXPDO=4"),
         ("DefaultValue=5", "DefaultValue=5\nDefaultValue=6"),
         ("AccessType=rw\nDefaultValue=5", "AccessType=maybe\nDefaultValue=5"),
@@ -91,17 +92,17 @@ fn lists_are_completed_and_comments_stay() {
 fn missing_sections_are_added_and_the_character_set_is_changed() {
     let text = PLAIN.replace("[Comments]\nLines=1\nLine1=one\n", "");
     assert!(fixed(&text).ends_with("\n[Comments]\nLines=0\n"));
-    // python-canopen reads no file without one of these.
+    // python-canopen reads no file that lacks one of the seven entries.
     let dummies = fixed(&PLAIN.replace("[DummyUsage]", "[Comments2]"));
     assert!((1..=7).all(|index| dummies.contains(&format!("\nDummy000{index}=0"))), "{dummies}");
     let utf_16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(PLAIN.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     assert_eq!(apply_fixes(&utf_16, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
     let marked = [b"\xEF\xBB\xBF", PLAIN.as_bytes()].concat();
     assert_eq!(apply_fixes(&marked, |_| true).unwrap().bytes, fixed(PLAIN).into_bytes());
-    // A second mark is a character of the text, and what stands behind it is not lost.
+    // A second byte order mark is a character of the text, and the text after it is not lost.
     let twice = fixed(&format!("\u{FEFF}\u{FEFF}# a comment\n{PLAIN}"));
     assert!(twice.contains("; a comment\n[FileInfo]"), "{twice}");
-    // Latin-1 stays, whatever else is fixed.
+    // The encoding Latin-1 stays, whatever else is fixed.
     let latin: Vec<u8> = PLAIN
         .replace("Lines=1", "Lines=3")
         .replace("one", "z?")
@@ -130,7 +131,7 @@ fn what_is_not_wanted_is_not_touched() {
     assert_eq!(only("eds/device/pdo-count"), damaged.replace("NrOfTXPDO=0", "NrOfTXPDO=1"));
 }
 
-/// What the reader understands of the objects, without the lines in which they stand.
+/// The objects as the reader understands them, without their lines.
 fn understood(bytes: &[u8]) -> Vec<Object> {
     let description = DeviceDescription::read(bytes).unwrap();
     let objects = description.dictionary.objects().iter().map(|object| {
@@ -148,8 +149,8 @@ fn understood(bytes: &[u8]) -> Vec<Object> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Examples of several rules at once, and random damage: fixing twice is fixing once, what the objects are stays, and
-    /// so does every comment.
+    /// For examples of several rules at once with random damage: a second fix changes nothing, and the objects and all
+    /// comments stay.
     #[test]
     fn fixing_is_idempotent_and_keeps_the_meaning(
         broken in prop::collection::vec(0..rules::all().filter(|rule| rule.id.starts_with("eds/")).count(), 1..6),

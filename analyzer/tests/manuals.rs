@@ -21,7 +21,7 @@ struct ManualRow<'a> {
 }
 
 impl<'a> ManualRow<'a> {
-    /// `None` if there are fewer than five columns.
+    /// Parses a row; `None` if there are fewer than five columns.
     fn new(line: usize, text: &'a str) -> Option<Self> {
         let columns: Vec<_> = text.split(';').map(str::trim).collect();
         let [section, id, bytes, service, words, note @ ..] = columns.as_slice() else { return None };
@@ -35,7 +35,7 @@ impl<'a> ManualRow<'a> {
         })
     }
 
-    /// What is wrong with what was said, if anything.
+    /// The difference between the row and the decoded frame, if there is one.
     fn complaint(&self, said: &trace::Said) -> Option<String> {
         let missing = self.words.iter().find(|word| !said.text.contains(**word));
         let wrong = match (missing, said.decoded.violation) {
@@ -52,7 +52,7 @@ fn frame(id: &str, bytes: &str) -> String {
     if bytes == "remote" { format!("{id}#R") } else { format!("{id}#{bytes}") }
 }
 
-/// Says all rows to a network; returns their number.
+/// Decodes all rows in a network; returns their number.
 fn play(rows: &str) -> usize {
     let mut trace = Trace::new();
     let mut count = 0;

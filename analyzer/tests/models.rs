@@ -25,7 +25,7 @@ fn sendix_58x8() {
     assert!(description.dictionary.entry(Multiplexer::new(0x1800, 4)).is_err());
 }
 
-/// Model, sub-indexes, and whether it knows LSS.
+/// Each row has the model, its number of sub-indexes, and whether it supports LSS.
 #[test]
 fn the_other_encoders() {
     for (model, sub_indexes, has_lss) in [
@@ -48,7 +48,7 @@ fn the_other_encoders() {
     }
 }
 
-/// What the manuals of Lika and TR-Electronic have otherwise than the standards.
+/// Contradictions between the manuals of Lika and TR-Electronic and the standards.
 #[test]
 fn contradictions_to_the_standards() {
     let found = |model: &str| -> Vec<String> {
@@ -63,10 +63,10 @@ fn contradictions_to_the_standards() {
     let mut lika = ro(&["100C", "100D"]);
     lika.insert(0, "[1003sub3] ParameterName: Older error occurred".to_owned());
     assert_eq!(found("lika-ax58"), lika);
-    // PDOs can't be configured.
+    // The PDOs can't be configured.
     let fixed =
         ["100E", "1800sub1", "1800sub2", "1802sub1", "1802sub2", "1A00sub0", "1A00sub1", "1A02sub0", "1A02sub1"];
-    // There is no identity object, and the second TPDO in use is the third.
+    // The device has no identity object, and the second TPDO in use is TPDO 3.
     let mut rotary = ro(&fixed);
     rotary.insert(0, "[1018] : none".to_owned());
     rotary.insert(4, "[1802sub1] DefaultValue: $NODEID+280h".to_owned());

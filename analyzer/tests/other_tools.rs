@@ -1,6 +1,6 @@
-//! What the tools of other makers write into descriptions, and CiA 306 and CiA 311 allow.
+//! Descriptions as the tools of other makers write them, within CiA 306 and CiA 311.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::dictionary::{DeviceDescription, Severity, consistency};
@@ -9,7 +9,8 @@ use canvass_analyzer::{Index, Multiplexer};
 const PLAIN: &str = include_str!("eds/plain.eds");
 const PARAMETERS: &str = include_str!("xdd/parameters.xdd");
 
-/// What is wrong with a text after one replacement, in what is read and in what it means; nothing is with the text itself.
+/// The problems after one replacement in a text, in its form and its meaning; without hints, and without the problems
+/// of the text itself.
 fn problems(text: &str, from: &str, to: &str) -> Vec<String> {
     assert!(text.contains(from), "{from}");
     let all = |text: &str| {
@@ -44,7 +45,7 @@ fn the_keys_of_a_list_may_stand_in_any_order() {
     assert_eq!(problems(PLAIN, "1=0x1000\n2=0x1001", "3=0x1001\n1=0x1000"), ["[MandatoryObjects] 3: 3"]);
 }
 
-/// Eight entries, of which `[1A00Value]` maps one: the other seven are not used.
+/// `[1A00Value]` maps one of eight entries; the other seven are unused.
 #[test]
 fn a_mapping_in_the_short_form_maps_what_its_values_name() {
     let object = |mapped: &str| {
@@ -64,7 +65,7 @@ fn a_mapping_in_the_short_form_maps_what_its_values_name() {
     let description =
         DeviceDescription::read(mappable.replacen(optional, &object("0x10010008"), 1).as_bytes()).unwrap();
     assert!(description.dictionary.entry(Multiplexer::new(0x1A00, 8)).is_ok());
-    // What it does name has to be there.
+    // The object that the entry names must exist.
     let found = problems(&mappable, optional, &object("0x70000010"));
     assert_eq!(found, ["[1A00sub1] DefaultValue: 7000h:00 with 16 bits"]);
 }

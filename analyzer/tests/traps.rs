@@ -9,7 +9,7 @@ use canvass_analyzer::wire::error_control::State;
 use canvass_traces::{CanId, ChannelId, Duration, ErrorClass, Flags, Frame, Record, Timestamp};
 use trace::{Said, Trace};
 
-/// Service and text of a frame on a new network.
+/// Service and text of a single frame on a new network.
 fn alone(frame: &str) -> (&'static str, String) {
     let said = Trace::new().say(frame);
     (said.service(), said.text)
@@ -31,7 +31,7 @@ fn a_block_segment_33_is_no_command() {
     let said = trace.say("605#21 00 10 00 05 00 00 00");
     assert_eq!(said.text.split(" of").next(), Some("block segment 33"));
     assert_eq!(said.decoded.violation, None);
-    // On another node, at the same time, it is the command.
+    // On another node at the same time, 21h is the command.
     assert_eq!(trace.say("606#21 00 10 00 05 00 00 00").text, "write 1000h:00 Device type, 5 bytes in segments");
     assert!(trace.say("605#22 00 00 00 00 00 00 00").text.starts_with("block segment 34"));
 }
@@ -75,7 +75,7 @@ fn a_pdo_on_10a_is_no_time() {
     assert_eq!(alone("100#00 00 00 00 00 00").0, "time");
 }
 
-/// A PDO on 10Bh and its inverse on 10Ch are an SRDO; a PDO that is known to be one is not.
+/// A PDO on 10Bh and its inverse on 10Ch are an SRDO, unless 10Bh is known to be a PDO.
 #[test]
 fn an_srdo_needs_its_inverted_twin() {
     let mut trace = Trace::new();
@@ -147,7 +147,7 @@ fn an_sdo_channel_moves_when_it_is_written() {
     assert_eq!(said.decoded.violation, None);
 }
 
-/// The same, when 1201h (a second server) is only read.
+/// 1201h, the parameter of a second server, is only read.
 #[test]
 fn an_sdo_channel_is_known_when_it_is_read() {
     let mut trace = Trace::new();
@@ -157,11 +157,11 @@ fn an_sdo_channel_is_known_when_it_is_read() {
     }
     assert_eq!(node(&trace.say("241#40 18 10 01 00 00 00 00")), Some(5));
     assert_eq!(trace.say("1C1#43 18 10 01 13 00 00 00").service(), "sdo");
-    // The first server is where it was.
+    // The first server stays on its default CAN-IDs.
     assert_eq!(trace.say("605#40 18 10 01 00 00 00 00").service(), "sdo");
 }
 
-/// The boot-up takes the moved channel back.
+/// A boot-up moves the channel back to its default CAN-IDs.
 #[test]
 fn a_boot_up_undoes_what_was_not_stored() {
     let mut trace = Trace::new();
@@ -172,7 +172,8 @@ fn a_boot_up_undoes_what_was_not_stored() {
     assert_eq!((trace.say("185#00").service(), trace.say("10A#00").service()), ("pdo", "unknown"));
 }
 
-/// 85h is a heartbeat of nobody: without polls the toggle bit still shows guarding; with polls 05h is guarding too.
+/// 85h is no heartbeat: without remote frames the toggle bit still shows guarding; with remote frames 05h is guarding
+/// too.
 #[test]
 fn guarding_is_told_by_its_polls() {
     let mut trace = Trace::new();
@@ -182,7 +183,7 @@ fn guarding_is_told_by_its_polls() {
     trace.say("705#R1");
     let said = trace.say("705#05");
     assert_eq!((said.service(), said.text.as_str()), ("guarding", "guarding: operational, toggle 0"));
-    // After its boot-up it may send heartbeats.
+    // After its boot-up the node may send heartbeats.
     assert_eq!(trace.say("705#00").service(), "boot-up");
     assert_eq!(trace.say("705#05").service(), "heartbeat");
 }
@@ -311,13 +312,13 @@ fn a_multiplexed_pdo_names_its_object() {
     trace.say("605#2F 00 1A 00 FF 00 00 00");
     trace.say("585#60 00 1A 00 00 00 00 00");
     assert!(trace.say("185#80 04 60 00 BA 4C 00 00").text.starts_with("TPDO 1, multiplexed, to all nodes: 6004h:00"));
-    // An ordinary mapping again.
+    // The mapping is an ordinary one again.
     trace.say("605#2F 00 1A 00 00 00 00 00");
     trace.say("585#60 00 1A 00 00 00 00 00");
     assert_eq!(trace.say("185#05 04").text, "TPDO 1, 2 bytes, mapping not known");
 }
 
-/// A CAL abort code of the time before CiA 301 V4, which no table of CiA 301 has.
+/// An abort code of CAL, from the time before CiA 301 V4, which no table of CiA 301 has.
 #[test]
 fn an_abort_code_of_cal_has_a_meaning() {
     let mut trace = Trace::new();
@@ -326,7 +327,7 @@ fn an_abort_code_of_cal_has_a_meaning() {
     assert!(said.text.ends_with("0600 0006h access error, hardware fault (CAL)"), "{}", said.text);
 }
 
-/// A transfer whose beginning the capture has not.
+/// The capture lacks the beginning of a transfer.
 #[test]
 fn a_capture_may_begin_in_a_transfer() {
     let mut trace = Trace::new();
@@ -335,8 +336,9 @@ fn a_capture_may_begin_in_a_transfer() {
     assert!(said.text.starts_with("read answered: 1000h:00"));
 }
 
-/// The five steps of Sendix manual 5.7.4: switched off, emptied, written, counted, switched on. The values before and
-/// after are each read by their own mapping, and between them there is none.
+/// The five steps of Sendix manual 5.7.4 to change a mapping: switch off, set the count to 0, write the entries, set
+/// the count, switch on. Values before and after the change are read by the mapping of their time; in between there is
+/// no mapping.
 #[test]
 fn a_mapping_changes_in_the_middle_of_a_trace() {
     let mut trace = Trace::new();

@@ -1,6 +1,6 @@
-//! The words of messages, as the standards name what they say, and the bits that stand behind numbers.
+//! Messages as text, in the words of the standards, and the meaning of the bits in their numbers.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::network::sdo::{Direction, Mode, Side, Violation};
@@ -14,7 +14,7 @@ use canvass_analyzer::wire::sdo::{Expedited, Request, Response, Segment};
 use canvass_analyzer::wire::{Malformed, Wire};
 use canvass_traces::CanId;
 
-/// CiA 305, the LSS address and the bounds of "identify remote slave".
+/// The parts of the LSS address and the bounds of "identify remote slave" by their names in CiA 305.
 #[test]
 fn layer_setting_in_words() {
     assert_eq!(Part::ALL.map(Part::name), ["vendor-ID", "product code", "revision number", "serial number"]);
@@ -98,7 +98,7 @@ fn layer_setting_in_words() {
     }
 }
 
-/// Each of the command specifiers that only one of the two protocols knows (CiA 305 and CiA 205-2).
+/// The command specifiers that only one of the two protocols has (CiA 305 and CiA 205-2).
 #[test]
 fn command_specifiers_belong_to_one_protocol() {
     use Protocol::{Lmt, Lss};
@@ -155,7 +155,7 @@ fn classes_of_errors_have_their_bits() {
     assert_eq!(ErrorRegister(0x7E).names().count(), 6);
 }
 
-/// CiA 301, table of transmission types.
+/// The table of transmission types in CiA 301.
 #[test]
 fn transmission_types() {
     for (raw, cycle, reserved, text) in [
@@ -175,7 +175,7 @@ fn transmission_types() {
     }
 }
 
-/// Bit 0 is the lowest of the first byte. 64 bits that begin within a byte have a ninth.
+/// Bit 0 is the lowest bit of the first byte. 64 bits that begin within a byte extend into a ninth byte.
 #[test]
 fn bits_of_a_payload() {
     let bytes = [0x01, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD, 0xEF, 0x5A, 0xA5];
@@ -254,7 +254,7 @@ fn segments_hold_seven_bytes() {
         assert_eq!(&frame.data()[1..=length], data);
         assert!(frame.data()[1 + length..].iter().all(|byte| *byte == 0));
         assert_eq!(frame.id(), CanId::standard(0x605).unwrap());
-        // As many bytes as count must be there, and no more.
+        // The counted bytes must be there, and no more are read.
         let Ok(Request::DownloadSegment(segment)) = Request::read(&frame.data()[..=length]) else { panic!("{length}") };
         assert_eq!((segment.data(), segment.toggle, segment.last), (data, true, true));
         if length > 0 {

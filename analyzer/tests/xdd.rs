@@ -1,7 +1,7 @@
-//! Device descriptions in XML (CiA 311), in the two forms that tools write: with all attributes at the object, and with
+//! Device descriptions in XML (CiA 311), in the two forms that tools write: with all attributes at the object, or with
 //! references to parameters of the application process.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::dictionary::eds::DescriptionError;
@@ -57,7 +57,7 @@ fn attributes_at_the_objects() {
     assert_eq!(entry(0x6041, 0).denotation.as_deref(), Some("status of the lift"));
 }
 
-/// As published files have it: EdsDcfNet's `nodeID` beside the schema's `NodeID`, and units of bit rates.
+/// Published files differ from the schema: EdsDcfNet writes `nodeID` instead of `NodeID`, and bit rates have units.
 #[test]
 fn attributes_are_the_same_in_any_case() {
     let commissioning = r#"<deviceCommissioning nodeID="5" nodeName="MinimalDevice" actualBaudRate="500 Kbps""#;
@@ -85,7 +85,7 @@ fn attributes_are_the_same_in_any_case() {
     assert!(!unkept.unkept(&Source::of_text(text)).iter().any(|loss| loss.to_string().contains("nodeID")));
 }
 
-/// The attributes as the schema of CiA 311 has them.
+/// Attributes in the form of the schema of CiA 311.
 #[test]
 fn the_schema_has_what_is_written() {
     let (text, _) = xdd::write(&read(ATTRIBUTES).unwrap());
@@ -146,7 +146,7 @@ fn problems_name_line_element_and_attribute() {
     }
 }
 
-/// What is marked of an object in XML, for each rule that it breaks.
+/// For each rule that an object in XML breaks, the text that the finding marks.
 fn marked(object: &str) -> Vec<(&'static str, String)> {
     let text = format!("<CANopenObjectList><a note='1 > 0'/>{object}</CANopenObjectList>");
     let checked = check::check(text.as_bytes(), None).unwrap();
@@ -161,17 +161,17 @@ fn an_attribute_is_marked_exactly() {
     assert_eq!(marked(object), []);
     let damaged = object.replace("'0006'", "'0xZ'");
     assert_eq!(marked(&damaged)[..1], one("xdd/number/prefix", "0xZ"));
-    // After a > in an earlier value, and in another line.
+    // The attribute follows a `>` in an earlier value, and stands in another line.
     let damaged = object.replace("Speed", "n > 1000").replace("'7'", "'3'").replace("index", "\n\tindex");
     assert_eq!(marked(&damaged), one("xdd/object/object-type", "3"));
-    // Not the value of another attribute whose text looks like it.
+    // The value of another attribute looks like this attribute, and must not be marked.
     let damaged = object.replace("Speed", " accessType=\"rw\"").replace("'rw'", "\"maybe\"");
     assert_eq!(marked(&damaged), one("xdd/object/access", "maybe"));
-    // The second of two, and not that of an element before it.
+    // The second of two attributes is marked, and not an attribute of an element before it.
     let damaged = object.replace("/>", " name='Other'/>");
     assert_eq!(marked(&damaged), one("xdd/element/attribute-twice", "Other"));
     assert_eq!(marked(&object.repeat(2)), one("xdd/object/twice", "2000"));
-    // Its own start tag where it is missing.
+    // A missing attribute marks the start tag of the object itself.
     let damaged = object.replace(" accessType='rw'", "");
     assert_eq!(marked(&damaged), one("xdd/object/access-missing", &damaged));
 }

@@ -4,7 +4,7 @@ use super::expression::{Flag, NumberField};
 use super::parser;
 use crate::message::Service;
 
-/// Words that join tests, or precede one.
+/// Words that join tests or precede a test.
 const WORDS: [&str; 5] = ["and ", "or ", "not ", "in ", "("];
 /// Operators after a number or a name.
 const OPERATORS: [&str; 2] = ["=", " in "];
@@ -17,7 +17,7 @@ const UNHEARD_OF: &str = "unheard-of";
 pub struct Completion {
     /// The offset of the unfinished word.
     pub from: usize,
-    /// The words, in the form to insert.
+    /// The fitting words, in the form to insert.
     pub words: Vec<String>,
 }
 
@@ -53,7 +53,7 @@ fn quoted(name: &str) -> String {
     if bare { name.to_owned() } else { format!("\"{name}\"") }
 }
 
-/// Whether the word fits there: the parser finds no mistake, or only a missing continuation.
+/// Whether `word` fits after `before`: the parser finds no mistake, or only a missing continuation.
 fn fits(before: &str, word: &str) -> bool {
     let text = format!("{before}{word}");
     parser::parse(&text).err().is_none_or(|error| error.found.is_none())
@@ -90,7 +90,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever was written: what is offered makes no mistake that was not there before.
+        /// A completion adds no mistake to the text, whatever the text is.
         #[test]
         fn what_is_offered_is_no_mistake(text in "[a-z=0-9 ()<>!,\u{2003}\"]{0,20}") {
             let Completion { from, words } = Completion::of(&text, ["can0"]);

@@ -67,7 +67,7 @@ pub struct Subject<'a> {
     pub record: &'a Record,
     /// The decoded frame.
     pub decoded: &'a Decoded,
-    /// The name of its channel.
+    /// The name of the frame's channel.
     pub channel: &'a str,
 }
 
@@ -85,7 +85,7 @@ impl Filter {
         self.0.matches(subject)
     }
 
-    /// Whether neither this frame nor any frame like it passes.
+    /// Whether the filter rejects this frame and all frames like it.
     pub fn refuses_alike(&self, subject: &Subject<'_>, steady: Steady) -> bool {
         self.0.of_alike(subject, steady) == Some(false)
     }

@@ -15,8 +15,8 @@
 //! flag       = abort | emcy | violation | remote | extended | fd | error | tx | rx
 //! ```
 //!
-//! A test of a field that a frame does not have is false, and so is its negation with `!=` or `not in`; `not` in
-//! front of it makes it true.
+//! A test of a field that the frame does not have is false, also with `!=` or `not in`. A `not` in front of such a test
+//! makes it true.
 
 mod completion;
 mod expression;

@@ -20,7 +20,7 @@ pub struct FilterError {
     pub column: usize,
     /// The expected text.
     pub expected: String,
-    /// The word at that place; `None` at the end.
+    /// The word at the column; `None` at the end of the text.
     pub found: Option<String>,
 }
 
@@ -197,7 +197,7 @@ fn channel_test(input: &str) -> Parsed<'_, Expression> {
     Ok((rest, Expression::Channel { names, negated }))
 }
 
-/// `= name`, `!= name`, `in name, name`, `not in name, name`.
+/// Parses `= name`, `!= name`, `in name, name` or `not in name, name`.
 fn names<'a, T>(input: &'a str, name: impl Fn(&'a str) -> Parsed<'a, T>) -> Parsed<'a, (Vec<T>, bool)> {
     if let Ok((rest, negated)) = is_in(input) {
         let (rest, names) = joined(rest, symbol(","), name)?;
@@ -225,7 +225,7 @@ fn range(input: &str) -> Parsed<'_, RangeInclusive<u32>> {
     }
 }
 
-/// Decimal, or hexadecimal with 0x before it or h after it.
+/// Parses a number: decimal, or hexadecimal with the prefix `0x` or the suffix `h`.
 fn number(input: &str) -> Parsed<'_, u32> {
     let expected = "a number such as 63, 0x3F or 3Fh";
     let (rest, digits) = match preceded(multispace0::<_, Mistake<'_>>, take_while1(alphanumeric)).parse(input) {
@@ -248,14 +248,14 @@ const fn alphanumeric(c: char) -> bool {
     c.is_ascii_alphanumeric()
 }
 
-/// A name, possibly in quotes.
+/// Parses a name, possibly in quotes.
 fn word(input: &str) -> Parsed<'_, &str> {
     let bare = take_while1(|c: char| c.is_alphanumeric() || "-_./:".contains(c));
     let quoted = delimited(char('"'), take_while(|c| c != '"'), char('"'));
     preceded(multispace0, alt((quoted, bare))).parse(input)
 }
 
-/// A word that stands alone.
+/// Parses the whole word `name`; the same word in quotes is no keyword.
 fn keyword<'a>(name: &'static str) -> impl Parser<&'a str, Output = &'a str, Error = Mistake<'a>> {
     move |input: &'a str| match word(input) {
         Ok((rest, found)) if found == name && !input.trim_start().starts_with('"') => Ok((rest, found)),

@@ -19,7 +19,7 @@ pub struct Scene<'a> {
     pub bus: &'a Bus,
     /// The channel of the bus.
     pub channel: ChannelId,
-    /// The facts about its nodes, before the current frame.
+    /// The facts about the nodes of the bus, before the current frame.
     pub facts: &'a Facts,
     /// The last frame of each CAN-ID, before the current frame.
     pub latest: &'a Latest,
@@ -42,7 +42,7 @@ pub struct Context<'a> {
     pub bits: u32,
     /// The decoded frame.
     pub decoded: &'a Decoded,
-    /// The frame before it with the same CAN-ID, if it has 11 bits.
+    /// The previous frame with the same CAN-ID, if the CAN-ID has 11 bits.
     pub previous: Option<&'a Seen>,
 }
 
@@ -53,8 +53,8 @@ pub fn is_coarse(quality: &Quality) -> bool {
 }
 
 impl Scene<'_> {
-    /// Error of a measured interval because of coarse times: two steps of the clock. Times that are multiples of a
-    /// unit prove nothing, as long as no two frames have the same time.
+    /// Error of a measured interval because of coarse times: two steps of the clock. Times that are multiples of a unit
+    /// do not prove a coarse clock by themselves; two frames must have the same time.
     pub fn slack(&self) -> Duration {
         if self.quality.simultaneous > 0 && is_coarse(self.quality) {
             self.resolution().times(2)
@@ -96,7 +96,7 @@ impl<'a> Context<'a> {
         self.scene.facts.news.begins_anew
     }
 
-    /// The meaning of the frame to several rules.
+    /// The facts about the frame that several rules need.
     pub const fn news(&self) -> &'a News {
         &self.scene.facts.news
     }

@@ -43,7 +43,7 @@ pub struct Diagnosis {
     buses: Vec<Option<Box<BusWatch>>>,
     watched: usize,
     findings: Findings,
-    /// The decoded last frame.
+    /// The last frame, decoded.
     decoded: Option<Decoded>,
     /// Number of frames on channels beyond [`Diagnosis::BUSES`], which no rule saw.
     unwatched: u64,
@@ -83,7 +83,7 @@ pub struct Results {
 pub struct Observed<'a> {
     /// The decoded frame.
     pub decoded: &'a Decoded,
-    /// Its bus, after the frame.
+    /// The bus of the frame, after the frame.
     pub bus: &'a Bus,
     /// Findings that this frame made, or made worse.
     pub reported: &'a [Reported],
@@ -124,13 +124,13 @@ impl Diagnosis {
         self.network.offer(candidates);
     }
 
-    /// Sets the bit rate of all buses in bit/s; without it, it is inferred.
+    /// Sets the bit rate of all buses in bit/s; by default the bit rate is inferred.
     pub const fn set_bit_rate(&mut self, bit_rate: u32) {
         self.bit_rates.of_all = Some(bit_rate);
     }
 
-    /// Sets the bit rate of one bus in bit/s, before its first record, for a capture that names it.
-    /// [`Diagnosis::set_bit_rate`] takes precedence.
+    /// Sets the bit rate of one bus in bit/s, for a capture that names it. Must be called before the first record of
+    /// the bus. [`Diagnosis::set_bit_rate`] takes precedence.
     pub fn say_bit_rate(&mut self, channel: ChannelId, bit_rate: u32) {
         self.bit_rates.of_channels.push((channel, bit_rate));
     }

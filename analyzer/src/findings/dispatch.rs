@@ -34,7 +34,7 @@ impl Traits {
 
 impl Dispatch {
     fn new() -> Self {
-        // For each rule the requested services, as bits, and traits.
+        // The services, as bits, and the traits that each rule asks for.
         let asked = |definition: &Definition| {
             let services = definition.services.iter().fold(0_u32, |services, service| services | 1 << *service as u8);
             let traits = definition.also.iter().fold(Traits::default(), |traits, also| traits.with(*also, true));
@@ -98,7 +98,7 @@ mod tests {
         assert!(shown(Service::Sdo, ended).contains(&"sdo/store-wear"));
         assert!(!shown(Service::Sdo, ended).contains(&"sdo/retries"));
         assert!(shown(Service::Sdo, unusual).contains(&"sdo/retries"));
-        // By its service and by both traits.
+        // The service and both traits of this frame select the rule; it is shown the frame once.
         let known = unusual.with(Also::KnownTpdos, true);
         assert_eq!(shown(Service::Nmt, known).iter().filter(|id| **id == "pdo/period").count(), 1);
         assert!(shown(Service::Lss, Traits::default()).iter().all(|id| !id.starts_with("sdo/")));

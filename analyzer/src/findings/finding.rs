@@ -40,9 +40,9 @@ impl fmt::Display for Severity {
 /// One fault of one node, of the bus or of the capture, with all its occurrences.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// The rule that found it.
+    /// The rule that reported the finding.
     pub rule: &'static Metadata,
-    /// Its severity: the rule's, or a lower one.
+    /// The severity of the rule, or a lower one.
     pub severity: Severity,
     /// The node concerned; `None` for findings about the bus or the capture.
     pub node: Option<NodeId>,
@@ -60,11 +60,11 @@ pub struct Finding {
     pub object: Option<Multiplexer>,
     /// Begin and end of the first occurrences, at most [`Finding::WINDOWS`].
     pub windows: Vec<(Timestamp, Timestamp)>,
-    /// The node that causes the finding, if another than the one concerned.
+    /// The node that causes the finding, if it is not the concerned node.
     pub origin: Option<NodeId>,
     /// Number of occurrences.
     pub count: u64,
-    /// The case of a conformance run during which it first occurred.
+    /// The case of a conformance run during which the problem first occurred.
     pub case: Option<CaseName>,
     /// The event, described for the worst occurrence. Text from the bus in it has its control characters escaped.
     pub message: String,
@@ -84,9 +84,9 @@ impl Finding {
 pub struct Exhibit {
     /// Time of the frame.
     pub time: Timestamp,
-    /// Its place in the source.
+    /// The place of the frame in the source.
     pub place: Place,
-    /// The frame; `None` if there is no frame at that place.
+    /// The frame; `None` if there is no frame at the place.
     pub record: Option<Record>,
     /// The decoded frame as text.
     pub text: String,

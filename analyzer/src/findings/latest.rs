@@ -19,7 +19,7 @@ impl Default for Latest {
 }
 
 impl Latest {
-    /// The last frame with that CAN-ID.
+    /// The last frame with the CAN-ID `id`.
     #[inline]
     pub fn get(&self, id: u16) -> Option<&Seen> {
         self.pages.get(usize::from(id >> 7))?.as_ref()?[usize::from(id & 0x7F)].as_ref()

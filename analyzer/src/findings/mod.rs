@@ -1,8 +1,11 @@
 //! The diagnosis of a capture's buses.
 //!
-//! - A [`Rule`] finds one kind of problem, one file each; its [`Metadata`] is the text of `canvass explain` and of the reference page.
-//! - [`Diagnosis`] takes a capture record by record, once, and shows every rule the frames of the services that it asks for.
-//! - A [`Finding`] is a problem that a rule found. All occurrences of one fault of one node are one finding, so that memory does not grow with the capture.
+//! - A [`Rule`] finds one kind of problem; each rule has its own file. Its [`Metadata`] is the text of
+//!   `canvass explain` and of the reference page.
+//! - [`Diagnosis`] takes a capture record by record, once, and shows every rule the frames of the services that it asks
+//!   for.
+//! - A [`Finding`] is a problem that a rule found. All occurrences of one fault of one node are one finding, so that
+//!   memory does not grow with the capture.
 
 mod bus;
 mod capture;

@@ -23,9 +23,9 @@ pub struct InOrder {
 pub struct Disorder {
     /// Number of records older than the one before them.
     pub count: u64,
-    /// The largest difference.
+    /// The largest time by which a record was older.
     pub largest: Duration,
-    /// Time and place of the first of them.
+    /// Time and place of the first record out of order.
     pub first: Option<(Timestamp, Place)>,
 }
 
@@ -94,14 +94,14 @@ impl InOrder {
         }
     }
 
-    /// The next record that no older one can precede any more.
+    /// The next record, once no older record can come any more.
     #[inline]
     pub fn pop(&mut self) -> Option<&Record> {
         if self.waiting == 0 {
             return None;
         }
         let first = self.ring.get(self.first)?.timestamp;
-        // After a step back of the clock the newest record is older.
+        // After a step back of the clock the waiting records are newer than the newest record.
         let is_due = self.newest.since(first) >= Self::WINDOW || first > self.newest || self.waiting > Self::MOST;
         if is_due { self.flush() } else { None }
     }
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(disorder.first.map(|first| first.0), Some(Timestamp(103_000_000)));
     }
 
-    /// More than there is room for at first, in any order.
+    /// More records than the ring has room for at first, in any order.
     #[test]
     fn many_that_come_at_once() {
         let mut times: Vec<u64> = (0..1_000).map(|n| 1_000 + n / 100).collect();

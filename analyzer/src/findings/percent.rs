@@ -1,9 +1,9 @@
-//! Shares.
+//! Shares in percent.
 
 use canvass_traces::Duration;
 use std::fmt;
 
-/// A share of something.
+/// A share in percent.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub struct Percent(pub u64);
 

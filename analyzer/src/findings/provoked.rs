@@ -33,7 +33,7 @@ fn tell(finding: &mut Finding, cases: &[TestCase], first: usize) {
     }
 }
 
-/// The index of the case at that time.
+/// The index of the case that was under way at `time`.
 fn case_at(cases: &[TestCase], time: Timestamp) -> Option<usize> {
     let begun = cases.partition_point(|case| case.begin <= time);
     let last = begun.checked_sub(1)?;

@@ -3,10 +3,10 @@
 use super::rule::Definition;
 use std::sync::LazyLock;
 
-/// The families in the order of listings; those of device profiles follow.
+/// The families in the order of listings; families of device profiles follow.
 const FAMILIES: [&str; 7] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss"];
 
-/// By family, then by id.
+/// All rules, sorted by family, then by id.
 static RULES: LazyLock<Vec<&'static Definition>> = LazyLock::new(|| {
     let mut rules: Vec<&'static Definition> = inventory::iter::<Definition>.into_iter().collect();
     let family = |id: &str| FAMILIES.iter().position(|family| id.split('/').next() == Some(family));
@@ -24,7 +24,7 @@ pub fn all() -> impl Iterator<Item = &'static Definition> {
     RULES.iter().copied()
 }
 
-/// The rule with that id.
+/// The rule with this id.
 pub fn find(id: &str) -> Option<&'static Definition> {
     all().find(|definition| definition.metadata.id == id)
 }

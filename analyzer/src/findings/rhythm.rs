@@ -23,11 +23,11 @@ pub struct Rhythm {
 /// The time between two messages.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Interval {
-    /// Its length.
+    /// The length of the interval.
     pub length: Duration,
-    /// Its expected length, if known.
+    /// The expected length, if known.
     pub expected: Option<Duration>,
-    /// Whether the period may have restarted within it; it may then be up to one period longer.
+    /// Whether the period may have restarted within the interval, which may then be up to one period longer.
     pub shifted: bool,
 }
 
@@ -86,8 +86,8 @@ impl Rhythm {
     }
 }
 
-/// Sorts with Batcher's network, which compares the same places for any values: a sort with branches would mispredict
-/// them, as the intervals are in random order.
+/// Sorts with Batcher's network, which compares the same places for any values. A processor would often mispredict the
+/// branches of another sort, as the intervals are in random order.
 fn sort(values: &mut [u64; WINDOW]) {
     let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = *values;
     let order = |low: &mut u64, high: &mut u64| (*low, *high) = ((*low).min(*high), (*low).max(*high));
@@ -116,7 +116,7 @@ fn sort(values: &mut [u64; WINDOW]) {
 }
 
 impl Interval {
-    /// Whether the interval is longer than that share of the expected length plus `slack`; returns the period.
+    /// Whether the interval is longer than the share `percent` of the expected length plus `slack`; returns the period.
     pub fn exceeds(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let expected = self.expected?;
         let shift = if self.shifted { expected } else { Duration::ZERO };
@@ -124,8 +124,8 @@ impl Interval {
         (self.length > limit).then_some(expected)
     }
 
-    /// As [`Interval::exceeds`], for missing messages: a coarse clock hides at most a tenth of the period, so that
-    /// twice the period is always recognised.
+    /// Whether messages are missing. As [`Interval::exceeds`], but a coarse clock hides at most a tenth of the period,
+    /// so that twice the period is always recognised.
     pub fn misses(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let tenth = Duration(self.expected?.nanos() / 10);
         self.exceeds(percent, slack.min(tenth))

@@ -12,21 +12,22 @@ use crate::message::Service;
 /// The metadata of a rule, the only source of `canvass explain` and the reference page.
 #[derive(Debug)]
 pub struct Metadata {
-    /// Its id, which never changes, such as `nodes/heartbeat-missing`.
+    /// The id of the rule, which never changes, such as `nodes/heartbeat-missing`.
     pub id: &'static str,
-    /// The severity of its findings; single findings may be less severe.
+    /// The severity of the rule's findings; single findings may be less severe.
     pub severity: Severity,
-    /// The consequence of its findings for a machine; higher ranks are reported first.
+    /// The consequence of the rule's findings for a machine; higher ranks are reported first.
     pub rank: Rank,
-    /// Effects of its findings.
+    /// Effects of the rule's findings.
     pub leads_to: &'static [Effect],
-    /// Rules whose findings cause those of this rule, and when: for a rule of a device profile, which no other rule names.
+    /// Rules whose findings cause findings of this rule, and when. For rules of a device profile, which no other rule
+    /// names.
     pub follows: &'static [(&'static str, Effect)],
     /// The problem in one line.
     pub title: &'static str,
     /// The exact condition of a finding, and its exceptions.
     pub what: &'static str,
-    /// The reason why it matters.
+    /// The reason why the problem matters.
     pub why: &'static str,
     /// The next steps for the user.
     pub advice: &'static str,
@@ -43,7 +44,7 @@ pub struct Definition {
     pub services: &'static [Service],
     /// Further frames that the rule sees.
     pub also: &'static [Also],
-    /// The constructor of its state.
+    /// The constructor of the rule's state.
     pub make: Make,
 }
 
@@ -77,13 +78,13 @@ pub enum Make {
     Nothing,
 }
 
-/// A rule's state on one bus. It does no I/O and reads no clock; its time is that of the capture.
+/// A rule's state on one bus. It does no I/O and reads no clock; all times come from the capture.
 pub trait Rule {
     /// Handles a frame of one of its services.
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>);
 
-    /// Tells that time has advanced: called at most every [`super::Diagnosis::TICK`], before the frame with that
-    /// time.
+    /// Tells that time has advanced: called at most every [`super::Diagnosis::TICK`], before the frame with the
+    /// new time.
     fn tick(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
 
     /// Tells that the parameters of a node's TPDOs may change, or become known, with the following frame.

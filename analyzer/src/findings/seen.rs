@@ -8,7 +8,7 @@ use canvass_traces::{Record, Timestamp};
 pub struct Seen {
     /// The frame.
     pub record: Record,
-    /// Its decoding at that time.
+    /// The frame as it was decoded at its time.
     pub decoded: Decoded,
 }
 
@@ -17,7 +17,7 @@ pub struct Seen {
 pub struct Evidence<'a> {
     /// The frame.
     pub record: &'a Record,
-    /// Its decoding at that time.
+    /// The frame as it was decoded at its time.
     pub decoded: &'a Decoded,
 }
 

@@ -26,9 +26,9 @@ pub(super) struct Findings {
 /// A finding that the current frame made, or made worse.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Reported {
-    /// Its number, in the order of their making.
+    /// The number of the finding, in the order in which findings were made.
     pub finding: usize,
-    /// The id of its rule.
+    /// The id of the finding's rule.
     pub rule: &'static str,
 }
 
@@ -61,7 +61,7 @@ pub struct Report<'e> {
 }
 
 impl<'e> Report<'e> {
-    /// A report of an event at that time.
+    /// A report of an event at this time.
     pub const fn at(time: Timestamp) -> Self {
         Self {
             time,
@@ -90,7 +90,7 @@ impl<'e> Report<'e> {
         Self { until: Some(until), ..self }
     }
 
-    /// Sets the node that causes the event, if another than the one concerned.
+    /// Sets the node that causes the event, if it is not the concerned node.
     pub const fn origin(self, origin: NodeId) -> Self {
         Self { origin: Some(origin), ..self }
     }
@@ -115,7 +115,7 @@ impl<'e> Report<'e> {
         Self { measure, ..self }
     }
 
-    /// Sets a severity below the rule's.
+    /// Sets a severity lower than the severity of the rule.
     pub const fn severity(self, severity: Severity) -> Self {
         Self { severity: Some(severity), ..self }
     }

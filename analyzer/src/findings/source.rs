@@ -7,6 +7,6 @@ use canvass_traces::Quality;
 pub struct SourceQuality<'a> {
     /// The name of the capture.
     pub name: &'a str,
-    /// Its quality.
+    /// The quality of the capture.
     pub quality: &'a Quality,
 }

@@ -7,20 +7,20 @@ use canvass_traces::Duration;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A number that a rule compares with.
+/// A limit with which a rule compares, and which the user can set.
 #[derive(Debug)]
 pub struct Threshold {
-    /// Its name, after the rule's id and a dot.
+    /// The name, which follows the rule's id and a dot.
     pub name: &'static str,
     /// The default value.
     pub default: u64,
-    /// The unit of its value.
+    /// The unit of the value.
     pub unit: Unit,
     /// The lowest allowed value.
     pub least: u64,
     /// The highest allowed value.
     pub most: u64,
-    /// What it means.
+    /// The meaning of the threshold.
     pub meaning: &'static str,
 }
 
@@ -52,12 +52,12 @@ pub enum ThresholdError {
     /// The rule does not exist.
     #[error("there is no rule \"{0}\": `canvass list rules` lists them")]
     Rule(String),
-    /// The rule has no threshold of that name.
+    /// The rule has no threshold with this name.
     #[error("rule {rule} has no threshold \"{name}\": it has {known}")]
     Name {
         /// The rule.
         rule: &'static str,
-        /// As given.
+        /// The given name.
         name: String,
         /// The names of the rule's thresholds.
         known: String,
@@ -71,21 +71,21 @@ pub enum ThresholdError {
         name: &'static str,
         /// The expected unit, in words.
         expected: String,
-        /// As given.
+        /// The given value.
         found: String,
     },
-    /// It is too low or too high.
+    /// The value is too low or too high.
     #[error("expected {rule}.{name} from {least} to {most}, found {found}")]
     Range {
         /// The rule.
         rule: &'static str,
         /// The threshold.
         name: &'static str,
-        /// The lowest.
+        /// The lowest allowed value.
         least: u64,
-        /// The highest.
+        /// The highest allowed value.
         most: u64,
-        /// As given.
+        /// The given value.
         found: u64,
     },
 }

@@ -17,9 +17,9 @@ use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Qualit
 /// A frame before it is decoded.
 pub struct Incoming<'a> {
     pub record: &'a Record,
-    /// [`latest_id`].
+    /// The CAN-ID, by [`latest_id`].
     id: Option<u16>,
-    /// [`bit_length`].
+    /// The number of bits, by [`bit_length`].
     bits: Option<u32>,
 }
 
@@ -103,7 +103,7 @@ impl BusWatch {
         }
     }
 
-    /// Advances time to that of the next record.
+    /// Advances the time to the time of the next record.
     pub fn advance(&mut self, record: &Record, network: &Network, findings: &mut Findings) {
         // A smaller step back is disorder, no step of the clock.
         const DISORDER: Duration = Duration::from_millis(1);

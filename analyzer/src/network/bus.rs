@@ -55,7 +55,7 @@ impl Rooms {
 }
 
 impl Rooms {
-    /// Copies with the same filling, independent from now on.
+    /// Independent copies of the rooms, with the same numbers of bytes left.
     pub(super) fn apart(&self) -> Self {
         Self { shown: self.shown.apart(), values: self.values.apart() }
     }
@@ -174,7 +174,7 @@ mod tests {
         }
     }
 
-    /// Where there is no room for a long value, its length is known all the same.
+    /// The length of a long value is known even if there is no room for the value.
     #[test]
     fn long_values_share_their_room() {
         let mut bus = Bus::within(Rooms { shown: Room::new(1 << 20), values: Room::new(8_000) });
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!((seen(1), seen(2)), ((4_200, 4_200, false), (Transfer::SHORT, 4_200, false)));
     }
 
-    /// A node takes a value of four bytes.
+    /// A node accepts a value of four bytes.
     fn written(bus: &mut Bus, index: u16, value: u32) {
         let ([low, high], [a, b, c, d]) = (index.to_le_bytes(), value.to_le_bytes());
         for (id, data) in [(0x605, [0x23, low, high, 1, a, b, c, d]), (0x585, [0x60, low, high, 1, 0, 0, 0, 0])] {
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Where there is no room for a further SDO channel, there is none.
+    /// Without room for a further SDO channel, no channel is made.
     #[test]
     fn further_channels_take_room() {
         let server = |room: usize| {

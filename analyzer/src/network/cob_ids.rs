@@ -57,8 +57,8 @@ pub enum Source {
 #[derive(Clone)]
 pub struct CobIds {
     table: Box<[(Use, Source)]>,
-    /// The CAN-IDs with another use than in the predefined connection set, by [`rank`]: a boot-up checks only those
-    /// of its node.
+    /// The CAN-IDs with another use than in the predefined connection set, by [`rank`], so that a boot-up checks only
+    /// the CAN-IDs of its node.
     moved: BTreeSet<(u32, u16)>,
     /// By CAN-ID: the number of frames that did not fit a learned use, minus the number that did.
     misfits: BTreeMap<u16, u16>,
@@ -113,7 +113,7 @@ impl CobIds {
         self.moved.range((first, 0)..(first + (1 << NODE), 0)).map(|moved| moved.1)
     }
 
-    /// The only place that changes the table.
+    /// Sets an entry. No other function changes the table.
     fn set(&mut self, can_id: u16, entry: (Use, Source)) {
         let Some(place) = self.table.get_mut(usize::from(can_id)) else { return };
         let before = std::mem::replace(place, entry);
@@ -169,7 +169,7 @@ impl CobIds {
         }
     }
 
-    /// Whether frames of that CAN-ID have not fitted its use.
+    /// Whether frames of this CAN-ID have not fitted its use.
     #[inline]
     pub fn is_doubted(&self, can_id: u16) -> bool {
         !self.misfits.is_empty() && self.misfits.contains_key(&can_id)
@@ -187,7 +187,7 @@ impl CobIds {
 /// The lowest bit of the node-ID in a [`rank`].
 const NODE: u32 = 20;
 
-/// A sort key for uses by which those of a node are adjacent.
+/// A sort key for uses; the uses of one node are adjacent.
 fn rank(used: Use) -> u32 {
     let node = owner(used).map_or(0, |node| u32::from(node.raw())) << NODE;
     node | match used {
@@ -225,7 +225,7 @@ fn home(used: Use) -> Option<u16> {
     }
 }
 
-/// The node that sends or serves with that use.
+/// The node that sends or serves with this use.
 fn owner(used: Use) -> Option<NodeId> {
     match used {
         Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),
@@ -258,7 +258,7 @@ fn predefined(can_id: u16) -> Use {
     }
 }
 
-/// Whether no standard defines a use of that CAN-ID.
+/// Whether no standard defines a use of this CAN-ID.
 pub fn is_free(can_id: u16) -> bool {
     predefined(can_id) == Use::Unknown
 }
@@ -311,7 +311,7 @@ mod tests {
         assert_eq!((ids.get(0x10A).0, ids.get(0x185).0), (Use::Unknown, tpdo));
     }
 
-    /// The index of what has moved tells the same as looking through the whole table.
+    /// The index of moved uses finds the same CAN-IDs as a search through the whole table.
     #[test]
     fn places_are_those_of_the_table() {
         let mut ids = CobIds::default();

@@ -27,8 +27,8 @@ pub fn written(bus: &mut Bus, id: NodeId, object: Multiplexer, value: Option<u32
     }
 }
 
-/// Handles the start of a node: returns the former node, if this node-ID was assigned to it, and the written object.
-/// Settings that did not take effect were not stored, and are dropped.
+/// Handles the start of a node. If this node-ID was assigned by writing an object, returns the former node and the
+/// object. Settings that did not take effect were not stored, and are dropped.
 pub fn started(bus: &mut Bus, id: NodeId) -> Option<(NodeId, Multiplexer)> {
     let given = |from: NodeId| {
         let (to, object) = bus.node(from)?.pending.node_id?;

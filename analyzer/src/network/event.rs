@@ -12,10 +12,10 @@ use canvass_traces::{Duration, Timestamp};
 /// An event on a bus.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Event {
-    /// An SDO transfer ended; it is in the frame's channel.
+    /// An SDO transfer ended; the frame's channel holds it.
     TransferEnded,
-    /// An SDO transfer was left before its end: the client began another one, or the server was reset. It is in the
-    /// channel as [`Bus::left_transfer`](super::Bus::left_transfer).
+    /// An SDO transfer was left before its end: the client began another one, or the server was reset. The channel
+    /// holds it as [`Bus::left_transfer`](super::Bus::left_transfer).
     TransferLeft(ChannelIndex),
     /// A node's state changed or became known.
     StateChanged(NodeId, StateChange),

@@ -14,7 +14,7 @@ pub struct Guarding {
 }
 
 impl Guarding {
-    /// A heartbeat producer whose message comes later than this after a remote frame does not answer it.
+    /// A message of a heartbeat producer that comes later than this after a remote frame is no answer.
     const ANSWER: Duration = Duration::from_millis(100);
 
     /// Handles a remote frame that requests the node's state.
@@ -22,7 +22,7 @@ impl Guarding {
         self.asked = Some(now);
     }
 
-    /// Whether the last message was a heartbeat; then a next one without toggle bit is, too.
+    /// Whether the last message was a heartbeat. The next message without toggle bit is then also a heartbeat.
     pub const fn beats(&self) -> bool {
         self.beats && !self.toggle && self.asked.is_none()
     }
@@ -71,7 +71,7 @@ mod tests {
         guarding.ask(at(300));
         assert!(guarding.is_answer(at(302), false));
         assert!(!guarding.is_answer(at(500), false));
-        // Nor does one that is not answered.
+        // A request without an answer does not end the heartbeat either.
         guarding.ask(at(600));
         assert!(!guarding.is_answer(at(1000), false));
     }

@@ -70,7 +70,7 @@ impl Bus {
             Use::Unknown => self.unknown(now, can_id, frame),
         };
         decoded.source = source;
-        // PDOs are not judged: any bytes may be one.
+        // PDOs are not judged, as any bytes may be a PDO.
         if source != Source::Predefined && decoded.service != Service::Pdo {
             let fits = fits(&decoded);
             if !fits || self.cob_ids.is_doubted(can_id) {
@@ -125,14 +125,14 @@ impl Bus {
         decoded
     }
 
-    /// The protocol of a message on 7E5h or 7E4h. Both protocols have the configuring messages; earlier messages tell
-    /// the protocol, or else the descriptions of the devices.
+    /// The protocol of a message on 7E5h or 7E4h. If both protocols have the message, earlier messages tell the
+    /// protocol, or else the descriptions of the devices.
     fn protocol(&mut self, payload: &[u8]) -> Protocol {
         self.protocol = Protocol::of(payload).or(self.protocol);
         self.protocol.unwrap_or_else(|| self.described_protocol())
     }
 
-    /// LMT if a device on the bus supports it and none supports LSS.
+    /// LMT if a device on the bus supports LMT and no device supports LSS.
     fn described_protocol(&self) -> Protocol {
         let nodes = self.nodes.iter().filter_map(|(_, node)| node.as_deref());
         let mut devices = nodes.filter_map(|node| node.device.as_deref());
@@ -159,7 +159,7 @@ impl Bus {
         }
     }
 
-    /// Kept out of line, as frames of this kind are rare; so are other functions marked cold here.
+    /// Kept out of line, as NMT commands are rare. The same holds for other functions marked cold here.
     #[cold]
     fn nmt(&mut self, payload: &[u8]) -> Decoded {
         let command = match Nmt::read(payload) {
@@ -181,7 +181,7 @@ impl Bus {
         Decoded { event, ..plain(Service::Nmt, NodeId::new(command.node), Message::Nmt(command)) }
     }
 
-    /// Handles an NMT command as obeyed; error control corrects the state if it was not.
+    /// Handles an NMT command as obeyed; error control corrects the state if the node did not obey.
     fn commanded(&mut self, id: NodeId, command: Command) -> Option<Event> {
         self.turn += 1;
         let node = self.node_mut(id);
@@ -268,7 +268,7 @@ impl Bus {
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
-        // Computes a new layout; texts of the PDO find it in the node.
+        // Computes a new layout, which the texts of the PDO find in the node.
         let node = self.node_mut(id);
         node.layout(id, number);
         if node.addressing(number).is_none() {

@@ -83,8 +83,8 @@ impl LayerSetting {
         }
     }
 
-    /// Handles the start of a node: returns once the facts about it from before, if layer setting assigned this
-    /// node-ID.
+    /// Handles the start of a node. If layer setting assigned this node-ID, returns once the facts that the dialogue
+    /// told about the device.
     pub fn started(&mut self, node: NodeId) -> Option<Before> {
         if self.node_id.confirmed != Some(node.raw()) {
             return None;
@@ -105,7 +105,8 @@ impl LayerSetting {
         events.push(Event::LayerSetting(exchange));
     }
 
-    /// From here on another slave may be in configuration. Confirmed values stay: they take effect at the next start.
+    /// Leaves configuration: from now on another slave may be in it. Confirmed values stay, as they take effect at the
+    /// next start.
     fn leave(&mut self) {
         self.node_id.asked = None;
         self.bit_rate.asked = None;
@@ -121,10 +122,10 @@ impl LayerSetting {
     }
 }
 
-/// Facts about a device from a dialogue before it got its node-ID.
+/// Facts about a device from a dialogue before the device got its node-ID.
 pub struct Before {
-    /// The node-ID that it reported.
+    /// The node-ID that the device reported.
     pub told: Option<NodeId>,
-    /// The LSS address by which it was switched to configuration: the four numbers of 1018h.
+    /// The LSS address by which the device was switched to configuration: the four numbers of 1018h.
     pub address: [Option<u32>; 4],
 }

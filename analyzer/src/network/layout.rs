@@ -24,12 +24,12 @@ pub struct Signal {
     pub bits: u8,
     /// The data type, if known.
     pub data_type: Option<DataType>,
-    /// The unit of its values that the device's configuration determines, if known.
+    /// The unit of the signal's values, if the device's configuration determines a unit and is known.
     pub scale: Option<Unit>,
 }
 
 impl Layout {
-    /// The layout for a mapping of a node; its description gives the data types.
+    /// The layout for a mapping of a node, whose description gives the data types.
     pub fn new(entries: &[MappingEntry], id: NodeId, node: &Node) -> Self {
         let description = node.description();
         let mut offset = 0;
@@ -51,7 +51,7 @@ impl Layout {
 }
 
 impl Signal {
-    /// Whether it is a gap: the object is a data type (CiA 301, dummy mapping).
+    /// Whether the signal is a gap: the object is a data type (CiA 301, dummy mapping).
     pub const fn is_dummy(&self) -> bool {
         matches!(self.object.index.0, 1..=7)
     }

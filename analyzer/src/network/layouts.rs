@@ -4,7 +4,7 @@ use super::layout::Layout;
 use crate::message::PdoNumber;
 use std::collections::BTreeMap;
 
-/// Number of PDOs of each direction in the array: those with default CAN-IDs (CiA 301).
+/// Number of PDOs of each direction in the array: the PDOs with default CAN-IDs (CiA 301).
 const USUAL: usize = 4;
 
 /// The layouts by PDO, cached because every PDO needs its layout several times.
@@ -19,7 +19,7 @@ pub(super) struct Layouts {
 type Known = Option<Option<Layout>>;
 
 impl Layouts {
-    /// Whether that PDO's layout is computed, even if it is unknown.
+    /// Whether the layout of the PDO is computed, even if it is unknown.
     pub fn is_worked_out(&self, pdo: PdoNumber) -> bool {
         self.known(pdo).is_some()
     }

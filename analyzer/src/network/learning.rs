@@ -28,7 +28,7 @@ pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescrip
     }
 }
 
-/// Takes over the value of a transfer, read or written, as that of the server's object.
+/// Takes over the value of a transfer, read or written, as the value of the server's object.
 pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let Some(channel) = bus.channels.get(usize::from(index.0)) else { return };
     let server = channel.server;
@@ -49,7 +49,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         Direction::Download => Shown::Written,
     };
     match (object.index.0, object.sub.0, shown, transfer.data()) {
-        // All parameters, communication parameters, application parameters.
+        // Sub-index 1 stores all parameters, 2 the communication parameters, 3 the application parameters.
         (object::STORE_PARAMETERS, sub @ 1..=3, Shown::Written, b"save") => return bus.node_mut(server).store(sub),
         (object::RESTORE_DEFAULT_PARAMETERS, 1..=2, Shown::Written, b"load") => {
             return bus.node_mut(server).restore_defaults();
@@ -62,7 +62,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         recognise(bus, server, object, &data);
     }
     let Some(value) = value else { return };
-    // The COB-IDs of the first SDO server are fixed: only a download moves them, not a value read.
+    // The COB-IDs of the first SDO server are fixed: only a download moves them, not an upload.
     if object.index.0 == object::SDO_SERVER_PARAMETER && shown == Shown::Read {
         return;
     }
@@ -78,7 +78,7 @@ fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     }
     let node = bus.node_mut(id);
     node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
-    // The user's own statement is not doubted.
+    // A device that the user has named is not doubted.
     if node.device.is_some() && node.recognition.is_none() {
         return;
     }
@@ -133,8 +133,8 @@ fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source
     }
 }
 
-/// Handles a boot-up: the node has its stored parameters again; COB-IDs and mappings that were not stored are lost,
-/// and so are its transfers.
+/// Handles a boot-up: the node has its stored parameters again. COB-IDs and mappings that were not stored are lost, and
+/// so are the transfers.
 pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     let channels: Vec<ChannelIndex> = bus.channels_of(node).collect();
     for index in channels {
@@ -164,7 +164,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     for (object, value) in parameters {
         learn_cob_id(bus, node, object, value, Source::Trace);
     }
-    // Only the differences from before the start are events, not the steps between.
+    // Only the differences between before and after the start are events, not the steps between.
     bus.events.truncate(announced);
     announce_moves(bus, node, &places);
     for (pdo, before) in mappings {
@@ -174,7 +174,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     }
 }
 
-/// Handles the user's description of a node: it holds from here on, unless the trace has shown otherwise.
+/// Handles the user's description of a node: the description holds from here on, unless the trace has shown otherwise.
 pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     if bus.node_mut(node).parameters().next().is_some() {
         return described_late(bus, node, device, None);
@@ -319,8 +319,8 @@ fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     }
 }
 
-/// Whether a CAN-ID can have that use, independently of the device's claim: CiA 301 (7.3.5) restricts some CAN-IDs;
-/// but SRDOs use restricted ones.
+/// Whether a CAN-ID can have this use, independently of the device's claim: CiA 301 (7.3.5) restricts some CAN-IDs; but
+/// SRDOs use restricted ones.
 fn is_possible(used: Use, cob_id: CobId) -> bool {
     match used {
         Use::Srdo(..) => true,
@@ -345,7 +345,7 @@ fn is_srdo_of_another(bus: &Bus, cob_id: CobId, node: NodeId) -> bool {
     matches!(used, Ok(Use::Srdo(sender, ..)) if sender != node)
 }
 
-/// The use of the CAN-ID in that object; `None` for an object without one.
+/// The use of the CAN-ID in `object`; `None` for an object without a CAN-ID.
 fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
     match (object.index.0, object.sub.0) {
         (object::COB_ID_SYNC, 0) => Some(Use::Sync),

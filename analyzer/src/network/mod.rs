@@ -80,7 +80,7 @@ pub struct Decoded {
     pub object: Option<Multiplexer>,
     /// The SDO channel of the frame.
     pub channel: Option<ChannelIndex>,
-    /// Its first event; [`Bus::events`] holds all.
+    /// The first event of the frame; [`Bus::events`] holds all.
     pub event: Option<Event>,
     /// The rule of the SDO protocol that the frame breaks.
     pub violation: Option<Violation>,
@@ -92,12 +92,12 @@ impl Decoded {
         handling::emcy(node, source, payload)
     }
 
-    /// Whether it is a boot-up message that only repeats the one just before.
+    /// Whether the frame is a boot-up message that only repeats the boot-up message just before.
     pub fn repeats_boot_up(&self) -> bool {
         self.service == Service::BootUp && self.event.is_none()
     }
 
-    /// Whether it ends an SDO transfer.
+    /// Whether the frame ends an SDO transfer.
     #[inline]
     pub const fn ends_transfer(&self) -> bool {
         matches!(self.event, Some(Event::TransferEnded))
@@ -133,9 +133,9 @@ impl Network {
         self.devices.push((node, device));
     }
 
-    /// Sets the models as which undescribed nodes can be recognised. Of models that show the same, the first one is
-    /// taken. Call it before the first record; the models are loaded only when a node shows one of its identifying
-    /// objects.
+    /// Sets the models as which undescribed nodes can be recognised. If several models show the same objects, the first
+    /// one is taken. Must be called before the first record; the models are loaded only when a node shows one of its
+    /// identifying objects.
     pub fn offer(&mut self, candidates: Candidates) {
         self.candidates = candidates;
     }

@@ -25,29 +25,29 @@ use std::sync::OnceLock;
 /// A node of a bus, as far as the trace and its description tell.
 #[derive(Clone, Default)]
 pub struct Node {
-    /// Its NMT state, and the source of that knowledge.
+    /// The NMT state of the node, and the source of that knowledge.
     pub state: Option<(State, Cause)>,
-    /// Distinguishes its answers to node guarding from heartbeats.
+    /// Distinguishes the node's answers to node guarding from heartbeats.
     pub(super) guarding: Guarding,
-    /// Prior knowledge of it: the user gave its description, or its model was recognised.
+    /// Prior knowledge of the node: the user gave its description, or its model was recognised.
     pub device: Option<Arc<KnownDevice>>,
     /// The recognised model, if the description comes from recognition.
     pub recognition: Option<Recognition>,
-    /// The identifying objects that it has shown.
+    /// The identifying objects that the node has shown.
     pub(super) identity: recognition::Shown,
-    /// Its settings after its next start.
+    /// The settings of the node after its next start.
     pub(super) pending: Pending,
-    /// Time of its last start, and whether an empty EMCY announced it, as before CiA 301 V4.
+    /// Time of the node's last start, and whether an empty EMCY announced it, as before CiA 301 V4.
     pub(super) started: Option<(Timestamp, bool)>,
     /// Time of the oldest error that no EMCY has taken back.
     pub(super) error_since: Option<Timestamp>,
-    /// The communication parameters shown by the trace, as numbers, and whether by a download.
+    /// The communication parameters shown by the trace, as numbers, and how the trace has shown them.
     parameters: BTreeMap<Multiplexer, (u32, Shown)>,
-    /// The communication parameters after its next reset.
+    /// The communication parameters after the node's next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: Layouts,
     srdo_layouts: BTreeMap<u8, Option<Layout>>,
-    /// The number of its device profile, cached because every shown object needs it.
+    /// The number of the node's device profile, cached because every shown object needs it.
     profile: OnceLock<Option<u16>>,
     /// The multiplexed PDOs; computed with their layouts.
     multiplexed: BTreeMap<PdoNumber, Addressing>,
@@ -67,9 +67,9 @@ pub enum Shown {
 pub enum Cause {
     /// An NMT command that the node should have obeyed.
     Command,
-    /// Its boot-up message.
+    /// The boot-up message of the node.
     BootUp,
-    /// Its heartbeat or guarding answer.
+    /// The heartbeat or guarding answer of the node.
     ErrorControl,
 }
 
@@ -105,7 +105,7 @@ impl Node {
         self.parameters.get(&object).map(|shown| shown.0).or_else(fixed)
     }
 
-    /// The number of its device profile (the low word of 1000h), if the trace or the description tells it.
+    /// The number of the node's device profile (the low word of 1000h), if the trace or the description tells it.
     pub fn profile(&self, id: NodeId) -> Option<u16> {
         let device_type = || self.parameter(id, Multiplexer::new(object::DEVICE_TYPE, 0));
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
@@ -115,7 +115,7 @@ impl Node {
     pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) -> bool {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
         if shown == Shown::Read && !written {
-            // The value was not written since the start, so it was there before, and a reset restores it.
+            // The value was not written since the start, so the node started with it, and a reset restores it.
             self.stored.insert(object, (value, shown));
         }
         let shown = if written { Shown::Written } else { shown };
@@ -129,7 +129,7 @@ impl Node {
         lays_out
     }
 
-    /// Handles a store by that sub-index of 1010h: a reset keeps the stored values.
+    /// Handles a store by the sub-index `sub` of 1010h: a reset keeps the stored values.
     pub fn store(&mut self, sub: u8) {
         let is_stored = |index: u16| match sub {
             1 => true,
@@ -143,7 +143,7 @@ impl Node {
 
     /// Handles the restoring of defaults, which take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        // Device type, identity and what the device is built like belong to the device: restoring defaults does not
+        // Device type, identity and constants of the construction belong to the device: restoring defaults does not
         // change them.
         self.stored.retain(|object, _| {
             matches!(object.index.0, object::DEVICE_TYPE | object::IDENTITY)
@@ -162,7 +162,7 @@ impl Node {
     /// Memory of a parameter: it is kept with its current and its stored value.
     pub(super) const PARAMETER: usize = 2 * 2 * size_of::<(Multiplexer, (u32, Shown))>();
 
-    /// Whether the trace has shown that parameter since the node started.
+    /// Whether the trace has shown the parameter since the node started.
     pub(super) fn has_shown(&self, object: Multiplexer) -> bool {
         self.parameters.contains_key(&object)
     }
@@ -172,7 +172,7 @@ impl Node {
         self.parameters.iter().map(|(&object, &(value, _))| (object, value))
     }
 
-    /// Its description, if there is one.
+    /// The description of the node, if there is one.
     pub fn description(&self) -> Option<&DeviceDescription> {
         Some(&self.device.as_deref()?.description)
     }
@@ -196,7 +196,7 @@ impl Node {
         self.layouts.get(pdo)
     }
 
-    /// The layout, if it is already computed.
+    /// The layout of a PDO, if it is already computed.
     pub fn known_layout(&self, pdo: PdoNumber) -> Option<&Layout> {
         self.layouts.get(pdo)
     }

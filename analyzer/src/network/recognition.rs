@@ -20,9 +20,9 @@ pub struct Candidate {
     pub id: Arc<str>,
     /// The values that a node of this model shows.
     pub facts: Vec<(Multiplexer, Fact)>,
-    /// The knowledge of such a node.
+    /// Prior knowledge of a node of this model.
     pub device: Arc<KnownDevice>,
-    /// Whether the user named this model: all its facts must then be shown, and other models step back.
+    /// Whether the user named this model. All its facts must then be shown, and it takes precedence over other models.
     pub is_said: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct Candidates(Option<Arc<LazyLock<Arc<[Candidate]>, Find>>>);
 type Find = Box<dyn FnOnce() -> Arc<[Candidate]> + Send>;
 
 impl Candidates {
-    /// Calls `find` at the first use.
+    /// Candidates that `find` loads at the first use.
     pub fn new(find: impl FnOnce() -> Arc<[Candidate]> + Send + 'static) -> Self {
         Self(Some(Arc::new(LazyLock::new(Box::new(find)))))
     }
@@ -44,7 +44,7 @@ impl Candidates {
         self.0.is_some() && (OBJECTS.contains(&object) || object.sub.0 == 0 && has_role(object.index, Role::Identity))
     }
 
-    /// The objects that may identify a node: those of the communication profile, and of all device profiles.
+    /// The objects of the communication profile and of all device profiles that may identify a node.
     pub fn objects() -> impl Iterator<Item = Multiplexer> {
         let of_profiles = profiles().flat_map(|profile| with_role(profile, Role::Identity));
         OBJECTS.into_iter().chain(of_profiles.map(|index| Multiplexer { index, sub: SubIndex(0) }))
@@ -152,7 +152,7 @@ impl Candidate {
         (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
     }
 
-    /// Whether the PDOs of both have the same layout and transmission.
+    /// Whether the PDOs of both models have the same layout and transmission.
     fn has_pdos_of(&self, other: &Self) -> bool {
         let start = |candidate: &Self, object| {
             let entry = candidate.device.description.dictionary.entry(object).ok()?;

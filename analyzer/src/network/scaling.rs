@@ -6,7 +6,7 @@ use crate::dictionary::names::{self, Configured, Role};
 use crate::object;
 use crate::{Multiplexer, NodeId};
 
-/// Whether the values of other objects depend on that object.
+/// Whether the values of other objects depend on this object.
 pub fn is_scaling_parameter(object: Multiplexer) -> bool {
     object.index.0 == object::DEVICE_TYPE || is_of_profile(object) && names::has_role(object.index, Role::Scaling)
 }

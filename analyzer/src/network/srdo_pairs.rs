@@ -18,18 +18,17 @@ pub struct SrdoPairs {
 
 #[derive(Clone, Copy, Default)]
 struct PairState {
-    /// Whether it is known to be a pair.
+    /// Whether the two CAN-IDs are known to be a pair.
     known: bool,
     /// The data whose inverse is due.
     normal: Option<(Timestamp, Frame)>,
 }
 
-/// The longest time that may lie between the two frames (safety-relevant object validation time, one byte of
-/// milliseconds).
+/// The longest time between the two frames (safety-relevant object validation time, one byte of milliseconds).
 const VALIDATION_TIME: Duration = Duration(255_000_000);
 
 impl SrdoPairs {
-    /// Handles a frame; `None` if it is not known to be part of an SRDO.
+    /// Handles a frame; `None` if the frame is not known to be part of an SRDO.
     pub fn handle(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Option<(Pair, Srdo)> {
         let (pair, half) = Pair::of(can_id)?;
         if self.pairs.is_empty() {

@@ -1,4 +1,4 @@
-//! Frames without effect: a reader that does not need them need not have them decoded.
+//! Frames without effect. A reader that does not need them can leave them undecoded.
 
 use super::Decoded;
 use super::bus::Bus;
@@ -14,7 +14,7 @@ use canvass_traces::{ChannelId, Frame, FrameKind, Record, SkipSet};
 pub enum Steady {
     /// All classical data frames with this 11-bit CAN-ID.
     Id(u16),
-    /// Frames with this CAN-ID and this byte alone.
+    /// Frames with this CAN-ID and this byte as the only one.
     Byte(u16, u8),
     /// All classical data frames with 29-bit CAN-IDs.
     Extended,
@@ -28,7 +28,7 @@ impl Steady {
         frame.cob_id().map(Self::Id).or_else(|| is_extended.then_some(Self::Extended))
     }
 
-    /// Adds them to the set of skipped frames.
+    /// Adds the frames to the set of skipped frames.
     pub fn skip(self, channel: ChannelId, set: &mut SkipSet) {
         match self {
             Self::Id(can_id) => set.all(channel, can_id),
@@ -45,8 +45,8 @@ impl Bus {
         self.turn + self.cob_ids.changes()
     }
 
-    /// The frames like the last one that have no effect, until [`Bus::turn`] changes or a different frame with that
-    /// CAN-ID comes. Call it after the frame was handled.
+    /// The frames like the last one that have no effect, until [`Bus::turn`] changes or a different frame with the same
+    /// CAN-ID comes. Must be called after the frame was handled.
     ///
     /// All state that depends on a frame alone was made by the last one: the node exists, its PDO's layout is
     /// computed.
@@ -62,9 +62,9 @@ impl Bus {
                 let byte = heartbeat(self.node(node)?, decoded)?;
                 return (*frame.data() == [byte]).then_some(Steady::Byte(can_id, byte));
             }
-            // Uses from other sources count which frames fit.
+            // For uses from other sources, each frame is counted as fitting or not.
             Use::Sync | Use::Time | Use::GlobalFailSafe => source == Source::Predefined,
-            // Two of these may turn out to be a pair.
+            // Two CAN-IDs without known use may turn out to be an SRDO pair.
             Use::Unknown => Pair::of(can_id).is_none() && !self.cob_ids.is_doubted(can_id),
             _ => false,
         };
@@ -93,8 +93,8 @@ impl Skipping {
         &mut self.set
     }
 
-    /// Handles a frame after the bus has: frames like it are skipped from now on, if `is_unwanted` says that the
-    /// reader does not need them.
+    /// Handles a frame after the bus has handled it: frames like it are skipped from now on, if `is_unwanted` says that
+    /// the reader does not need them.
     #[inline]
     pub fn taken(&mut self, bus: &Bus, record: &Record, decoded: &Decoded, is_unwanted: impl FnOnce(Steady) -> bool) {
         if self.turns.get(usize::from(record.channel.0)) != Some(&bus.turn()) {

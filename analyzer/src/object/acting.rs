@@ -38,7 +38,7 @@ impl Acting {
 mod tests {
     use super::*;
 
-    /// Of each kind one, and the objects next to them, which are settings.
+    /// One object of each kind, and the objects next to them, which are settings.
     #[test]
     fn what_acts_is_no_setting() {
         let of = |index| Acting::of_communication(Multiplexer::new(index, 1));

@@ -64,7 +64,7 @@ pub const OS_PROMPT: u16 = 0x1026;
 pub const EMERGENCY_CONSUMER: u16 = 0x1028;
 /// 1029h: error behavior object.
 pub const ERROR_BEHAVIOR: u16 = 0x1029;
-/// 1200h: the first of the SDO server parameters, that of the default channel.
+/// 1200h: the first of the SDO server parameters, which belongs to the default channel.
 pub const SDO_SERVER_PARAMETER: u16 = 0x1200;
 /// 1201h: the first of the SDO server parameters of further channels.
 pub const FURTHER_SDO_SERVER_PARAMETER: u16 = 0x1201;
@@ -78,7 +78,7 @@ pub const RPDO_MAPPING_PARAMETER: u16 = 0x1600;
 pub const TPDO_COMMUNICATION_PARAMETER: u16 = 0x1800;
 /// 1A00h: the first of the TPDO mapping parameters.
 pub const TPDO_MAPPING_PARAMETER: u16 = 0x1A00;
-/// 1C00h: what follows the TPDO mapping parameters.
+/// 1C00h: the first index after the TPDO mapping parameters.
 pub const AFTER_PDO_PARAMETERS: u16 = 0x1C00;
 /// 1F25h: configure slave: a write lets a configuration manager download to others (CiA 302-3).
 pub const CONFIGURE_SLAVE: u16 = 0x1F25;
@@ -93,22 +93,22 @@ pub const REQUEST_NMT: u16 = 0x1F82;
 /// 1F83h: request guarding (CiA 302-2).
 pub const REQUEST_GUARDING: u16 = 0x1F83;
 
-/// Whether an index is that of a communication parameter of an RPDO.
+/// Whether an index belongs to the communication parameter of an RPDO.
 pub const fn is_rpdo_communication(index: u16) -> bool {
     matches!(index, RPDO_COMMUNICATION_PARAMETER..RPDO_MAPPING_PARAMETER)
 }
 
-/// Whether an index is that of a communication parameter of a TPDO.
+/// Whether an index belongs to the communication parameter of a TPDO.
 pub const fn is_tpdo_communication(index: u16) -> bool {
     matches!(index, TPDO_COMMUNICATION_PARAMETER..TPDO_MAPPING_PARAMETER)
 }
 
-/// Whether an index is that of a communication parameter of a PDO.
+/// Whether an index belongs to the communication parameter of a PDO.
 pub const fn is_pdo_communication(index: u16) -> bool {
     is_rpdo_communication(index) || is_tpdo_communication(index)
 }
 
-/// Whether an index is that of a mapping parameter of a PDO.
+/// Whether an index belongs to the mapping parameter of a PDO.
 pub const fn is_pdo_mapping(index: u16) -> bool {
     matches!(index, RPDO_MAPPING_PARAMETER..TPDO_COMMUNICATION_PARAMETER | TPDO_MAPPING_PARAMETER..AFTER_PDO_PARAMETERS)
 }

@@ -10,10 +10,10 @@ use canvass_traces::{Duration, Timestamp};
 /// The usual bit rates of CANopen buses in bit/s, the fastest first.
 pub const RATES: [u32; 9] = [1_000_000, 800_000, 500_000, 250_000, 125_000, 100_000, 50_000, 20_000, 10_000];
 
-/// The duration of a bit at each of them, in nanoseconds.
+/// The duration of a bit at each rate of [`RATES`], in nanoseconds.
 const BIT_TIMES: [u64; RATES.len()] = [1_000, 1_250, 2_000, 4_000, 8_000, 10_000, 20_000, 50_000, 100_000];
 
-/// The borders between these durations, in nanoseconds.
+/// The borders between the durations in [`BIT_TIMES`], in nanoseconds.
 const BETWEEN: [u32; RATES.len() - 1] = [1_120, 1_600, 3_000, 6_000, 9_000, 15_000, 35_000, 75_000];
 
 /// Infers the bit rate.
@@ -41,7 +41,7 @@ impl BitRate {
     pub fn frame(&mut self, now: Timestamp, bits: u32) {
         let Some(last) = self.last.replace(now) else { return };
         let elapsed = now.since(last).nanos();
-        // At these rates a frame of 44 to 160 bits takes neither less nor more.
+        // At the usual rates a frame of 44 to 160 bits takes neither less nor more time.
         if bits == 0 || !(40_000..=20_000_000).contains(&elapsed) {
             return;
         }
@@ -87,7 +87,7 @@ fn elected(votes: [u32; RATES.len()]) -> Option<u32> {
     (most >= BitRate::ENOUGH && most / BitRate::CLEAR >= second).then_some(best)
 }
 
-/// Whether this number of bits takes that time, in nanoseconds, at one of the rates.
+/// Whether this number of bits takes the time `elapsed`, in nanoseconds, at the rate with this index.
 #[inline]
 fn fits(rate: usize, bits: u32, elapsed: u64) -> bool {
     let exact = u64::from(bits) * BIT_TIMES[rate];

@@ -27,7 +27,8 @@ pub struct Statistics {
     peak: Peak,
     peaks: [Peak; Service::ALL.len()],
     copies: u64,
-    /// Number of frames whose times are no multiples of 10 µs: without them, the clock is too coarse for a bit rate.
+    /// Number of frames whose times are no multiples of 10 µs. Without such frames, the clock is too coarse for a bit
+    /// rate.
     fine: u64,
     /// Memory for the lists of nodes.
     room: Room,
@@ -38,7 +39,7 @@ pub struct Statistics {
 pub struct BusStatistics {
     /// Number of frames by service, in the order of [`Service::ALL`].
     pub frames: [u64; Service::ALL.len()],
-    /// Number of their bits, with stuff bits and intermission.
+    /// Number of bits by service, with stuff bits and intermission.
     pub bits: [u64; Service::ALL.len()],
     /// Time of the first frame.
     pub first: Timestamp,
@@ -46,7 +47,7 @@ pub struct BusStatistics {
     pub last: Timestamp,
     /// The bit rate in bit/s, given or inferred.
     pub bit_rate: Option<u32>,
-    /// Whether it was inferred.
+    /// Whether the bit rate was inferred.
     pub is_inferred: bool,
     /// Bits over time.
     pub load: Load,
@@ -83,7 +84,7 @@ impl Statistics {
         }
     }
 
-    /// Counts a frame. `bits` is its length with the intermission; 0 if unknown.
+    /// Counts a frame. `bits` is the length of the frame with the intermission; 0 if unknown.
     pub fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, bus: &Bus) {
         let now = record.timestamp;
         if now.since(self.window) >= Peak::WINDOW || now < self.window {
@@ -114,7 +115,7 @@ impl Statistics {
         }
     }
 
-    /// Ends the window: the bits counted since its begin are its own.
+    /// Ends the window: the bits counted since its begin belong to it.
     #[cold]
     fn end_window(&mut self) {
         self.peak.end(self.window, self.bits.iter().sum());

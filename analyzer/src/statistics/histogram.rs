@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(histogram.rows().map(|row| u64::from(row.1)).sum::<u64>(), 100);
     }
 
-    /// Quantiles of only some of the times would be wrong ones.
+    /// Quantiles of only a part of the times would be wrong.
     #[test]
     fn without_room_there_are_no_quantiles() {
         let (mut histogram, room) = (Histogram::default(), Room::new(4_000));

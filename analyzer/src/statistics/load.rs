@@ -11,9 +11,9 @@ pub struct Load {
     extremes: Vec<Extremes>,
     /// The current interval of [`Load::FINEST`]: its number since the start, and its bits.
     current: (u64, u64),
-    /// The begin of this interval.
+    /// The begin of the current interval.
     begin: Timestamp,
-    /// The bin of this interval.
+    /// The bin of the current interval.
     bin: usize,
 }
 
@@ -51,7 +51,7 @@ impl Load {
     /// Adds the bits of a frame.
     #[inline]
     pub fn add(&mut self, now: Timestamp, bits: u32) {
-        // Most frames are in the same interval as the one before.
+        // Most frames are in the same interval as the frame before.
         if now.since(self.begin) < Self::FINEST
             && now >= self.begin
             && let Some(bin) = self.bins.get_mut(self.bin)
@@ -63,7 +63,7 @@ impl Load {
         }
     }
 
-    /// Adds the bits of a frame in another interval than the one before.
+    /// Adds the bits of a frame in another interval than the frame before.
     #[cold]
     fn turn(&mut self, now: Timestamp, bits: u32) {
         let start = *self.start.get_or_insert(now);

@@ -15,37 +15,37 @@ use canvass_traces::Timestamp;
 /// Statistics of one node.
 #[derive(Clone, Debug, Default)]
 pub struct NodeStatistics {
-    /// Number of frames from and to it, by service in the order of [`Service::ALL`].
+    /// Number of frames from and to the node, by service in the order of [`Service::ALL`].
     pub frames: [u64; Service::ALL.len()],
     /// Number of bits of these frames.
     pub bits: u64,
-    /// Time of the first one.
+    /// Time of the first frame.
     pub first: Timestamp,
-    /// Time of the last one.
+    /// Time of the last frame.
     pub last: Timestamp,
-    /// Whether it has sent a frame itself; else it was only addressed.
+    /// Whether the node has sent a frame itself; else it was only addressed.
     pub present: bool,
-    /// Number of its boot-ups.
+    /// Number of the node's boot-ups.
     pub boot_ups: u64,
-    /// Its NMT states over time, at most [`NodeStatistics::STATES`].
+    /// The node's NMT states over time, at most [`NodeStatistics::STATES`].
     pub states: Vec<StateChange>,
-    /// Number of further changes.
+    /// Number of further changes of state.
     pub states_omitted: u64,
-    /// The response times of its SDO servers.
+    /// The response times of the node's SDO servers.
     pub responses: Histogram,
     /// Number of completed SDO transfers.
     pub completed: u64,
     /// Number of aborted SDO transfers.
     pub aborted: u64,
-    /// EMCY by code, at most [`NodeStatistics::CODES`] different ones.
+    /// EMCY messages by code, at most [`NodeStatistics::CODES`] different codes.
     pub emcy: Vec<EmcyCount>,
-    /// Its errors from their first EMCY to their end, at most [`NodeStatistics::ERRORS`].
+    /// The node's errors from their first EMCY to their end, at most [`NodeStatistics::ERRORS`].
     pub errors: Vec<ErrorEpisode>,
     /// Number of further errors.
     pub errors_omitted: u64,
-    /// The fullest window of its frames.
+    /// The fullest window of the node's frames.
     pub peak: Peak,
-    /// Its identity, as read from it.
+    /// The node's identity, as read from the node.
     pub identity: IdentityText,
     /// The present errors, each with its index in `errors`.
     open_errors: OpenErrors<usize>,
@@ -73,11 +73,11 @@ pub struct StateChange {
 pub struct ErrorEpisode {
     /// The error code.
     pub code: EmcyCode,
-    /// The error register in its EMCY.
+    /// The error register in the error's EMCY.
     pub register: Option<ErrorRegister>,
-    /// Time of its first EMCY.
+    /// Time of the error's first EMCY.
     pub raised: Timestamp,
-    /// Time and kind of its end; `None` if the capture shows neither an EMCY nor a restart that ends it.
+    /// Time and kind of the error's end; `None` if the capture shows neither an EMCY nor a restart that ends the error.
     pub ended: Option<(Timestamp, ErrorEnd)>,
 }
 
@@ -95,11 +95,11 @@ pub enum ErrorEnd {
 pub struct EmcyCount {
     /// The code; 00xxh is the end of an error.
     pub code: EmcyCode,
-    /// The number.
+    /// Number of EMCYs with the code.
     pub count: u64,
-    /// Time of the first one.
+    /// Time of the first EMCY.
     pub first: Timestamp,
-    /// Time of the last one.
+    /// Time of the last EMCY.
     pub last: Timestamp,
 }
 

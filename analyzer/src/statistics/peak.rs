@@ -12,7 +12,7 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// Length of a window; windows begin at multiples of it.
+    /// Length of a window; windows begin at multiples of this length.
     pub const WINDOW: Duration = Duration::from_millis(100);
 
     /// The begin of the window that contains a time.
@@ -20,7 +20,7 @@ impl Peak {
         Timestamp(now.nanos() / Self::WINDOW.nanos() * Self::WINDOW.nanos())
     }
 
-    /// Ends the window with that begin; `total` is the number of bits of all windows so far.
+    /// Ends the window that begins at `begin`; `total` is the number of bits of all windows so far.
     pub fn end(&mut self, begin: Timestamp, total: u64) {
         self.best = self.with(begin, total);
         self.before = total;
@@ -41,17 +41,17 @@ impl Peak {
         self.best
     }
 
-    /// Capacity of a window in bits at a bit rate: one frame may have begun before it.
+    /// Capacity of a window in bits at a bit rate, including a frame that began before the window.
     pub const fn most(bit_rate: u32) -> u64 {
         const LONGEST_FRAME: u64 = 160;
         Self::WINDOW.nanos() / 1_000 * bit_rate as u64 / 1_000_000 + LONGEST_FRAME
     }
 
-    /// The begin of the fullest window and its load as a percentage of the capacity at that bit rate.
+    /// The begin of the fullest window and its load as a percentage of the capacity at this bit rate.
     pub fn percent(&self, bit_rate: u32) -> Option<(Timestamp, f64)> {
         let (at, bits) = self.best()?;
         let percent = Load::percent(bits, Self::WINDOW, bit_rate);
-        // A load above 100 % that is only due to the frame from before is a full bus.
+        // If only a frame that began before the window makes the load exceed 100 %, the bus is just full.
         Some((at, if bits <= Self::most(bit_rate) { percent.min(100.0) } else { percent }))
     }
 }

@@ -24,9 +24,9 @@ pub enum CaseName {
     Id(Arc<str>),
     /// The numbers in CiA's test tool.
     Numbered {
-        /// Its group.
+        /// The group of the case.
         group: u8,
-        /// Its number in the group.
+        /// The number of the case in the group.
         case: u8,
     },
 }
@@ -34,24 +34,24 @@ pub enum CaseName {
 /// One case.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TestCase {
-    /// Its name.
+    /// The name of the case.
     pub name: CaseName,
     /// The verdict; `None` if the end of the case is missing.
     pub verdict: Option<Arc<str>>,
-    /// Time of its begin.
+    /// Time of the begin.
     pub begin: Timestamp,
-    /// Time of its end, or of its last frame.
+    /// Time of the end, or of the last frame in the case.
     pub end: Timestamp,
-    /// The place of its first marker, or of its first frame.
+    /// The place of the first marker, or of the first frame in the case.
     pub place: Place,
-    /// The place of its last marker, or of its last frame.
+    /// The place of the last marker, or of the last frame in the case.
     pub last_place: Place,
-    /// Number of frames in it, without markers.
+    /// Number of frames in the case, without markers.
     pub frames: u64,
 }
 
 impl TestCase {
-    /// Whether its verdict is a pass.
+    /// Whether the verdict of the case is a pass.
     pub fn is_passed(&self) -> bool {
         self.verdict.as_deref() == Some("pass")
     }
@@ -86,7 +86,7 @@ impl TestRun {
         }
     }
 
-    /// The open case, if it has that name.
+    /// The open case, if it has this name.
     fn open(&mut self, name: &CaseName) -> Option<&mut TestCase> {
         self.cases.last_mut().filter(|last| last.verdict.is_none() && last.name == *name)
     }
@@ -110,7 +110,7 @@ impl TestRun {
     }
 }
 
-/// `case 301/boot-up/every-time`, `case 7 of group 3`.
+/// Writes `case 301/boot-up/every-time`, `case 7 of group 3`.
 impl fmt::Display for CaseName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,4 +1,4 @@
-//! EMCY messages as text: the meaning by CiA 301, then that in the device's manual or profile.
+//! EMCY messages as text: the meaning by CiA 301, then the meaning in the device's manual or profile.
 
 use super::escaped::Escaped;
 use crate::NodeId;

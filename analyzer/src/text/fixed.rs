@@ -23,7 +23,7 @@ impl Meaning<'_> {
         }
     }
 
-    /// A predefined PDO with unknown mapping.
+    /// The text of a predefined PDO with unknown mapping.
     fn pdo_without_mapping(&self, number: PdoNumber) -> Option<&'static str> {
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
         if node.is_some_and(|node| node.known_layout(number).is_some()) {

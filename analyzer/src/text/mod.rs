@@ -30,7 +30,7 @@ pub struct Meaning<'a> {
 }
 
 impl<'a> Meaning<'a> {
-    /// The meaning of `record`, directly after it was decoded on that bus.
+    /// The meaning of `record`, directly after it was decoded on `bus`.
     pub const fn new(record: &'a Record, decoded: &'a Decoded, bus: &'a Bus) -> Self {
         Self { record, decoded, bus }
     }

@@ -59,7 +59,7 @@ impl<'a> Object<'a> {
         self.node.zip(self.id).and_then(|(node, id)| node.scale(id, self.multiplexer))
     }
 
-    /// The meaning of a bit in that state, if it is worth showing.
+    /// The meaning of a bit that is set or clear, if it is worth showing.
     pub fn bit(&self, bit: u8, set: bool) -> Option<&'a str> {
         match self.annotation.and_then(|annotation| annotation.bit(bit)) {
             Some(name) if set => Some(&name.name),
@@ -74,14 +74,14 @@ impl<'a> Object<'a> {
         ValueText { bytes, object: self, scale: None }
     }
 
-    /// The value in the first bytes, as many as the object's type has: for an SDO without a length, or a PDO.
+    /// The value in the first bytes, as many as the type of the object has. For an SDO without a length, or a PDO.
     pub fn leading<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
         let length = self.data_type().and_then(DataType::bytes).unwrap_or(bytes.len());
         self.value(&bytes[..length.min(bytes.len())])
     }
 }
 
-/// The names of the description; without one, those of the standard.
+/// Writes the names of the description; without a description, the names of the standard.
 impl fmt::Display for Object<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.multiplexer.fmt(f)?;
@@ -97,7 +97,7 @@ impl fmt::Display for Object<'_> {
 }
 
 impl Object<'_> {
-    /// Whether the description or a standard has a name for it.
+    /// Whether the description or a standard has a name for the object.
     pub fn is_named(&self) -> bool {
         self.object.is_some() || self.standard.is_some()
     }

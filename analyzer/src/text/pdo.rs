@@ -30,7 +30,7 @@ impl Meaning<'_> {
         }
     }
 
-    /// The layout of an SRDO's data; the inverted data only repeats it.
+    /// The layout of an SRDO's data; `None` for the inverted data, which only repeats the data.
     pub(super) fn srdo_layout(&self, srdo: &Srdo) -> Option<&Layout> {
         let node = self.bus.node(self.decoded.node?)?;
         srdo.number.filter(|_| srdo.half == Half::Normal).and_then(|number| node.known_srdo_layout(number))
@@ -41,7 +41,7 @@ impl Meaning<'_> {
         write!(f, "{number}, multiplexed, {mpdo}: {object} = {}", object.leading(&mpdo.data))
     }
 
-    /// The object belongs to the node that the address names.
+    /// The object of an MPDO, which belongs to the node that the address names.
     pub(super) fn mpdo_object(&self, mpdo: &Mpdo) -> Object<'_> {
         let addressed = match mpdo.addressing {
             Addressing::Source => NodeId::new(mpdo.node).or(self.decoded.node),

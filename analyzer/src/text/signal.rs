@@ -14,7 +14,7 @@ pub struct SignalValue<'a> {
     object: Object<'a>,
     /// The number of bits in the PDO.
     pub bits: u8,
-    /// The bits as a number of its type; `None` if the PDO is too short for it, or it has more than 64 bits.
+    /// The bits as a number of the object's type; `None` if the PDO is too short for them, or there are more than 64.
     pub raw: Option<Number>,
     scale: Option<Cow<'a, Unit>>,
 }
@@ -34,7 +34,7 @@ pub enum Number {
     Real64(f64),
 }
 
-/// The name of an object as in its description, unescaped. Empty if it has none.
+/// The name of an object as in its description, unescaped. Empty if the object has no name.
 pub struct Name<'a>(pub(super) Object<'a>);
 
 impl Meaning<'_> {
@@ -111,7 +111,8 @@ impl<'a> SignalValue<'a> {
         Some((physical(self.raw?, unit.as_deref()), unit))
     }
 
-    /// Additionally, the value in the unit that the device's configuration determines, such as degrees, if known.
+    /// In addition to [`SignalValue::value`], the value in the unit that the device's configuration determines, such as
+    /// degrees, if known.
     pub fn scaled(&self) -> Option<(Number, &Unit)> {
         let scale = self.scale.as_deref()?;
         self.object.unit()?;
@@ -139,7 +140,7 @@ fn physical(raw: Number, unit: Option<&Unit>) -> Number {
     }
 }
 
-/// The bits as a number. If the mapping has another length than the type, the sign is that of the mapped bits.
+/// The bits as a number. If the mapping has another length than a signed type, the highest mapped bit is the sign.
 fn typed(raw: u64, bits: u8, data_type: Option<DataType>) -> Number {
     let value = data_type.filter(|data_type| data_type.bits() == Some(u32::from(bits)));
     match value.and_then(|data_type| Value::from_raw(data_type, raw)) {

@@ -14,7 +14,7 @@ pub struct TransferText<'a> {
 }
 
 impl<'a> TransferText<'a> {
-    /// The text of a transfer with that server.
+    /// The text of a transfer with the server `server`.
     pub fn new(bus: &'a Bus, server: NodeId, transfer: &'a Transfer) -> Self {
         Self { object: Object::new(Some(server), bus.node(server), transfer.multiplexer), transfer }
     }

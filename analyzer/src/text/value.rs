@@ -9,7 +9,7 @@ use std::fmt;
 pub(super) struct ValueText<'v> {
     pub bytes: &'v [u8],
     pub object: &'v Object<'v>,
-    /// The unit that the configuration determines, if known already.
+    /// The unit that the device's configuration determines, if known already.
     pub scale: Option<&'v Unit>,
 }
 
@@ -46,7 +46,7 @@ impl ValueText<'_> {
         self.physical(value as f64, f).unwrap_or_else(|| write!(f, "{value}"))
     }
 
-    /// The value in its unit, and in the unit that the configuration determines; `None` if it has neither.
+    /// The value in its unit, and in the unit that the device's configuration determines; `None` if it has neither.
     fn physical(&self, raw: f64, f: &mut fmt::Formatter<'_>) -> Option<fmt::Result> {
         let computed = if self.scale.is_none() { self.object.scale() } else { None };
         match (self.object.unit(), self.scale.or(computed.as_ref())) {
@@ -57,7 +57,8 @@ impl ValueText<'_> {
         }
     }
 
-    /// Without a type: a short value as a number, a longer one as text if it is printable, else as bytes.
+    /// Writes a value without a type: a short value as a number, a longer one as text if it is printable, else as
+    /// bytes.
     fn untyped(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let shown = &self.bytes[..self.bytes.len().min(SHOWN)];
         match self.bytes {
@@ -99,7 +100,7 @@ impl fmt::Display for ValueText<'_> {
     }
 }
 
-/// Small numbers in decimal, others in hexadecimal with the width of their type.
+/// Writes small numbers in decimal, others in hexadecimal with the width of their type.
 fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match (raw, bytes) {
         (0..=9, _) => write!(f, "{raw}"),
@@ -115,7 +116,7 @@ fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Resul
     }
 }
 
-/// Two digits for each byte, faster than `{:0width$X}`.
+/// Writes two digits for each byte, faster than `{:0width$X}`.
 fn digits(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     const HEX: &[u8; 16] = b"0123456789ABCDEF";
     let mut text = [0; 16];
@@ -126,7 +127,7 @@ fn digits(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     f.write_str(std::str::from_utf8(kept).unwrap_or_default())
 }
 
-/// `19642 steps (863.173828°)`.
+/// Writes `19642 steps (863.173828°)`.
 fn both(raw: f64, unit: &Unit, scale: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     physical(raw, unit, f)?;
     f.write_str(" (")?;

@@ -6,7 +6,7 @@
 //! 02 gg cc 00 vv 00    case c of group g ends with verdict v
 //! ```
 //!
-//! The tool writes them into its log; nothing else in CANopen uses the CAN-ID.
+//! The tool writes the markers into its log; nothing else in CANopen uses the CAN-ID.
 
 use super::{Malformed, Wire, named};
 use nom::{
@@ -17,10 +17,10 @@ use nom::{
 };
 use std::fmt;
 
-/// The CAN-ID.
+/// The CAN-ID of the markers.
 pub const CAN_ID: u16 = 0x7FF;
 
-/// The begin or end of a case.
+/// The marker at the begin or end of a case.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct CaseMarker {
     /// The group, as the tool numbers it.
@@ -97,7 +97,7 @@ impl fmt::Debug for Verdict {
     }
 }
 
-/// `case 7 of group 3 begins`, `case 7 of group 3 ends: pass`.
+/// Writes `case 7 of group 3 begins`, `case 7 of group 3 ends: pass`.
 impl fmt::Display for CaseMarker {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "case {} of group {} ", self.case, self.group)?;

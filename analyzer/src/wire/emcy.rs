@@ -67,7 +67,7 @@ impl Emcy {
         self.len as usize
     }
 
-    /// Whether it has no byte: the boot-up message of devices before CiA 301 V4.
+    /// Whether the message has no byte: the boot-up message of devices before CiA 301 V4.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -95,12 +95,12 @@ impl EmcyCode {
     /// RPDO timeout.
     pub const RPDO_TIMEOUT: Self = Self(0x8250);
 
-    /// Whether it reports the end of an error (00xxh).
+    /// Whether the code reports the end of an error (00xxh).
     pub const fn is_reset(self) -> bool {
         self.0 >> 8 == 0
     }
 
-    /// The meaning of the code in CiA 301, else that of its class; `None` for an unknown class.
+    /// The meaning of the code in CiA 301, else the meaning of its class; `None` for an unknown class.
     pub fn name(self) -> Option<&'static str> {
         let find = |code: u16| EMCY_CODES.binary_search_by_key(&code, |row| row.0).ok().map(|at| EMCY_CODES[at].1);
         // If only the class is defined, its row is xx00h: CiA 301 writes "xx" for any value.
@@ -228,7 +228,7 @@ impl fmt::Debug for EmcyCode {
     }
 }
 
-/// `09h (generic, temperature)`.
+/// Writes `09h (generic, temperature)`.
 impl fmt::Display for ErrorRegister {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:02X}h", self.0)?;
@@ -245,7 +245,7 @@ impl fmt::Debug for ErrorRegister {
     }
 }
 
-/// `8130h life guard error or heartbeat error, register 11h (generic, communication), data 00 00 00 00 00`.
+/// Writes `8130h life guard error or heartbeat error, register 11h (generic, communication), data 00 00 00 00 00`.
 impl fmt::Display for Emcy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(code) = self.code() else {

@@ -53,12 +53,12 @@ impl ErrorControl {
     /// The message of a node that has finished its initialisation.
     pub const BOOT_UP: Self = Self::heartbeat(State::BOOT_UP);
 
-    /// A heartbeat with that state.
+    /// A heartbeat with this state.
     pub const fn heartbeat(state: State) -> Self {
         Self { toggle: false, state }
     }
 
-    /// Whether it reads as boot-up.
+    /// Whether the message is a boot-up: state 0 without toggle bit.
     pub fn is_boot_up(self) -> bool {
         self == Self::BOOT_UP
     }
@@ -80,7 +80,7 @@ impl Wire for ErrorControl {
 const FIELDS: &[Field] = &[Field::new("state", 0, 0, 7), Field::new("toggle bit", 0, 7, 1)];
 static BOOT_UP: Layout = Layout { name: "boot-up", fields: FIELDS };
 static HEARTBEAT: Layout = Layout { name: "heartbeat", fields: FIELDS };
-/// The answer to node guarding. Only the remote frame before it tells it from a heartbeat.
+/// The layout of an answer to node guarding. Only the remote frame before the answer distinguishes it from a heartbeat.
 pub static GUARDING: Layout = Layout { name: "guarding", fields: FIELDS };
 
 impl Fields for ErrorControl {

@@ -8,7 +8,7 @@
 //! byte 6: transmit error counter        byte 7: receive error counter
 //! ```
 //!
-//! They were never on the bus. Other tools that write capture files may leave all bytes 0.
+//! Error frames were never on the bus. Tools other than those of Linux may leave all bytes of an error frame 0.
 
 use canvass_traces::{ErrorClass, Frame};
 use std::fmt;
@@ -151,7 +151,7 @@ fn list(names: impl Iterator<Item = impl fmt::Display>, f: &mut fmt::Formatter<'
     if empty { Ok(()) } else { f.write_str(")") }
 }
 
-/// `error frame: controller problem (transmit error passive), bus off, transmit errors 136, receive errors 0`.
+/// Writes `error frame: controller problem (transmit error passive), bus off, transmit errors 136, receive errors 0`.
 impl fmt::Display for ErrorFrame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("error frame")?;
@@ -181,7 +181,7 @@ mod tests {
         ErrorFrame { class: ErrorClass(class), detail }.to_string()
     }
 
-    /// As `candump -e` words the same frames, with its own terms.
+    /// The texts give the same details as `candump -e`, in terms of their own.
     #[test]
     fn classes_with_their_details() {
         assert_eq!(

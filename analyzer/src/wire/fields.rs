@@ -1,7 +1,7 @@
 //! The fields of messages: which bits of a payload have which meaning.
 //!
-//! Each type of messages lists its own beside its parser. Whatever goes through all fields of all messages, as the wire
-//! matrix of the selftest does, reads these lists, so that a new field is in it by itself.
+//! Each type of messages lists its fields beside its parser. Code that goes through all fields of all messages, such as
+//! the wire matrix of the selftest, reads these lists, so that it covers a new field without a change.
 
 use super::Wire;
 use super::pdo::{extract, insert};
@@ -9,7 +9,7 @@ use super::pdo::{extract, insert};
 /// A field of a payload. Bit 0 is the lowest bit of byte 0; numbers of several bytes are little-endian.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Field {
-    /// The standard's name.
+    /// The standard's name of the field.
     pub name: &'static str,
     /// The lowest bit.
     pub first: u8,
@@ -20,15 +20,15 @@ pub struct Field {
 /// One sort of message, and its fields.
 #[derive(PartialEq, Eq, Debug)]
 pub struct Layout {
-    /// The standard's name: `initiate download`.
+    /// The standard's name of the message: `initiate download`.
     pub name: &'static str,
-    /// The fields, without overlap. Bits that none of them has don't exist.
+    /// The fields, without overlap. The message has no other bits.
     pub fields: &'static [Field],
 }
 
 /// A type of messages whose fields are known.
 pub trait Fields: Wire {
-    /// The layouts of all its messages.
+    /// The layouts of all messages of the type.
     const LAYOUTS: &'static [&'static Layout];
 
     /// The layout of this message.
@@ -36,25 +36,26 @@ pub trait Fields: Wire {
 }
 
 impl Field {
-    /// What is transmitted as 0 and has no meaning yet.
+    /// The name of a field that is transmitted as 0 and has no meaning yet.
     pub const RESERVED: &'static str = "reserved";
 
-    /// A field that begins at that bit of that byte.
+    /// A field that begins at this bit of this byte.
     pub const fn new(name: &'static str, byte: u8, bit: u8, bits: u8) -> Self {
         Self { name, first: byte * 8 + bit, bits }
     }
 
-    /// What is reserved from that bit of that byte on.
+    /// A reserved field that begins at this bit of this byte.
     pub const fn reserved(byte: u8, bit: u8, bits: u8) -> Self {
         Self::new(Self::RESERVED, byte, bit, bits)
     }
 
-    /// Whether the standard gives it no meaning.
+    /// Whether the standard gives the field no meaning.
     pub fn is_reserved(&self) -> bool {
         self.name == Self::RESERVED
     }
 
-    /// The field as far as a payload of that many bytes has it; `None` if it begins after its end.
+    /// The part of the field that a payload of `bytes` bytes has; `None` if the field begins after the end of the
+    /// payload.
     #[must_use]
     pub fn within(self, bytes: usize) -> Option<Self> {
         let room = (bytes * 8).checked_sub(usize::from(self.first)).filter(|room| *room > 0)?;
@@ -67,14 +68,14 @@ impl Field {
         extract(payload, usize::from(self.first), self.bits)
     }
 
-    /// Puts a value into a payload; `false`, and nothing is changed, if the payload is too short.
+    /// Writes a value into the field of a payload. If the payload is too short, changes nothing and returns `false`.
     pub fn set(self, payload: &mut [u8], value: u64) -> bool {
         insert(payload, usize::from(self.first), self.bits, value)
     }
 }
 
 impl Layout {
-    /// Whether its messages name an object.
+    /// Whether the messages of the layout name an object.
     pub fn has_object(&self) -> bool {
         self.fields.iter().any(|field| field.name == "index")
     }
@@ -94,8 +95,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The parser heeds every bit of every field that is not reserved, and none that is. `passed_over` names bits that
-    /// carry a value only in some messages of a layout.
+    /// Every bit of a field that is not reserved changes the parsed message, and no reserved bit does. `passed_over`
+    /// names fields that carry a value only in some messages of a layout.
     pub fn heeded<M: Fields + PartialEq + std::fmt::Debug>(payload: &[u8], passed_over: impl Fn(&M, Field) -> bool) {
         let Ok(message) = M::read(payload) else { return };
         for field in message.layout().fields.iter().filter(|field| !passed_over(&message, **field)) {

@@ -40,7 +40,7 @@ impl FlyingMaster {
     /// The CAN-IDs of the service.
     pub const CAN_IDS: std::ops::RangeInclusive<u16> = 0x071..=0x076;
 
-    /// Reads the message with that CAN-ID; bytes left over are ignored.
+    /// Reads the message with this CAN-ID; surplus bytes are ignored.
     ///
     /// # Errors
     /// [`Malformed`] if the CAN-ID is not one of [`FlyingMaster::CAN_IDS`], or 071h with fewer than two bytes.

@@ -5,8 +5,9 @@
 //! 24h..26h                       24h..26h  part
 //! ```
 //!
-//! A slave is addressed by its manufacturer name, product name and serial number, seven bytes each, instead of the
-//! four numbers of LSS. It does not answer that it was addressed. [`layer_setting`] has the rest.
+//! A slave is addressed by its manufacturer name, product name and serial number, seven bytes each, instead of the four
+//! numbers of LSS. The slave does not confirm that it was addressed. [`layer_setting`] has the messages that both
+//! protocols share.
 
 use super::{Field, Malformed, layer_setting, named};
 use canvass_traces::hex;

@@ -6,7 +6,7 @@
 //! 5Ah..5Dh                       5Ah..5Dh  part           5Eh                            5Eh  node-ID
 //! ```
 //!
-//! A slave is addressed by the four numbers of 1018h. [`layer_setting`] has the rest.
+//! A slave is addressed by the four numbers of 1018h. [`layer_setting`] has the messages that LSS shares with LMT.
 
 use super::{Field, Malformed, layer_setting, named};
 use layer_setting::{Dialect, Limit, Protocol, Value, numbered};
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(Request::read(&[0x04, 0, 4, 0, 0, 0, 0, 0]), Ok(Request::SwitchGlobal { mode: 0 }));
     }
 
-    /// Each response of CiA 305 belongs to one service; 4Fh to two.
+    /// Each response of CiA 305 belongs to one service; only 4Fh belongs to two.
     #[test]
     fn responses_answer_their_requests() {
         let read = |data: [u8; 8]| (Request::read(&data).unwrap(), Response::read(&data).unwrap());

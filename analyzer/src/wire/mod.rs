@@ -133,7 +133,7 @@ fn tail_of(rest: &[u8]) -> ([u8; 7], &[u8]) {
 
 #[cfg(test)]
 pub(crate) mod vectors {
-    //! The same static bytes for the parser and for the encoder.
+    //! Checks of the parser and the encoder against the same static bytes.
     use super::*;
 
     /// Parses `bytes`, compares, encodes into a buffer of A5h, compares again.
@@ -144,8 +144,8 @@ pub(crate) mod vectors {
         assert_eq!(M::read(bytes), Ok(message), "{bytes:02X?}");
     }
 
-    /// The same of a message that fills its frame, reserved bytes and all: it leaves what is behind it, and as many of the
-    /// reserved bytes may be missing as there are.
+    /// As [`both_ways`], for a message that fills its frame with reserved bytes. The parser leaves bytes after the
+    /// message, and reads the message even if up to `reserved` of its last bytes are missing.
     pub fn whole<M: Wire + PartialEq + std::fmt::Debug + Copy>(bytes: [u8; 8], message: M, reserved: usize) {
         both_ways(&bytes, message);
         let longer = [&bytes[..], &[0xEE, 0xDD]].concat();
@@ -156,7 +156,7 @@ pub(crate) mod vectors {
         }
     }
 
-    /// What was read from any bytes encodes to bytes that read as the same.
+    /// A message that was read from any bytes encodes to bytes that read as the same message.
     pub fn stable<M: Wire + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
         if let Ok(message) = M::read(bytes) {
             let mut buffer = [0xA5; 8];

@@ -5,8 +5,8 @@
 //! bytes 1..3: multiplexer    bytes 4..7: value, little-endian
 //! ```
 //!
-//! With a source address, node and object are those of the sender, and receivers look them up in their dispatcher
-//! lists (1FD0h..). With a destination address they are those of the receiver; node-ID 0 addresses all.
+//! With a source address, node and object belong to the sender, and receivers look them up in their dispatcher lists
+//! (1FD0h..). With a destination address, node and object belong to the receiver; node-ID 0 addresses all nodes.
 
 use super::{Malformed, Wire, named};
 use crate::Multiplexer;
@@ -31,7 +31,7 @@ pub struct Mpdo {
     pub node: u8,
     /// The object.
     pub object: Multiplexer,
-    /// Its value; the object determines how many bytes count.
+    /// The value of the object, which determines how many bytes count.
     pub data: [u8; 4],
 }
 
@@ -70,7 +70,7 @@ impl Wire for Mpdo {
     }
 }
 
-/// `from node 5`, `to node 5`, `to all nodes`.
+/// Writes `from node 5`, `to node 5`, `to all nodes`.
 impl fmt::Display for Mpdo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.addressing, self.node) {

@@ -33,13 +33,13 @@ impl Command {
     pub const ENTER_PRE_OPERATIONAL: Self = Self(0x80);
     /// Reset node: the whole device.
     pub const RESET_NODE: Self = Self(0x81);
-    /// Reset communication: its communication parameters only.
+    /// Reset communication: the communication parameters only.
     pub const RESET_COMMUNICATION: Self = Self(0x82);
     /// All commands of CiA 301.
     pub const ALL: [Self; 5] =
         [Self::START, Self::STOP, Self::ENTER_PRE_OPERATIONAL, Self::RESET_NODE, Self::RESET_COMMUNICATION];
 
-    /// Whether it restarts a node or its communication.
+    /// Whether the command restarts a node or its communication.
     pub const fn is_reset(self) -> bool {
         matches!(self, Self::RESET_NODE | Self::RESET_COMMUNICATION)
     }
@@ -86,7 +86,7 @@ impl fmt::Debug for Command {
     }
 }
 
-/// `start remote node, node 63`.
+/// Writes `start remote node, node 63`.
 impl fmt::Display for Nmt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.node {

@@ -12,7 +12,7 @@ pub const TPDO_BASES: [u16; 4] = [0x180, 0x280, 0x380, 0x480];
 /// The default CAN-IDs of node 0 for RPDO 1 to 4; the node-ID is added.
 pub const RPDO_BASES: [u16; 4] = [0x200, 0x300, 0x400, 0x500];
 
-/// A PDO as far as it can be understood without its mapping.
+/// The layout of a PDO whose mapping is unknown.
 pub static PDO: Layout = Layout { name: "PDO", fields: &[Field::new("data", 0, 0, 64)] };
 
 /// One entry of a PDO mapping.
@@ -24,7 +24,7 @@ pub static PDO: Layout = Layout { name: "PDO", fields: &[Field::new("data", 0, 0
 pub struct MappingEntry(pub u32);
 
 impl MappingEntry {
-    /// An entry for that object and number of bits.
+    /// An entry for an object and its number of bits.
     pub const fn new(object: Multiplexer, bits: u8) -> Self {
         Self((object.index.0 as u32) << 16 | (object.sub.0 as u32) << 8 | bits as u32)
     }
@@ -39,7 +39,7 @@ impl MappingEntry {
         self.0 as u8
     }
 
-    /// Whether it is a dummy entry (0001h to 0007h): a gap of that type's size.
+    /// Whether the entry is a dummy entry (0001h to 0007h): a gap of the size of this data type.
     pub const fn is_dummy(self) -> bool {
         matches!(self.0 >> 16, 1..=7)
     }
@@ -75,7 +75,7 @@ impl TransmissionType {
     }
 }
 
-/// Takes `bits` bits (at most 64) from bit `offset` of a payload; `None` where it is too short.
+/// Takes `bits` bits (at most 64) from bit `offset` of a payload; `None` if the payload is too short.
 ///
 /// ```
 /// use canvass_analyzer::wire::pdo::{extract, insert};
@@ -96,7 +96,7 @@ pub fn extract(payload: &[u8], offset: usize, bits: u8) -> Option<u64> {
     }
     let (first, shift) = (offset / 8, offset % 8);
     let touched = payload.get(first..end.div_ceil(8))?;
-    // The first eight bytes hold bits 0 to 63; values that begin inside a byte may need bits of a ninth.
+    // The first eight bytes hold bits 0 to 63; values that begin inside a byte may need bits of a ninth byte.
     let (lower, ninth) = touched.split_at(touched.len().min(8));
     let mut bytes = [0; 8];
     bytes[..lower.len()].copy_from_slice(lower);
@@ -125,7 +125,7 @@ pub fn insert(payload: &mut [u8], offset: usize, bits: u8, value: u64) -> bool {
     true
 }
 
-/// `6004h:00, 32 bits`.
+/// Writes `6004h:00, 32 bits`.
 impl fmt::Display for MappingEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, {} bits", self.object(), self.bits())

@@ -21,7 +21,7 @@ pub const CAN_IDS: std::ops::RangeInclusive<u16> = 0x101..=0x180;
 /// The CAN-ID of the data of node 0; twice the node-ID is added.
 pub const CAN_ID_BASE: u16 = 0x0FF;
 
-/// The number of the SRDO that has that index of communication parameters.
+/// The number of the SRDO whose communication parameters have this index.
 pub const fn of_communication_index(index: u16) -> Option<u8> {
     match index {
         0x1301..=0x1340 => Some((index - 0x1300) as u8),
@@ -50,7 +50,7 @@ pub enum Half {
 /// One frame of an SRDO.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Srdo {
-    /// Its number from 1, if its parameters (1301h and the following) are known.
+    /// The number of the SRDO from 1, if its parameters (1301h and the following) are known.
     pub number: Option<u8>,
     /// The half.
     pub half: Half,
@@ -101,7 +101,7 @@ impl Pair {
     }
 }
 
-/// Whether two payloads are each other's inverse. Empty payloads prove nothing, so they are not.
+/// Whether two payloads are each other's inverse. Empty payloads prove nothing, so they do not count as inverse.
 pub fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
     !normal.is_empty() && normal.len() == inverted.len() && normal.iter().zip(inverted).all(|(a, b)| *a == !*b)
 }

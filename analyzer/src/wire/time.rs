@@ -1,4 +1,4 @@
-//! TIME: the time of day for all (CAN-ID 100h unless 1012h says otherwise).
+//! TIME: the time of day for all nodes (CAN-ID 100h unless 1012h says otherwise).
 //!
 //! ```text
 //! bytes 0..3: milliseconds after midnight, 28 bits, little-endian; upper 4 bits reserved
@@ -91,7 +91,7 @@ impl Fields for TimeOfDay {
     }
 }
 
-/// `2024-02-29 13:45:10.250`.
+/// Writes `2024-02-29 13:45:10.250`.
 impl fmt::Display for TimeOfDay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (year, month, day) = self.date();
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(TimeOfDay::read(&[0; 5]), Err(Malformed { offset: 4, expected: "days since 1984-01-01, 2 bytes" }));
     }
 
-    /// Counted by walking the calendar, independently of the formula.
+    /// The expected dates come from walking the calendar, independently of the formula.
     #[test]
     fn every_date_that_sixteen_bits_can_say() {
         let leap = |year: u32| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));

@@ -1,6 +1,6 @@
-//! Chance that a seed repeats.
+//! Random numbers that the same seed repeats.
 
-/// Numbers after SplitMix64.
+/// The random numbers of SplitMix64.
 pub struct Dice(pub u64);
 
 impl Dice {
@@ -11,32 +11,32 @@ impl Dice {
         mixed ^ mixed >> 31
     }
 
-    /// From `low` to `high`, both included.
+    /// A number from `low` to `high`, both included.
     pub fn between(&mut self, low: u64, high: u64) -> u64 {
         low + self.next() % (high - low + 1)
     }
 
-    /// A place in something of that length.
+    /// A random index below `length`.
     pub fn below(&mut self, length: usize) -> usize {
         self.between(0, length as u64 - 1) as usize
     }
 
-    /// Heads or tails.
+    /// A random `bool`.
     pub fn heads(&mut self) -> bool {
         self.next().is_multiple_of(2)
     }
 
-    /// One of these; `None` if there is none.
+    /// One of `all`; `None` if it is empty.
     pub fn pick<T: Clone>(&mut self, all: &[T]) -> Option<T> {
         if all.is_empty() { None } else { Some(all[self.below(all.len())].clone()) }
     }
 
-    /// One of these, of which there is at least one.
+    /// One of `all`, which is not empty.
     pub fn of<T: Clone>(&mut self, all: &[T]) -> T {
         all[self.below(all.len())].clone()
     }
 
-    /// A word of small letters that no section or field is called by.
+    /// A word of small letters that is no name of a section or field.
     pub fn word(&mut self) -> String {
         let length = self.between(5, 9);
         (0..length).map(|_| char::from(b'p' + self.below(10) as u8)).collect()

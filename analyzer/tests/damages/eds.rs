@@ -16,7 +16,7 @@ pub struct Entry {
     pub data_type: u16,
 }
 
-/// The lines of a list's entries: number, line, what stands there.
+/// The entries of a list: number, line, value.
 pub type Listed = Vec<(u32, usize, u16)>;
 
 pub const LISTS: [&str; 3] = ["MandatoryObjects", "OptionalObjects", "ManufacturerObjects"];
@@ -30,7 +30,7 @@ impl Eds {
         self.lines.join("\n") + "\n"
     }
 
-    /// Where sections begin.
+    /// The lines of the section headers.
     pub fn headers(&self) -> Vec<usize> {
         (0..self.lines.len()).filter(|&line| self.lines[line].starts_with('[')).collect()
     }
@@ -75,7 +75,7 @@ impl Eds {
         self.lines[line] = format!("{}={value}", self.key(line));
     }
 
-    /// Gives a field that value, or adds it as the last.
+    /// Gives a field a value, or adds it as the last field of the section. Returns its line.
     pub fn put(&mut self, header: usize, name: &str, value: impl std::fmt::Display) -> usize {
         let line = self.field(header, name).unwrap_or_else(|| {
             let line = self.last(header);
@@ -99,14 +99,14 @@ impl Eds {
         self.lines.drain(header..end);
     }
 
-    /// Removes all sections whose name begins so.
+    /// Removes all sections whose name begins with `prefix`.
     pub fn remove_all(&mut self, prefix: &str) {
         while let Some(header) = self.headers().into_iter().find(|&header| self.name(header).starts_with(prefix)) {
             self.remove_section(header);
         }
     }
 
-    /// Adds a section as the last; its header.
+    /// Adds a section as the last one; returns the line of its header.
     pub fn add(&mut self, text: &str) -> usize {
         let header = self.lines.len();
         self.lines.extend(text.lines().map(str::to_owned));
@@ -148,7 +148,8 @@ impl Eds {
         self.fields(list).into_iter().filter_map(line).collect()
     }
 
-    /// The objects that PDOs carry: the line of the mapping entry's default, whether it is a TPDO's, what is mapped.
+    /// The objects that PDOs carry: the line of the mapping entry's default, whether a TPDO carries the object, and the
+    /// mapping entry.
     pub fn mapped(&self) -> Vec<(usize, bool, u32)> {
         let mut mapped = Vec::new();
         for (index, _) in self.objects() {
@@ -172,7 +173,7 @@ impl Eds {
     }
 }
 
-/// What is usable of a section's name `1018` or `1018sub1`.
+/// Index and sub-index in a section's name `1018` or `1018sub1`.
 fn address(name: &str) -> Option<(u16, Option<u8>)> {
     let (index, rest) = name.split_at_checked(4)?;
     let index = u16::from_str_radix(index, 16).ok()?;

@@ -1,4 +1,4 @@
-//! Objects and entries in themselves.
+//! Damage of single objects and entries.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -21,7 +21,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/entry/array-gap", Lines(array_gap)),
 ];
 
-/// Gives one of these fields that value.
+/// Gives the field in one of these lines this value.
 fn set_one(eds: &mut Eds, dice: &mut Dice, lines: &[usize], value: &str) -> Option<Place> {
     let line = dice.pick(lines)?;
     eds.set(line, value);
@@ -34,7 +34,7 @@ fn object_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set_one(eds, dice, &lines, &format!("0x{code:X}"))
 }
 
-/// The heads of ARRAY and RECORD objects that have sections of their sub-indexes, with what ObjectType they have.
+/// The headers of ARRAY and RECORD objects whose sub-indexes have sections, each with its index and ObjectType.
 fn containers(eds: &Eds) -> Vec<(u16, usize, u64)> {
     let with_code = |(index, header)| Some((index, header, eds.number_of(header, "ObjectType")?));
     let objects = eds.objects().into_iter().filter_map(with_code);
@@ -100,7 +100,7 @@ fn beyond_limits(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let entries: Vec<Entry> = limited(eds).into_iter().filter(|entry| entry.index < 0x6000).collect();
     let Entry { header, .. } = dice.pick(&entries)?;
     let high = eds.number_of(header, "HighLimit")?;
-    // The types have room for that.
+    // Even the smallest data types hold values above 90.
     let high = if high > 100 { eds.put(header, "HighLimit", 90).min(90) as u64 } else { high };
     let field = dice.of(&["DefaultValue", "ParameterValue"]);
     Some(Place::Line(eds.put(header, field, dice.between(high + 1, 127.max(high + 1)))))
@@ -118,7 +118,7 @@ fn visible_string(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(eds.put(header, "DefaultValue", format!("{}{character}x", dice.word()))))
 }
 
-/// Of what a standard defines another rule tells.
+/// Only manufacturer-specific objects: another rule checks the objects that a standard defines.
 fn sub_0_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let is_ours = |entry: &Entry| entry.sub == Some(0) && matches!(entry.index, 0x2000..=0x5FFF);
     let entries: Vec<Entry> = eds.entries().into_iter().filter(is_ours).collect();
@@ -126,7 +126,7 @@ fn sub_0_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(eds.put(header, "DataType", dice.of(&["0x0006", "0x0007", "0x0002", "0x0009"]))))
 }
 
-/// The elements of ARRAYs, each with its sub-index and the highest.
+/// The elements of ARRAYs: index, sub-index and highest sub-index.
 fn elements(eds: &Eds) -> Vec<(u16, u8, u8)> {
     let arrays = containers(eds).into_iter().filter(|&(.., code)| code == 8);
     let of = |(index, _, _): (u16, usize, u64)| {
@@ -138,7 +138,7 @@ fn elements(eds: &Eds) -> Vec<(u16, u8, u8)> {
 }
 
 fn array_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    // All are compared with the first.
+    // The rule compares all elements with the first one.
     let (index, sub, _) = dice.pick(&elements(eds).into_iter().filter(|&(_, sub, _)| sub > 1).collect::<Vec<_>>())?;
     let header = eds.sub(index, sub)?;
     let now = eds.number_of(header, "DataType")?;

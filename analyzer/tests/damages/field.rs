@@ -1,4 +1,4 @@
-//! Fields.
+//! Damage of fields.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -19,13 +19,13 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/field/range", Lines(range)),
 ];
 
-/// All fields of a section that have one of these names; of all sections.
+/// The lines of all fields that have one of these names, in all sections.
 pub fn fields(eds: &Eds, names: &[&str]) -> Vec<usize> {
     let is_wanted = |line: &usize| names.iter().any(|name| eds.key(*line).eq_ignore_ascii_case(name));
     eds.headers().into_iter().flat_map(|header| eds.fields(header)).filter(is_wanted).collect()
 }
 
-/// The section that a line is in.
+/// The header of the section that a line is in.
 fn header_of(eds: &Eds, line: usize) -> usize {
     eds.headers().into_iter().rfind(|&header| header < line).unwrap()
 }
@@ -35,7 +35,7 @@ fn any(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     dice.pick(&all)
 }
 
-/// Puts a line somewhere after that one in its section.
+/// Inserts a line somewhere after the line `line` of its section.
 fn behind(eds: &mut Eds, dice: &mut Dice, line: usize, text: String) -> Place {
     let last = eds.last(header_of(eds, line));
     let at = dice.between(line as u64 + 1, last as u64) as usize;
@@ -57,7 +57,7 @@ fn repeated(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 }
 
 fn unknown(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    // What the names of the fields of other sections are is the matter of other rules.
+    // Other rules check the field names of the other sections.
     let has_names = |header: &usize| {
         let name = eds.name(*header).to_ascii_lowercase();
         !["dummyusage", "objects", "name", "value", "links", "extends"].iter().any(|end| name.ends_with(end))
@@ -69,12 +69,12 @@ fn unknown(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(at))
 }
 
-/// A name of an object or an entry.
+/// The line of some object's or entry's name.
 fn name(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     dice.pick(&fields(eds, &["ParameterName"]))
 }
 
-/// Removes a field: what is missing is reported at its section.
+/// Removes a field. The finding is at the header of the section.
 fn remove(eds: &mut Eds, line: usize) -> Place {
     let header = header_of(eds, line);
     eds.lines.remove(line);
@@ -82,7 +82,7 @@ fn remove(eds: &mut Eds, line: usize) -> Place {
 }
 
 fn name_missing(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    // Many leave the name of the count away.
+    // Many descriptions omit the name of sub-index 0.
     let is_count = |line: &usize| eds.name(header_of(eds, *line)).to_ascii_lowercase().ends_with("sub0");
     let lines: Vec<usize> = fields(eds, &["ParameterName"]).into_iter().filter(|line| !is_count(line)).collect();
     let line = dice.pick(&lines)?;
@@ -113,7 +113,7 @@ fn object_type_missing(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(remove(eds, line))
 }
 
-/// A field of an entry that is no DOMAIN, which needs none.
+/// A field of an entry. DOMAIN entries are left out, as they need none.
 fn of_entry(eds: &Eds, dice: &mut Dice, field: &str) -> Option<usize> {
     let entries = eds.entries().into_iter().filter(|entry| entry.data_type != 0xF);
     let lines: Vec<usize> = entries.filter_map(|entry| eds.field(entry.header, field)).collect();
@@ -159,7 +159,7 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(line))
 }
 
-/// Gives an object the name of one with a lower index, or an entry that of one before it.
+/// Gives an object the name of an object with a lower index, or an entry the name of an entry before it.
 fn name_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let mut headers: Vec<(u16, usize)> = eds.objects();
     if dice.heads() {

@@ -1,4 +1,4 @@
-//! FileInfo, DeviceInfo, DummyUsage, Comments and the commissioning of a DCF.
+//! Damage of FileInfo, DeviceInfo, DummyUsage, Comments and the commissioning of a DCF.
 
 use super::{ANOTHER_EDS, Damage, Lines, Place};
 use crate::dice::Dice;
@@ -182,7 +182,7 @@ fn bit_rate(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, "DeviceComissioning", "Baudrate", &rate.to_string())
 }
 
-/// What is not beside the file.
+/// Names a file to download that does not exist beside the DCF.
 fn download(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     if !is_configuration(eds) {
         return None;

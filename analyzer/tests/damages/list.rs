@@ -1,4 +1,4 @@
-//! Lists and counts.
+//! Damage of lists and counts.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -27,14 +27,14 @@ fn list(eds: &Eds, dice: &mut Dice, least: usize) -> Option<usize> {
     dice.pick(&lists.filter(|&list| eds.listed(list).len() >= least).collect::<Vec<_>>())
 }
 
-/// Adds an entry, and counts it; its line.
+/// Adds an entry to a list and increments its count; returns the line of the entry.
 fn add(eds: &mut Eds, list: usize, index: u16) -> usize {
     let next = eds.listed(list).len() + 1;
     eds.put(list, "SupportedObjects", next);
     eds.put(list, &next.to_string(), format!("0x{index:04X}"))
 }
 
-/// Takes an entry away: the others move up.
+/// Removes an entry from a list; the following entries move up.
 fn take(eds: &mut Eds, list: usize, number: u32) {
     let (listed, mut values) = (eds.listed(list), Vec::new());
     values.extend(listed.iter().filter(|(other, ..)| *other != number).map(|(.., index)| *index));
@@ -106,7 +106,7 @@ fn unlisted(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 fn wrong(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let list = list(eds, dice, 1)?;
     let from = eds.name(list).to_owned();
-    // 1018h was optional once.
+    // Earlier versions of CiA 301 had 1018h as optional.
     let listed: Listed = eds.listed(list).into_iter().filter(|&(.., index)| index != 0x1018).collect();
     let (number, _, index) = dice.pick(&listed)?;
     let others: Vec<&str> = LISTS.into_iter().filter(|name| *name != from).collect();
@@ -133,7 +133,7 @@ fn highest(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(line))
 }
 
-/// A section beside an object, of one of these kinds.
+/// The header of a section of one of these kinds, which belong to an object.
 fn beside(eds: &Eds, dice: &mut Dice, kinds: &[&str]) -> Option<usize> {
     let is_kind = |header: &usize| {
         let name = eds.name(*header);

@@ -1,9 +1,9 @@
-//! Each rule of device descriptions finds a random damage: a right file, changed at a place by chance so that it breaks the
-//! rule, has a finding of that very rule at that place.
+//! Each rule of device descriptions finds a random damage: a right file, changed at a random place so that it breaks
+//! the rule, has a finding of this very rule at this place.
 //!
-//! The right files are made by chance, too, and have no finding at all; and they are those of the built-in models.
+//! The right files are random descriptions, which have no finding at all, and the descriptions of the built-in models.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]
 
 mod dice;
@@ -31,24 +31,24 @@ use std::path::Path;
 
 const NAME: &str = "example.eds";
 
-/// Where a finding must be.
+/// The place where a finding must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In that line, from 0.
+    /// In this line, from 0.
     Line(usize),
-    /// In no line: something is missing as a whole.
+    /// In no line: a whole section is missing.
     File,
 }
 
-/// A file's bytes, and where they break a rule.
+/// The bytes of a file, and the place where they break a rule.
 type Broken = (Vec<u8>, Place);
 
-/// Breaks one rule at a place by chance; `None` where the file has no place for it.
+/// Breaks one rule at a random place; `None` if the file has no place for it.
 #[derive(Clone, Copy)]
 pub enum Damage {
-    /// By its lines.
+    /// Changes the lines.
     Lines(fn(&mut Eds, &mut Dice) -> Option<Place>),
-    /// By its bytes.
+    /// Changes the bytes.
     Bytes(fn(&mut Eds, &mut Dice) -> Option<Broken>),
 }
 use Damage::{Bytes, Lines};
@@ -79,10 +79,10 @@ fn damages() -> Vec<(&'static str, Damage)> {
     families.concat()
 }
 
-/// The folder of the files: an EDS of another device, and a file to download.
+/// The folder of the files, with an EDS of another device and a file to download.
 struct Beside;
 
-/// The EDS of another device, which lies beside.
+/// The EDS of another device in the same folder.
 pub const ANOTHER_EDS: &str = "another.eds";
 
 impl Folder for Beside {
@@ -108,7 +108,7 @@ fn is_found(findings: &[Finding], rule: &str, place: Place) -> bool {
     findings.iter().any(|finding| finding.problem.rule.id == rule && finding.line == line)
 }
 
-/// What is missed of a file: rule, place, what of the rule was found instead.
+/// The finding that a file lacks, as text: rule, place, and the findings instead; `None` if the file has the finding.
 fn missed(rule: &str, bytes: &[u8], place: Place) -> Option<String> {
     let found = findings(bytes);
     if is_found(&found, rule, place) {
@@ -178,7 +178,7 @@ proptest! {
     }
 }
 
-/// The built-in models, under another name; with the findings that they have as they are.
+/// The built-in models under another file name, with the findings that they have anyway.
 fn models() -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../conformance/device/models");
     let paths = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
@@ -197,7 +197,7 @@ fn each_rule_finds_a_random_damage_of_the_models() {
     for (name, text) in models() {
         let before = findings(text.as_bytes());
         for (number, (rule, damage)) in (1..).zip(damages()) {
-            // What the file breaks as it is can't be distinguished from what is broken.
+            // If the model breaks the rule anyway, the damage can't be distinguished.
             if before.iter().any(|finding| finding.problem.rule.id == rule) {
                 continue;
             }

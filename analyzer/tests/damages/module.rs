@@ -1,4 +1,4 @@
-//! Modular devices.
+//! Damage of modular devices.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -18,7 +18,7 @@ fn count(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 }
 
 fn section_missing(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    // The first module has other sections, by which it is known.
+    // Other sections of the first module remain, and show that the module exists.
     let header = eds.header(dice.of(&["SupportedModules", "M1ModuleInfo"]))?;
     eds.remove_section(header);
     Some(Place::File)

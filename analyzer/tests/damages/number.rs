@@ -1,4 +1,4 @@
-//! Numbers and formulas.
+//! Damage of numbers and formulas.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -16,7 +16,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/number/wrapped", Lines(wrapped)),
 ];
 
-/// Fields that hold a number, whatever the entry.
+/// Fields that hold a number, whatever the data type of the entry.
 const NUMBERS: [&str; 8] = [
     "VendorNumber",
     "ProductNumber",
@@ -28,13 +28,13 @@ const NUMBERS: [&str; 8] = [
     "NrOfTXPDO",
 ];
 
-/// The entries of an integer type, with its bits and whether it is signed.
+/// The entries of an integer type, with its number of bits and whether it is signed.
 fn integers(eds: &Eds) -> Vec<(Entry, u32, bool)> {
     let kind = |entry: &Entry| INTEGERS.into_iter().find(|&(index, ..)| index == entry.data_type);
     eds.entries().into_iter().filter_map(|entry| kind(&entry).map(|(_, bits, signed)| (entry, bits, signed))).collect()
 }
 
-/// A number of any kind of field: the line of one that is there.
+/// The line of a number in any kind of field.
 fn any(eds: &Eds, dice: &mut Dice) -> Option<usize> {
     let mut lines = fields(eds, &NUMBERS);
     for (entry, ..) in integers(eds) {
@@ -67,7 +67,7 @@ fn form(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(line))
 }
 
-/// An entry that holds a formula.
+/// The line and the offset of an entry that holds a formula.
 fn formula(eds: &Eds, dice: &mut Dice) -> Option<(usize, String)> {
     let formulas = fields(eds, &["DefaultValue"]);
     let of = |line: usize| Some((line, eds.value(line).strip_prefix("$NODEID+")?.to_owned()));
@@ -108,7 +108,7 @@ fn range(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         _ if bits <= 32 => format!("$NODEID+0x{:X}", all - 1 - i128::from(dice.between(0, 126))),
         _ => all.to_string(),
     };
-    // Of limits another rule tells.
+    // Another rule checks limits.
     let field = dice.of(&["DefaultValue", "ParameterValue"]);
     Some(Place::Line(eds.put(entry.header, field, value)))
 }

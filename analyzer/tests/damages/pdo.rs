@@ -1,4 +1,4 @@
-//! PDOs and COB-IDs.
+//! Damage of PDOs and COB-IDs.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -68,14 +68,14 @@ fn entry_missing(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, line, "")
 }
 
-/// The mapped objects, not what skips bits.
+/// The mapped objects, without dummy entries.
 fn objects(eds: &Eds) -> Vec<(usize, bool, u32)> {
     eds.mapped().into_iter().filter(|&(.., mapped)| mapped >> 16 > 0x1F).collect()
 }
 
 fn target(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let (line, _, mapped) = dice.pick(&objects(eds))?;
-    // Another object, or a sub-index that the object has not.
+    // An object that does not exist, or a sub-index that the object lacks.
     let other = if dice.heads() { 0x9FFE_0000 | mapped & 0xFFFF } else { mapped | 0xE000 };
     set(eds, line, format!("0x{other:08X}"))
 }
@@ -140,8 +140,7 @@ fn granularity(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(line + moved))
 }
 
-/// Fills the eight entries with something of 16 bits or more.
-/// Eight times what has nine bits or more.
+/// Maps an object of more than 8 bits in all eight entries, which exceeds 64 bits.
 fn too_long(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let long: Vec<_> = objects(eds).into_iter().filter(|&(.., mapped)| mapped & 0xFF > 8).collect();
     let (_, is_tpdo, mapped) = dice.pick(&long)?;
@@ -155,7 +154,7 @@ fn too_long(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, line, 8)
 }
 
-/// The COB-IDs in the order in which they are looked at.
+/// The lines of the COB-IDs, in the order in which the rules check them.
 fn cob_ids(eds: &Eds) -> Vec<usize> {
     let single = ["1005", "1012", "1014"].iter().filter_map(|name| eds.field(eds.header(name)?, "DefaultValue"));
     single.chain(communication(eds).into_iter().filter_map(|index| default(eds, index, 1))).collect()
@@ -166,7 +165,7 @@ fn restricted(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let ranges = [(0x000, 0x07F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0x6E0, 0x6FF), (0x701, 0x7FF)];
     let (first, last) = dice.of(&ranges);
     let cob_id = dice.between(first, last);
-    // A DCF has a node-ID of its own.
+    // A DCF has a node-ID of its own, so its COB-IDs have no formula.
     let is_of_a_type = dice.heads() && eds.header("DeviceComissioning").is_none();
     let value =
         if cob_id > 0 && is_of_a_type { format!("$NODEID+0x{:X}", cob_id - 1) } else { format!("0x{cob_id:X}") };
@@ -179,7 +178,7 @@ fn cob_ids_of(eds: &Eds, range: std::ops::RangeInclusive<u16>) -> Vec<usize> {
     indexes.filter_map(|index| default(eds, index, 1)).collect()
 }
 
-/// Gives one of the second the COB-ID that one of the first has, if that is in use.
+/// Gives one of the COB-IDs `second` the value of one of `first`, if that is in use.
 fn same_cob_id(eds: &mut Eds, dice: &mut Dice, first: &[usize], second: &[usize]) -> Option<Place> {
     let (from, to) = (dice.pick(first)?, dice.pick(second)?);
     let value = eds.value(from).to_owned();
@@ -188,7 +187,7 @@ fn same_cob_id(eds: &mut Eds, dice: &mut Dice, first: &[usize], second: &[usize]
     if is_used && from != to { set(eds, to, value) } else { None }
 }
 
-/// Of EMCY and a TPDO, or of two TPDOs.
+/// EMCY and a TPDO, or two TPDOs, get the same COB-ID.
 fn cob_id_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let tpdos = cob_ids_of(eds, 0x1800..=0x19FF);
     let emcy = eds.header("1014").and_then(|header| eds.field(header, "DefaultValue"));
@@ -196,7 +195,7 @@ fn cob_id_twice(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     same_cob_id(eds, dice, &first, tpdos.get(1..)?)
 }
 
-/// Of two RPDOs, or of an RPDO and a TPDO.
+/// Two RPDOs, or an RPDO and a TPDO, get the same COB-ID.
 fn cob_id_shared(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let rpdos = cob_ids_of(eds, 0x1400..=0x15FF);
     let tpdos = cob_ids_of(eds, 0x1800..=0x19FF);
@@ -206,13 +205,13 @@ fn cob_id_shared(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 
 fn predefined(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let all = cob_ids(eds);
-    // EMCY, and the first four of each direction.
+    // COB-IDs of EMCY and of the first four PDOs of each direction.
     let line = dice.pick(&all[2..])?;
     let other = dice.of(&["$NODEID+0x190", "$NODEID+0x680", "0x6F0", "$NODEID+0x90"]);
     set(eds, line, other)
 }
 
-/// What may be mapped, with an access type that leaves open into which PDO.
+/// Gives an object that may be mapped an access type that does not tell the direction of the PDO.
 fn either(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let mut mappable = eds.entries();
     mappable.retain(|entry| eds.number_of(entry.header, "PDOMapping") == Some(1));

@@ -1,10 +1,10 @@
-//! Descriptions without any fault, made by chance: with PDOs of both directions, dummy entries, the short form, links,
-//! modules, encoder's objects and every kind of data type.
+//! Random descriptions without any fault: with PDOs of both directions, dummy entries, the short form, links, modules,
+//! objects of an encoder and every kind of data type.
 
 use crate::dice::Dice;
 use std::fmt::Write;
 
-/// What an integer type holds: index, bits, whether it is signed.
+/// The integer types: index, bits, whether the type is signed.
 pub const INTEGERS: [(u16, u32, bool); 8] = [
     (2, 8, true),
     (3, 16, true),
@@ -20,12 +20,12 @@ struct Writer<'d> {
     text: String,
     dice: &'d mut Dice,
     indexes: Vec<u16>,
-    /// What PDOs can carry: index, sub-index, bits.
+    /// The objects that PDOs can carry: index, sub-index, bits.
     tpdo: Vec<(u16, u8, u32)>,
     rpdo: Vec<(u16, u8, u32)>,
 }
 
-/// The description of a device, or of one that is configured. Its name is `example.eds`.
+/// The description of a device type, or of a configured device. The name of the file is `example.eds`.
 pub fn right(dice: &mut Dice, is_configuration: bool) -> String {
     let (rpdos, tpdos) = (dice.between(2, 4) as u16, dice.between(2, 4) as u16);
     let mut writer = Writer { text: String::new(), dice, indexes: Vec::new(), tpdo: Vec::new(), rpdo: Vec::new() };
@@ -106,7 +106,7 @@ impl Writer<'_> {
         self.text.push('\n');
     }
 
-    /// The section of a value. `more` has default and limits, as they stand in the file.
+    /// The section of a value. `more` has default and limits, as written in the file.
     fn entry(&mut self, name: &str, data_type: u16, access: &str, mappable: bool, more: &[(&str, String)]) {
         let mut fields = vec![
             ("ParameterName", format!("Value {name}")),
@@ -181,7 +181,7 @@ impl Writer<'_> {
         self.variable(0x6502, 6, access, &format!("{turns}"));
     }
 
-    /// An integer within limits, and the bits of its type.
+    /// An entry with an integer type and limits. Returns the bits of the type.
     fn integer(&mut self, section: &str, access: &str, mappable: bool) -> u32 {
         let (data_type, bits, is_signed) = self.dice.of(&INTEGERS);
         self.integer_of(section, (data_type, bits, is_signed), access, mappable);
@@ -299,7 +299,8 @@ impl Writer<'_> {
         self.entry(&format!("{name}sub2"), 5, "rw", false, &[("DefaultValue", kind.to_string())]);
     }
 
-    /// Eight entries, of which some are in use; one of the first RPDO skips a byte, the first TPDO has a byte and a word.
+    /// Eight mapping entries, of which some are in use. The first RPDO skips a byte; the first TPDO has a byte and a
+    /// word.
     fn mapping(&mut self, index: u16, is_tpdo: bool, is_first: bool) {
         let mut mapped = Vec::new();
         let mut left = 64;
@@ -308,7 +309,7 @@ impl Writer<'_> {
             left -= 8;
         }
         if is_first && is_tpdo {
-            // A byte, and a word.
+            // The byte and the word of the first TPDO.
             for &(target, sub, bits) in self.tpdo.iter().take(2) {
                 mapped.push(entry(target, sub, bits));
                 left -= bits;

@@ -1,4 +1,4 @@
-//! Sections.
+//! Damage of sections.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -59,7 +59,7 @@ fn spelling(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(header))
 }
 
-/// The objects with sub-indexes, and their heads.
+/// The objects with sub-indexes, and the headers of their sections.
 fn containers(eds: &Eds) -> Vec<(u16, usize)> {
     eds.objects().into_iter().filter(|&(index, _)| !eds.subs(index).is_empty()).collect()
 }

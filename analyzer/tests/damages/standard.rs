@@ -1,4 +1,4 @@
-//! What the standards say of their objects.
+//! Damage of objects that the standards define.
 
 use super::{Damage, Lines, Place};
 use crate::dice::Dice;
@@ -21,7 +21,7 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/encoder/preset", Lines(preset)),
 ];
 
-/// The entries of CiA 301 that a right file has with one access type.
+/// The entries of CiA 301 whose access type is one of `access`.
 fn entries(eds: &Eds, access: &[&str]) -> Vec<Entry> {
     let is_standard = |entry: &Entry| {
         matches!(entry.index, 0x1000..=0x1FFF) && (entry.sub.is_none() || !matches!(entry.sub, Some(0)))
@@ -35,7 +35,7 @@ fn put(eds: &mut Eds, entries: &[Entry], dice: &mut Dice, field: &str, value: &s
     Some(Place::Line(eds.put(header, field, value)))
 }
 
-/// A value described as an ARRAY, or a RECORD as a value.
+/// Describes a VAR object as an ARRAY, or a RECORD as a VAR.
 fn object_code(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     if dice.heads() {
         let index = dice.of(&[0x1010, 0x1011, 0x1018]);
@@ -51,7 +51,7 @@ fn object_code(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(Place::Line(eds.put(header, "ObjectType", "0x8")))
 }
 
-/// Gives an object or entry the name that another has.
+/// Gives an object or entry the name of another one.
 fn name(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     const OBJECTS: [(&str, &str); 6] = [
         ("1000", "Device type"),
@@ -132,7 +132,7 @@ fn companion(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         ("1015", "1014"),
     ]);
     eds.remove_all(needed);
-    // An object with sub-indexes is named by its first.
+    // The name of an object with sub-indexes is that of sub-index 0.
     let header = eds.header(&format!("{index}sub0")).or_else(|| eds.header(index))?;
     Some(Place::Line(header))
 }
@@ -146,7 +146,7 @@ fn set(eds: &mut Eds, name: &str, value: u64) -> Option<Place> {
     Some(Place::Line(eds.put(header, "DefaultValue", value)))
 }
 
-/// Only of rotary encoders.
+/// The type of a rotary encoder; `None` for other devices.
 fn is_rotary(eds: &Eds) -> Option<u64> {
     let kind = number(eds, "1000").filter(|kind| kind & 0xFFFF == 406)? >> 16;
     Some(kind).filter(|kind| matches!(kind, 1 | 2))
@@ -157,12 +157,12 @@ fn revolutions(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set(eds, "6502", wrong)
 }
 
-/// Sets the default of a value that has room for more, or its high limit where what bounds it is constant.
+/// Sets the default of an object to more than `most`, or its high limit if the objects that bound it are constant.
 fn beyond(eds: &mut Eds, dice: &mut Dice, name: &str, most: u64, bounds: &[&str]) -> Option<Place> {
     let access = |bound: &&str| eds.text_of(eds.header(bound)?, "AccessType");
     let is_const = bounds.iter().all(|bound| access(bound) == Some("const"));
     let field = if is_const { dice.of(&["DefaultValue", "HighLimit"]) } else { "DefaultValue" };
-    // The highest values of the types are no limits.
+    // The highest values of the data types do not count as limits.
     let value = dice.between(most + 1, 0x7FFF_FFFE);
     let header = eds.header(name)?;
     Some(Place::Line(eds.put(header, field, value)))

@@ -1,4 +1,4 @@
-//! The file as text.
+//! Damage of the file as text.
 
 use super::{Bytes, Damage, Lines, Place};
 use crate::dice::Dice;
@@ -6,12 +6,12 @@ use crate::eds::Eds;
 
 pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/text/encoding", Bytes(encoding)),
-    // Its place is always the first byte.
+    // The place of a byte order mark is always the first byte.
     (
         "eds/text/byte-order-mark",
         Bytes(|eds, _| Some(([b"\xEF\xBB\xBF", eds.text().as_bytes()].concat(), Place::Line(0)))),
     ),
-    // It concerns the whole file; only the order of the bytes is left to chance.
+    // UTF-16 concerns the whole file; only the byte order is random.
     ("eds/text/utf-16", Bytes(utf_16)),
     ("eds/text/line-ends", Lines(line_ends)),
     ("eds/text/control-character", Lines(control)),
@@ -28,7 +28,7 @@ fn any_line(eds: &Eds, dice: &mut Dice) -> usize {
     dice.below(eds.lines.len())
 }
 
-/// A line that has something in it.
+/// The index of a line that is not empty.
 fn filled(eds: &Eds, dice: &mut Dice) -> usize {
     let lines: Vec<usize> = (0..eds.lines.len()).filter(|&line| eds.lines[line].len() > 2).collect();
     dice.of(&lines)
@@ -37,7 +37,7 @@ fn filled(eds: &Eds, dice: &mut Dice) -> usize {
 fn encoding(eds: &mut Eds, dice: &mut Dice) -> Option<(Vec<u8>, Place)> {
     let line = filled(eds, dice);
     let at = dice.below(eds.lines[line].len());
-    // Latin-1 and UTF-8.
+    // The character in Latin-1 or in UTF-8.
     let character: &[u8] = if dice.heads() { b"\xE4" } else { "\u{E4}".as_bytes() };
     eds.lines[line].insert(at, '\u{1}');
     let bytes = eds.text().into_bytes();
@@ -60,7 +60,7 @@ fn line_ends(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
         let next = eds.lines.remove(line + 1);
         eds.lines[line] += &format!("\r{next}");
     }
-    // It is reported at the beginning.
+    // The rule reports the problem at the beginning.
     Some(Place::Line(0))
 }
 
@@ -121,11 +121,11 @@ fn half_read(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     for _ in 0..eds.lines.len() {
         unread(eds, dice);
     }
-    // It is reported at the beginning.
+    // The rule reports the problem at the beginning.
     Some(Place::Line(0))
 }
 
-/// More problems than are listed. More lines than are read take too long to try again and again.
+/// More problems than are listed. A file with more lines than are read would take too long in repeated tests.
 fn too_much(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let line = any_line(eds, dice);
     eds.lines.splice(line..line, (0..10_001).map(|_| "#".to_owned()));

@@ -1,8 +1,8 @@
-//! Descriptions in XML: the description by chance, as it is converted.
+//! Damage of descriptions in XML: random descriptions, converted to XML.
 
 use crate::dice::Dice;
 
-/// Damages the text; the line of it, from 0.
+/// Damages the text; returns the damaged line, from 0.
 pub type Damage = fn(&mut String, &mut Dice) -> Option<usize>;
 
 pub const DAMAGES: &[(&str, Damage)] = &[
@@ -19,7 +19,8 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("xdd/object/access-missing", access_missing),
 ];
 
-/// Where such an element begins that has that attribute, and where the value of the attribute is.
+/// For each of these elements with the attribute `name`: where the element begins, and where the value of the attribute
+/// is.
 fn attributes(text: &str, elements: &[&str], name: &str) -> Vec<(usize, std::ops::Range<usize>)> {
     let mut found = Vec::new();
     for element in elements {
@@ -54,7 +55,7 @@ fn remove(text: &mut String, dice: &mut Dice, name: &str) -> Option<usize> {
     line(text, element)
 }
 
-/// An end has the wrong name. Before the first object that is an error of the whole file.
+/// Gives an end tag a wrong name. A wrong end tag before the first object is an error of the whole file.
 fn malformed(text: &mut String, dice: &mut Dice) -> Option<usize> {
     let first = text.find("<CANopenObjectList")?;
     let ends: Vec<usize> = text.match_indices("</").map(|(at, _)| at).filter(|&at| at > first).collect();

@@ -1,10 +1,11 @@
-//! The example of a rule laid over a whole description: its sections take the place of those of the same name.
+//! The example of a rule laid over a whole description: the sections of the example replace the sections with the same
+//! names.
 //!
-//! A line `...` keeps the other fields of the section, `[1018] removed` takes a section away, of an object with its
+//! A line `...` keeps the other fields of the section. `[1018] removed` removes a section, and the sections of its
 //! sub-indexes.
 
 struct Section {
-    /// In lower case, without brackets; empty for what stands before the first.
+    /// The name in lower case, without brackets; empty for the lines before the first section.
     name: String,
     lines: Vec<String>,
 }

@@ -1,10 +1,10 @@
-//! What holds of every description, whatever the file.
+//! Properties of every description, whatever the file.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, consistency};
 use proptest::prelude::*;
 
-/// Nothing that is said of it acts on a terminal, and every start value fits its type.
+/// No text of a problem acts on a terminal, and every start value fits its type.
 pub fn check(description: &DeviceDescription) -> Result<(), TestCaseError> {
     for problem in description.problems.iter().chain(&consistency::check(description)) {
         prop_assert!(!problem.to_string().chars().any(char::is_control), "{problem}");

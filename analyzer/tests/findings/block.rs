@@ -2,7 +2,8 @@
 
 use crate::traffic::Traffic;
 
-/// Segments of a block, 1 ms apart; the last one of the transfer has bit 7 set. Their data look like requests.
+/// Segments of a block, 1 ms apart; the last one of the transfer has bit 7 set. The data of the segments look like
+/// requests.
 fn segments(traffic: &mut Traffic, ms: u64, cob_id: u16, count: u8, last: bool) {
     for n in 1..=count {
         let sequence = n | u8::from(last && n == count) << 7;
@@ -10,7 +11,7 @@ fn segments(traffic: &mut Traffic, ms: u64, cob_id: u16, count: u8, last: bool) 
     }
 }
 
-/// Heartbeats of node 9, and 1000h read before and after whatever comes between.
+/// Heartbeats of node 9, and a read of 1000h before and after the block transfer.
 fn around() -> Traffic {
     let mut traffic = Traffic::default();
     traffic.every(40, 5_000, 500, |_| "709#7F".to_owned());
@@ -18,7 +19,7 @@ fn around() -> Traffic {
     traffic
 }
 
-/// 100 segments in blocks of 70: the numbers of segments pass through those of many commands.
+/// A block download of 100 segments in blocks of 70: the sequence numbers equal many command bytes.
 fn download() -> Traffic {
     let mut traffic = around();
     traffic.sdo(100, 9, "C2501F01BC020000", "A0501F0146000000");
@@ -41,7 +42,7 @@ fn upload() -> Traffic {
     traffic
 }
 
-/// Nothing is found wherever inside the transfer the capture begins, but for a request that is not answered later.
+/// Wherever inside the transfer the capture begins, only a later request without an answer is found.
 fn begins_inside(transfer: &Traffic) {
     // The last segment alone (at 230 ms) cannot be distinguished from an abort.
     for begin in (111..230).chain(231..260) {

@@ -27,7 +27,7 @@ fn a_restricted_can_id() {
 fn two_nodes_with_one_cob_id() {
     let mut traffic = machine();
     traffic.sdo(600, 4, "2301180183010040", "6001180100000000");
-    // From now on the PDO is taken for one of node 4.
+    // From now on the PDO counts as a PDO of node 4.
     let wrong = ["bus/overlapping-cob-id", "nodes/pdo-outside-operational", "bus/before-boot-up"];
     let finding = traffic.finds_among(&wrong, wrong[0], Some(4), 603);
     assert!(finding.message.contains("of node 3"), "{}", finding.message);
@@ -45,21 +45,21 @@ fn a_second_sync_producer() {
 #[test]
 fn two_devices_with_one_node_id() {
     let all = ["bus/duplicate-node-id", "nodes/boot-up-without-command", "nodes/heartbeat-jitter", "nodes/state-lost"];
-    // Another device that is not started: its heartbeats say something else.
+    // The second device is not started, so its heartbeats show another state.
     let mut states = machine();
     states.every(5_025, 30_000, 100, |_| "703#7F".to_owned());
     let found = states.only(&[all[0], all[2], all[3], "nodes/heartbeat-late"]);
     assert!(found.iter().any(|finding| finding.rule.id == all[0] && finding.node.is_some_and(|node| node.raw() == 3)));
-    // The same state, at another moment of the period.
+    // The heartbeats of the second device show the same state at another moment of the period.
     let mut phases = machine();
     phases.every(5_085, 30_000, 100, |_| "703#05".to_owned());
     phases.finds_among(&[all[0], all[2]], all[0], Some(3), 5_560);
-    // Two answers.
+    // One request gets two answers.
     let mut answers = machine();
     answers.sdo(6_100, 3, "4018100400000000", "4318100439300000").at(6_104, "583#4318100400000001");
     let found = answers.only(&[all[0], "sdo/protocol-violation"]);
     assert!(found.iter().any(|finding| finding.rule.id == all[0]), "{found:?}");
-    // Another serial number.
+    // A second read returns another serial number.
     let mut identity = machine();
     identity.sdo(6_100, 3, "4018100400000000", "4318100400000001");
     identity.finds(all[0], Some(3), 6_103);
@@ -96,9 +96,9 @@ fn a_capture_of_many_channels_is_bounded() {
 fn a_second_producer_of_time_and_of_a_pdo() {
     let mut time = machine();
     time.every(15_830, 30_000, 1_000, |n| format!("100#{} 0010", crate::traffic::hex(3_600_000 + 14_330 + n * 1000)));
-    // The commands at 20 000 and 20 500 ms begin it anew.
+    // The commands at 20 000 and 20 500 ms restart the detection.
     time.finds("bus/two-producers", None, 25_500);
-    // 283h has an event timer of 50 ms; from here on it comes twice in that time.
+    // 283h has an event timer of 50 ms; from here on the PDO comes twice in that time.
     let mut timed = machine();
     timed.every(15_019, 30_000, 50, |_| "283#FFFF".to_owned());
     timed.finds("bus/two-producers", Some(3), 15_250);
@@ -109,7 +109,7 @@ fn a_second_producer_of_time_and_of_a_pdo() {
     synchronous.finds("bus/two-producers", Some(3), 15_080);
 }
 
-/// An input that goes on and off is sent at alternating intervals by one device.
+/// An input that goes on and off lets one device send at alternating intervals.
 #[test]
 fn an_event_that_alternates_has_one_producer() {
     let mut traffic = machine();
@@ -129,7 +129,7 @@ fn two_series_of_sync_counters() {
     assert!(found.iter().any(|finding| finding.rule.id == "bus/two-producers"), "{found:?}");
 }
 
-/// Two devices of one type that answer alike.
+/// Two devices of the same type give equal answers.
 #[test]
 fn two_devices_that_answer_alike() {
     let mut traffic = machine();
@@ -141,7 +141,7 @@ fn two_devices_that_answer_alike() {
     assert!(found.iter().any(|finding| finding.message.contains("the same answer twice")), "{found:?}");
 }
 
-/// Another device was put in the place of the first, which was switched off.
+/// Another device replaces the first one, which was switched off.
 #[test]
 fn a_device_that_was_replaced() {
     let mut traffic = machine();
@@ -149,8 +149,8 @@ fn a_device_that_was_replaced() {
     traffic.sdo(15_000, 4, "4018100400000000", "4318100402000000").only(&[]);
 }
 
-/// Frames that come without a pause, all of the same length, at half the bit rate: the pause between them is as long as
-/// they are. When there are more of them, they would not fit.
+/// Frames of the same length come at the rate of 500 kbit/s with pauses of their own length, so that they seem to
+/// follow each other without a pause at 250 kbit/s. Further frames would not fit into this bit rate.
 #[test]
 fn an_inferred_bit_rate_fits_the_frames() {
     let mut traffic = Traffic::default();
@@ -159,7 +159,7 @@ fn an_inferred_bit_rate_fits_the_frames() {
         traffic.micros(n * bits * 4, "3A1#0123456789ABCDEF");
     }
     assert_eq!(traffic.results().buses[0].1.bit_rate, Some(250_000));
-    // More of them, at times that agree on nothing.
+    // Further frames, at times that agree on no bit rate.
     for n in 0..7_000 {
         traffic.micros(500_000 + n * bits * 5 / 2 + n * n % 7, "3A1#0123456789ABCDEF");
     }
@@ -178,7 +178,7 @@ fn nothing_of_canopen() {
     let found = traffic.only(&["bus/no-canopen", "bus/unknown-ids"]);
     let own = found.iter().find(|finding| finding.rule.id == "bus/no-canopen").unwrap();
     assert!(own.message.contains("500 CAN FD, CAN XL or with 29-bit identifiers, 100 with"), "{}", own.message);
-    // One heartbeat is something.
+    // A single heartbeat is enough for CANopen.
     traffic.at(6_000, "705#05").only(&["bus/unknown-ids"]);
 }
 
@@ -189,13 +189,13 @@ fn days_without_a_frame_are_no_missing_heartbeats() {
     let mut traffic = Traffic::default();
     traffic.every(0, 20_000, 100, |_| "705#05".to_owned()).every(DAYS, DAYS + 20_000, 100, |_| "705#05".to_owned());
     traffic.only(&["capture/gaps"]);
-    // A second is its own.
+    // A silence of one second is the node's own.
     let mut second = Traffic::default();
     second.every(0, 20_000, 100, |_| "705#05".to_owned()).every(21_000, 30_000, 100, |_| "705#05".to_owned());
     second.finds_among(&["nodes/lost", "capture/gaps"], "nodes/lost", Some(5), 19_900);
 }
 
-/// The product code is read, and another time answers the request for the vendor-ID.
+/// One answer gives the product code although the vendor-ID was requested.
 #[test]
 fn an_answer_about_another_sub_index_tells_no_identity() {
     let mut traffic = machine();

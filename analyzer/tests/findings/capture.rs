@@ -21,7 +21,7 @@ fn error_frames_by_what_they_say() {
     assert_eq!(rules(&with_error(0x004, [0, 0x20, 0, 0, 0, 0, 130, 0])), ["capture/error-passive"]);
     assert_eq!(rules(&with_error(0x040, [0; 8])), ["capture/bus-off"]);
     assert_eq!(rules(&with_error(0x004, [0, 0x01, 0, 0, 0, 0, 0, 0])), ["capture/overrun"]);
-    // Lost arbitration, and a controller that is well again.
+    // A lost arbitration, and a controller that has recovered.
     assert_eq!(rules(&with_error(0x002, [0; 8])), [""; 0]);
     assert_eq!(rules(&with_error(0x004, [0, 0x40, 0, 0, 0, 0, 0, 0])), [""; 0]);
 }
@@ -67,7 +67,7 @@ fn times_in_hundredths_of_a_second() {
     assert_eq!(rules(&records), ["capture/coarse-timestamps"]);
 }
 
-/// All nodes are silent for ten seconds: no one is to blame.
+/// All nodes are silent for ten seconds, so no node is blamed.
 #[test]
 fn a_pause_of_the_recorder() {
     let paused: Traffic = machine().remove(|ms, _| (12_000..17_000).contains(&ms)).clone();
@@ -75,7 +75,7 @@ fn a_pause_of_the_recorder() {
     assert_eq!(paused.only(&["capture/gaps"]).len(), 1);
 }
 
-/// An interface that gives back what it has sent: here all that the master and node 3 say.
+/// An interface records twice the frames that it sends: here the frames of the master and of node 3.
 #[test]
 fn frames_that_are_recorded_twice() {
     let mut records = Vec::new();

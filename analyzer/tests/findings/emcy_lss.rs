@@ -30,7 +30,7 @@ fn a_code_that_contradicts_its_register() {
     let mut traffic = machine();
     traffic.at(15_000, "083#0042000000000000").at(15_100, "083#0000000000000000");
     traffic.finds_among(&["emcy/raised", "emcy/contradiction"], "emcy/contradiction", Some(3), 15_000);
-    // Without bit 0, as in the manual of a device.
+    // An error register without bit 0, as in the manual of a device.
     let mut documented = machine();
     documented.at(15_000, "083#0042082084030000").at(15_100, "083#0000000000000000").only(&["emcy/raised"]);
 }
@@ -74,7 +74,7 @@ fn lss_without_an_answer_refused_and_not_stored() {
     );
 }
 
-/// Two errors, one of which ends: the register tells which.
+/// Two errors, one of which ends: the register tells which one.
 #[test]
 fn one_of_two_errors_ends() {
     let mut traffic = machine();
@@ -100,7 +100,7 @@ fn an_error_that_is_acknowledged_by_reading() {
     assert!(finding.message.ends_with("its end was reported as 1001h was read"), "{}", finding.message);
 }
 
-/// LMT of a linear encoder: names and serial number, silent when it is switched.
+/// LMT of a linear encoder: an address of names and serial number, and no answer to being switched.
 fn lmt(answers: [&str; 3]) -> crate::traffic::Traffic {
     let mut traffic = machine();
     let switch = ["0154522D454C4543", "024C4D5033300000", "0332200044002100"];
@@ -144,7 +144,7 @@ fn dialogues_that_go_wrong() {
     unasked.at(15_000, "7E4#5E03000000000000").finds("lss/dialogue", None, 15_000);
 }
 
-/// Several slaves answer an identification, and a master that assigns node-IDs at every start does not store them.
+/// Several slaves answer an identification. A master that assigns node-IDs at every start does not store them.
 #[test]
 fn a_master_that_assigns_node_ids() {
     let mut traffic = machine();

@@ -12,7 +12,7 @@ fn an_alarm_and_a_warning() {
     assert!(finding.message.contains("battery"), "{}", finding.message);
 }
 
-/// Node 4 is no encoder: its 6503h is something else.
+/// Node 4 is no encoder, so its 6503h has another meaning.
 #[test]
 fn other_profiles_have_other_objects() {
     machine().sdo(15_100, 4, "4003650000000000", "4B03650001000000").only(&[]);
@@ -27,7 +27,7 @@ fn a_jump_of_the_position() {
     assert_eq!(finding.count, 2, "there and back");
 }
 
-/// The end of the range is no jump: 6002h is 0100 0000h.
+/// A wrap at the end of the range, 6002h = 0100 0000h, is no jump.
 #[test]
 fn the_end_of_the_range() {
     let mut traffic = machine();
@@ -77,7 +77,7 @@ fn a_preset_in_operation() {
     traffic.finds("encoder/parameter-changed", Some(3), 15_103);
 }
 
-/// A draw-wire encoder: two channels, one counting up as the other counts down.
+/// A draw-wire encoder with two channels: one counts up as the other counts down.
 fn draw_wire(b: impl Fn(u64) -> u64) -> Traffic {
     let mut traffic = Traffic::default();
     traffic.sdo(100, 4, "4000100000000000", "4300100096010000");
@@ -98,7 +98,7 @@ fn redundant_channels() {
     draw_wire(|n| if n < 50 { 47_000 - 100 - n } else { 40_000 }).finds("encoder/redundant-channels", Some(4), 5_300);
 }
 
-/// No mapping is known: the halves themselves show that their sum is constant.
+/// No mapping is known: the constant sum of the halves shows that they are channels.
 #[test]
 fn redundant_channels_without_a_mapping() {
     let traffic = |b: fn(u64) -> u64| {
@@ -115,7 +115,7 @@ fn redundant_channels_without_a_mapping() {
     traffic(|n| if n < 50 { 47_000 - 100 - n } else { 46_850 }).finds("encoder/redundant-channels", Some(4), 7_400);
 }
 
-/// 0.01 mm a step: a rod that goes half a metre in 20 ms.
+/// With 0.01 mm a step, the rod moves half a metre in 20 ms.
 #[test]
 fn a_jump_of_a_linear_position() {
     let linear = |jump: u64| {
@@ -132,7 +132,7 @@ fn a_jump_of_a_linear_position() {
     linear(200_000).finds("encoder/position-jump", Some(4), 5_300);
 }
 
-/// Scaling is off: the range is that of the sensor, 4096 steps times 4096 revolutions.
+/// Scaling is off, so the range is that of the sensor: 4096 steps times 4096 revolutions.
 #[test]
 fn a_position_outside_the_physical_range() {
     let mut traffic = machine();

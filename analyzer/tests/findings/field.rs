@@ -1,4 +1,5 @@
-//! What captures from machines have in them: each is a small machine that shows one thing, and what must be said of it.
+//! Situations in captures from real machines. Each is a small machine that shows one situation, with the expected
+//! findings.
 
 use crate::traffic::{Traffic, diagnose, shown};
 use canvass_analyzer::findings::{Finding, Severity};
@@ -29,7 +30,7 @@ fn says(finding: &Finding, parts: &[&str]) {
     }
 }
 
-/// Silent for 88 s, with two resets in between, then it starts by itself.
+/// The node is silent for 88 s, with two resets in between, and then restarts by itself.
 #[test]
 fn a_node_that_was_away_whatever_the_master_did() {
     let mut traffic = master(300);
@@ -53,7 +54,7 @@ fn a_node_that_no_reset_brings_back() {
     says(one(&found, "nodes/lost"), &["2 resets without effect", "not back when the capture ends"]);
 }
 
-/// The command comes long after the last heartbeat: it explains nothing of what was before.
+/// The command comes long after the last heartbeat, so it does not explain the silence before it.
 #[test]
 fn a_loss_that_a_command_ends() {
     let mut reset = master(130);
@@ -71,13 +72,13 @@ fn a_loss_that_a_command_ends() {
     says(&lost, &["silent for 11.2", "told to start after 11", "back by itself without a boot-up"]);
 }
 
-/// A healthy master that starts, stops and resets its nodes, at whatever moment of their heartbeats.
+/// A master starts, stops and resets healthy nodes, at any moment of their heartbeat periods.
 #[test]
 fn commands_to_nodes_that_are_there_are_no_losses() {
     for offset in (0..1_400).step_by(70) {
         let mut traffic = master(60);
         beats(&mut traffic, 200, 20_000 + offset, "7F");
-        // The timer begins anew with the state.
+        // The heartbeat timer restarts with the change of state.
         traffic.at(20_000 + offset, "000#010F");
         beats(&mut traffic, 21_400 + offset, 40_000 + offset, "05");
         traffic.at(40_000 + offset, "000#810F").at(43_000 + offset, "70F#00");
@@ -103,7 +104,7 @@ fn resets_that_are_not_obeyed_are_one_finding() {
     let finding = traffic.finds("nodes/command-not-obeyed", Some(15), 100_000);
     assert_eq!(finding.count, 3);
     says(&finding, &["3 commands not obeyed", "99.9", "149.9", "199.9"]);
-    // The same of a node that has sent a boot-up before.
+    // A node that has sent a boot-up before gives the same finding.
     let mut booted = traffic;
     booted.at(100, "70F#00");
     assert_eq!(booted.finds("nodes/command-not-obeyed", Some(15), 100_000).count, 3);
@@ -121,7 +122,7 @@ fn a_reset_without_a_boot_up_that_is_obeyed() {
     }
 }
 
-/// A reset long ago, obeyed or of a device without boot-up, explains no restart.
+/// A reset long ago explains no restart, whether the node obeyed it or has no boot-up message.
 #[test]
 fn a_reset_long_ago_explains_nothing() {
     for answered in [true, false] {
@@ -133,7 +134,7 @@ fn a_reset_long_ago_explains_nothing() {
         beats(&mut traffic, 1_500, 30_000, "05");
         traffic.at(50_000, "70F#00");
         beats(&mut traffic, 51_400, 100_000, "7F");
-        // It is right of the master that it does not reset itself.
+        // The master does not obey its own reset to all nodes, and rightly so.
         let found = traffic.only(&["nodes/lost", "nodes/boot-up-without-command", "nodes/command-not-obeyed"]);
         says(one(&found, "nodes/lost"), &["silent for 2", "restarted by itself"]);
         one(&found, "nodes/boot-up-without-command");
@@ -171,7 +172,7 @@ fn a_guarded_node_that_is_lost() {
     let found = traffic.only(&rules);
     let lost = one(&found, "nodes/lost");
     says(lost, &["guarded every 2 s", "restarted by itself", "silent for 25.99"]);
-    // A master that stops asking loses nobody.
+    // No node is lost because the master stops guarding.
     let mut stopped = master(100);
     guarded(&mut stopped, 1_000, 31_000, 5);
     stopped.only(&[]);
@@ -194,7 +195,7 @@ fn malformed_frames_are_a_finding_each_kind() {
     );
 }
 
-/// A device that says 0 for SDO servers that it does not use: NMT stays NMT.
+/// A device shows COB-ID 0 for SDO servers that it does not use. 000h stays NMT.
 #[test]
 fn a_cob_id_of_zero_is_none() {
     let mut traffic = Traffic::default();
@@ -220,11 +221,11 @@ fn the_first_server_has_its_default_cob_ids() {
     assert_eq!(results.findings.len(), 1);
 }
 
-/// What was learned and is then contradicted by all that comes is given up.
+/// A learned use of a CAN-ID is dropped if all following frames contradict it.
 #[test]
 fn a_learned_use_that_nothing_fits_is_lost() {
     let mut traffic = Traffic::default();
-    // The second server is said to be at 300h and 380h + n; but these are PDOs of other nodes.
+    // The second server reads as 301h and 381h, but these CAN-IDs belong to PDOs of other nodes.
     traffic.sdo(1_000, 4, "4001120100000000", "4301120181030000");
     traffic.every(2_000, 22_000, 20, |_| "381#FF01".to_owned());
     let results = traffic.results();
@@ -232,7 +233,7 @@ fn a_learned_use_that_nothing_fits_is_lost() {
     assert!(frames[Service::Pdo as usize] > 850, "{frames:?}");
 }
 
-/// Between the versions of CiA 301 devices sent both kinds of boot-up message.
+/// Devices from the time between the versions of CiA 301 sent both kinds of boot-up message.
 #[test]
 fn a_boot_up_that_is_said_twice_is_one() {
     for second in [3_103, 3_110] {
@@ -254,7 +255,7 @@ fn an_emcy_without_bytes_is_a_boot_up() {
     traffic.finds("nodes/boot-up-without-command", Some(9), 21_500);
 }
 
-/// Requests of a master that waits for nobody lie in a queue until the device has started, and so do its answers.
+/// A master does not wait for answers: its requests lie in a queue until the device has started, and so do the answers.
 #[test]
 fn answers_from_a_queue_are_no_second_device() {
     let mut traffic = Traffic::default();
@@ -279,7 +280,7 @@ fn a_server_that_aborts_what_it_has_begun_is_one_device() {
     traffic.finds("sdo/aborted", Some(2), 2_012);
 }
 
-/// Two answers to one request are two devices still.
+/// Two different answers to one request still prove two devices.
 #[test]
 fn two_answers_to_one_request_are_two_devices() {
     let mut traffic = Traffic::default();
@@ -298,12 +299,12 @@ fn a_client_that_gives_up_at_once() {
     let finding = one(&found, "sdo/impatient-client");
     says(finding, &["gave up the request for 5555h:00 after", "the answer came after 29.99"]);
     assert_eq!(finding.count, 1);
-    // The server is blamed for no more than saying that it has no such object.
+    // The server only reports that it has no such object.
     let server = found.iter().filter(|finding| finding.message.contains("by the server"));
     assert!(server.clone().all(|finding| finding.severity == Severity::Info), "{found:#?}");
 }
 
-/// Who waits for 600 ms is not impatient: the server is late.
+/// A client that waits for 600 ms is not impatient: the server is late.
 #[test]
 fn a_client_that_gives_up_late() {
     let mut traffic = Traffic::default();
@@ -339,7 +340,7 @@ fn who_was_only_commanded_is_no_node() {
     assert!(nodes[1].1.states.is_empty(), "it has never sent anything");
 }
 
-/// Records of several processors are out of order by milliseconds.
+/// A recorder with several processors records frames out of order by milliseconds.
 #[test]
 fn records_out_of_order_are_sorted() {
     let mut traffic = Traffic::default();
@@ -354,8 +355,8 @@ fn records_out_of_order_are_sorted() {
     assert!(findings::find("capture/out-of-order").is_some());
 }
 
-/// A master that has stopped guarding, and resets the node much later; one that resets communication and then the node,
-/// which takes its time.
+/// A master has stopped guarding, and resets the node much later. Another master resets communication and then the
+/// node, which takes long to restart.
 #[test]
 fn who_is_not_waited_for_is_not_lost() {
     let mut guarded_once = master(100);

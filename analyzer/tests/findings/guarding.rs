@@ -1,4 +1,4 @@
-//! Node guarding and heartbeat are one byte on the same CAN-ID: one is not taken for the other.
+//! Node guarding and heartbeat are one byte on the same CAN-ID: neither is mistaken for the other.
 
 use crate::traffic::Traffic;
 
@@ -14,7 +14,7 @@ fn heartbeats() -> Traffic {
 fn one_guarding_request_ends_no_heartbeats() {
     let mut traffic = heartbeats();
     traffic.at(3_300, "704#R1").at(3_301, "704#7F").only(&[]);
-    // And hides nothing.
+    // Guarding hides no missing heartbeat.
     let mut missing = traffic.clone();
     missing.silence(0x704, 20_000, 20_700).finds("nodes/heartbeat-missing", Some(4), 19_600);
     traffic.silence(0x704, 30_000, 40_000).finds("nodes/lost", Some(4), 29_600);
@@ -29,7 +29,7 @@ fn one_guarding_request_without_an_answer_ends_no_heartbeats() {
     traffic.silence(0x704, 20_000, 20_700).finds_among(&rules, rules[1], Some(4), 19_600);
 }
 
-/// Node 4 sends its state once, is guarded, and then told to send heartbeats every 500 ms.
+/// Node 4 sends its state once, is guarded, and is then configured to send heartbeats every 500 ms.
 fn guarded_then_heartbeats() -> Traffic {
     let mut traffic = Traffic::default();
     traffic.at(0, "704#05");
@@ -58,12 +58,12 @@ fn guarding_answers_with_heartbeats_between_them() {
     for n in 0..19 {
         traffic.at(30 + n * 2_000, "704#R1").at(31 + n * 2_000, &format!("704#{:02X}", 0x7F | (n & 1) << 7));
     }
-    // Its boot-up comes later.
+    // The boot-up of node 4 comes later.
     traffic.silence(0x704, 0, 100).only(&[]);
     traffic.silence(0x704, 20_500, 21_500).finds("nodes/heartbeat-missing", Some(4), 20_100);
 }
 
-/// A recorder leaves the remote frames out, and the master stops guarding.
+/// A recorder omits the remote frames, and the master stops guarding.
 #[test]
 fn guarding_without_its_requests_ends() {
     let mut traffic = Traffic::default();

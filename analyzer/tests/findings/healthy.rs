@@ -6,7 +6,7 @@ fn nothing_is_found_in_healthy_traffic() {
     machine().only(&[]);
 }
 
-/// A capture may begin anywhere: nothing is known of what was before.
+/// A capture may begin at any time, so that nothing is known of the time before.
 #[test]
 fn nothing_is_found_wherever_a_capture_begins() {
     for begin in (0..3_000).step_by(73).chain((9_900..11_100).step_by(37)) {
@@ -26,7 +26,7 @@ fn an_empty_capture_has_no_findings() {
     Traffic::default().only(&[]);
 }
 
-/// Written by a person or a script: all times are multiples of 100 ms. That does not make the clock coarse.
+/// All times are multiples of 100 ms, as written by a person or a script. Such times do not make the clock coarse.
 #[test]
 fn regular_times_hide_nothing() {
     let mut traffic = Traffic::default();

@@ -1,5 +1,5 @@
-//! Captures with known faults: every rule finds its own, with the right node and time, and nothing else is found; and
-//! nothing at all is found in healthy traffic.
+//! Captures with known faults: every rule finds its fault, with the right node and time, and nothing else is found.
+//! Nothing is found in healthy traffic.
 
 #[cfg(test)]
 mod block;

@@ -1,9 +1,9 @@
-//! Who must obey an NMT command, and who comes back after a reset.
+//! Which nodes must obey an NMT command, and which come back after a reset.
 
 use crate::traffic::Traffic;
 use canvass_analyzer::findings::Severity;
 
-/// What the master (node 127) tells all, and what node 5 does: stop, go to pre-operational, start anew.
+/// The commands of the master (node 127) to all nodes, which node 5 obeys: stop, go to pre-operational, reset.
 fn commands_to_all() -> Traffic {
     let mut traffic = Traffic::default();
     traffic.at(0, "77F#00").every(1_000, 30_000, 1_000, |_| "77F#05".to_owned());
@@ -25,7 +25,7 @@ fn the_master_does_not_hear_its_own_commands() {
     }
 }
 
-/// Node 5 stays operational when all are told to stop.
+/// Node 5 stays operational when all nodes are told to stop.
 fn ignored_stop(before: impl Fn(&mut Traffic)) -> Severity {
     let mut traffic = Traffic::default();
     traffic.at(100, "705#00").at(500, "000#0100").every(600, 20_000, 500, |_| "705#05".to_owned());
@@ -49,7 +49,7 @@ fn a_slave_that_ignores_a_command_to_all() {
     assert_eq!(ignored_stop(obedient), Severity::Error);
 }
 
-/// LSS gives node 5 the node-ID 50, with which it comes back; or it does not come back.
+/// LSS gives node 5 the node-ID 50. The node comes back with it, or does not come back.
 #[test]
 fn a_node_that_comes_back_with_another_node_id() {
     let reset = || {

@@ -28,7 +28,7 @@ fn a_node_that_restarts_again_and_again() {
     );
 }
 
-/// Switched off and on, so that stored parameters take effect: as in the manual of an encoder.
+/// A power cycle makes stored parameters take effect, as in the manual of an encoder.
 #[test]
 fn a_power_cycle_after_a_store() {
     let mut traffic = machine();
@@ -53,7 +53,7 @@ fn heartbeats_late_missing_and_ended() {
     ended.finds("nodes/heartbeat-ended", Some(3), 24_960);
 }
 
-/// The period is not in the capture: it is learned.
+/// The period is not in the capture, so it is learned.
 #[test]
 fn a_heartbeat_of_unknown_period() {
     let mut missing = machine();
@@ -108,7 +108,7 @@ fn a_node_that_leaves_operational() {
 #[test]
 fn guarding_without_an_answer() {
     let mut traffic = machine();
-    // 700 + 300 n: the request at 15 100 ms. The toggle bit goes on with the next answer.
+    // Requests come at 700 + 300 n ms; this one is at 15 100 ms. The toggle bit continues with the next answer.
     traffic.remove(|ms, frame| ms == 15_100 && frame.cob_id() == Some(0x706));
     traffic.finds_among(
         &["nodes/guarding-unanswered", "nodes/guarding-toggle"],
@@ -125,7 +125,7 @@ fn a_toggle_bit_that_stays() {
     let found = traffic.only(&["nodes/guarding-toggle"]);
     let mut other = machine();
     other.remove(|ms, frame| ms == 15_100 && frame.cob_id() == Some(0x706)).micros(15_100_700, "706#05");
-    // One of the two repeats the toggle bit of its neighbours.
+    // One of the two answers repeats the toggle bit of its neighbours.
     assert_eq!(found.len() + other.only(&["nodes/guarding-toggle"]).len(), 1);
 }
 
@@ -173,7 +173,7 @@ fn a_heartbeat_that_a_consumer_waits_for_in_vain() {
     assert!(finding.message.contains("waits 150 ms for the heartbeat of node 1"), "{}", finding.message);
 }
 
-/// A master that says "start" every 700 ms changes nothing, and hides nothing.
+/// A master repeats the start command every 700 ms, which changes nothing and hides nothing.
 #[test]
 fn a_command_that_is_repeated_hides_nothing() {
     let repeated = || {

@@ -68,7 +68,7 @@ fn time_jumps_by_an_hour() {
 fn a_cyclic_pdo_that_is_irregular() {
     let mut traffic = machine();
     traffic.silence(0x283, 5_000, END);
-    // Every third one waits for 20 ms.
+    // Every third PDO waits for 20 ms.
     for n in 0..400_u64 {
         traffic.at(5_007 + n * 50 + if n % 3 == 0 { 20 } else { 0 }, "283#0000");
     }
@@ -77,7 +77,7 @@ fn a_cyclic_pdo_that_is_irregular() {
     assert_eq!(finding.evidence.len(), 2);
 }
 
-/// An event may send it sooner than its timer.
+/// An event may send the PDO sooner than its timer.
 #[test]
 fn events_between_the_beats_of_the_timer() {
     let mut traffic = machine();
@@ -121,7 +121,7 @@ fn a_silent_store() {
     guarded.remove(|ms, frame| (15_051..18_050).contains(&ms) && frame.cob_id() == Some(0x706)).only(&[]);
 }
 
-/// A device that fills its TPDOs up to 8 bytes with zeros, and one that does so once.
+/// A device fills its TPDOs up to 8 bytes with zeros; another device does so only once.
 #[test]
 fn a_pdo_that_is_filled_up() {
     let filled = |last: &'static str| {
@@ -156,7 +156,7 @@ fn a_sync_that_is_switched_off_and_on() {
     traffic.silence(0x080, 4_000, 4_030).finds("pdo/sync-missing", None, 3_980);
 }
 
-/// The latest of the event timer and the cyclic timer of an encoder holds.
+/// Of the event timer and the cyclic timer of an encoder, the value shown last is in force.
 #[test]
 fn a_cyclic_timer_behind_an_event_timer() {
     let mut traffic = Traffic::default();
@@ -170,7 +170,7 @@ fn a_cyclic_timer_behind_an_event_timer() {
     let mut late = traffic.clone();
     let finding = late.silence(0x185, 8_900, 9_000).finds("pdo/period", Some(5), 8_410);
     assert!(finding.message.contains("its event timer is 500 ms"), "{}", finding.message);
-    // And back.
+    // The timer is changed back.
     traffic.silence(0x185, 12_000, 16_000).sdo(12_000, 5, "2B00180564000000", "6000180500000000");
     traffic.every(12_100, 16_000, 100, |n| format!("185#{}", hex(1200 + n))).only(&[]);
     let finding = traffic.silence(0x185, 14_050, 14_450).finds("pdo/period", Some(5), 14_000);

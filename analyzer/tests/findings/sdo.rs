@@ -76,7 +76,7 @@ fn a_repeated_request() {
     traffic.finds("sdo/retries", Some(4), 15_400);
 }
 
-/// Some interfaces give back what was sent: the same frame twice, at once.
+/// Some interfaces record a sent frame twice, a few microseconds apart.
 #[test]
 fn a_copy_is_no_repetition() {
     let mut traffic = machine();
@@ -93,7 +93,7 @@ fn storing_in_every_second() {
     traffic.finds("sdo/store-wear", Some(3), 463);
 }
 
-/// Two masters ask on the same channel at the same moment: each takes the answer to the other for its own.
+/// Two masters send requests on the same channel at the same moment: each takes the answer to the other for its own.
 #[test]
 fn two_clients_on_one_channel() {
     let mut traffic = machine();
@@ -107,12 +107,12 @@ fn two_clients_on_one_channel() {
     assert!(message("sdo/unanswered").contains("as if two clients used this channel"), "{}", message("sdo/unanswered"));
     let stale = message("sdo/protocol-violation");
     assert!(stale.contains("6004h:00, asked was 1000h:00"), "{stale}");
-    // What the wrong answer says is not taken for 1000h.
+    // The value of the wrong answer does not count as 1000h.
     let node = results.buses[0].1.nodes.iter().find(|node| node.0.raw() == 3).unwrap();
     assert_ne!(node.1.identity.device_type, Some(1));
 }
 
-/// Without errors in its history a device refuses to tell the newest.
+/// A device without errors in its history refuses to return the newest one.
 #[test]
 fn an_empty_error_history() {
     let mut history = machine();
@@ -124,7 +124,7 @@ fn an_empty_error_history() {
     assert_eq!(other.finds("sdo/aborted", Some(3), 15_113).severity, Severity::Warning);
 }
 
-/// Each request comes before the one before it has waited for 2 s, and the last one just before the end.
+/// Each request comes before the previous one has waited for 2 s, and the last one comes just before the end.
 #[test]
 fn an_absent_node_that_is_asked_again_and_again() {
     let mut traffic = machine();

@@ -56,7 +56,7 @@ fn loads_and_peaks_of_nodes_and_services() {
     assert!(bus.rate(bus.frames[Service::Sync as usize]).is_some_and(|rate| rate > 45.0 && rate < 50.0));
 }
 
-/// Who repeats a request has waited since the first time.
+/// If a client repeats a request, the response time counts from the first request.
 #[test]
 fn response_times_count_from_the_first_request() {
     let mut traffic = Traffic::default();
@@ -69,7 +69,7 @@ fn response_times_count_from_the_first_request() {
     assert_eq!(node.responses.count(), 1);
 }
 
-/// What a conformance test provokes is reported with the case that provoked it.
+/// A finding that a conformance test provokes is reported with the case that provoked it.
 #[test]
 fn findings_in_a_certification_run_name_their_case() {
     let mut traffic = Traffic::default();

@@ -1,4 +1,4 @@
-//! What follows from something is told below it.
+//! Consequences are listed below their cause.
 
 use crate::traffic::{END, Traffic, machine};
 use canvass_analyzer::findings::{Results, Story};
@@ -13,20 +13,20 @@ fn consequences(results: &Results, story: &Story) -> Vec<(&'static str, Option<u
     story.consequences.iter().map(|consequence| of(consequence.findings[0])).collect()
 }
 
-/// What each of the consequences follows from, as rules.
+/// For each consequence, the rule of its cause and its own rule.
 fn links(results: &Results, story: &Story) -> Vec<(&'static str, &'static str)> {
     let rule = |at: usize| results.findings[at].rule.id;
     story.consequences.iter().map(|consequence| (rule(consequence.of), rule(consequence.findings[0]))).collect()
 }
 
-/// Each finding is in one story.
+/// Asserts that each finding is in exactly one story.
 fn check(results: &Results) {
     let mut all: Vec<usize> = results.stories.iter().flat_map(Story::all).collect();
     all.sort_unstable();
     assert_eq!(all, (0..results.findings.len()).collect::<Vec<_>>());
 }
 
-/// Node 3 waits for node 1, which loses its supply: node 3 says so and leaves operational.
+/// Node 3 consumes the heartbeat of node 1, which loses its supply: node 3 sends an EMCY and leaves operational.
 #[test]
 fn a_node_that_others_wait_for() {
     let mut traffic = machine();
@@ -43,18 +43,18 @@ fn a_node_that_others_wait_for() {
     assert!(rules.contains(&"emcy/never-cleared") && rules.contains(&"nodes/state-lost"), "{rules:?}");
     assert!(follows.iter().all(|row| row.1 == Some(3)));
     assert_eq!(results.stories.len(), 1);
-    // One thing leads to the next.
+    // Each finding of the chain follows from the one before.
     let links = links(&results, &results.stories[0]);
     let chain = ["nodes/lost", "nodes/consumer-time", "emcy/raised", "nodes/state-lost"];
     for pair in chain.windows(2) {
         assert!(links.contains(&(pair[0], pair[1])), "{pair:?} in {links:?}");
     }
-    // It begins when the consumer has waited for long enough, which is after its cause.
+    // The finding begins at the end of the consumer time, which is after its cause.
     let first = |rule: &str| results.findings.iter().find(|finding| finding.rule.id == rule).map(|found| found.first);
     assert!(first("nodes/lost") < first("nodes/consumer-time"));
 }
 
-/// Sixty objects that a device does not have are one story with its objects.
+/// Sixty objects that a device lacks are one story, which lists the objects.
 #[test]
 fn aborts_of_the_same_kind_are_one() {
     let mut traffic = Traffic::default();
@@ -68,7 +68,7 @@ fn aborts_of_the_same_kind_are_one() {
     assert!(results.findings.iter().all(|finding| finding.object.is_some()));
 }
 
-/// Two nodes that restart together have one cause; one that restarts later has its own.
+/// Two nodes that restart together have one cause; a node that restarts later has its own.
 #[test]
 fn what_happens_to_several_nodes_at_once_is_one() {
     let mut traffic = Traffic::default();
@@ -83,7 +83,7 @@ fn what_happens_to_several_nodes_at_once_is_one() {
     assert_eq!(nodes, [2, 1], "{:#?}", results.stories);
 }
 
-/// A loss comes before an EMCY, and that before aborts, whatever came first.
+/// A loss is reported before an EMCY, and an EMCY before aborts, whichever came first.
 #[test]
 fn the_worst_is_told_first() {
     let mut traffic = machine();

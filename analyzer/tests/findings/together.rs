@@ -1,10 +1,10 @@
-//! All faults in one capture: none hides another, and none looks like one that is not there.
+//! All faults in one capture: no fault hides another, and no fault looks like one that does not exist.
 
 use crate::traffic::{END, Traffic, hex, machine, shown};
 use canvass_analyzer::findings::all;
 use std::collections::BTreeSet;
 
-/// What must be found: rule, node, and when it was first seen, in milliseconds.
+/// The expected findings: rule, node, and time of the first occurrence in milliseconds.
 const EXPECTED: &[(&str, Option<u8>, u64)] = &[
     ("bus/before-boot-up", Some(4), 20_110),
     ("bus/duplicate-node-id", Some(3), 27_060),
@@ -60,7 +60,8 @@ const EXPECTED: &[(&str, Option<u8>, u64)] = &[
     ("sdo/unanswered", Some(4), 21_500),
 ];
 
-/// Rules with captures of their own, which would disturb all others here: a full bus, an irregular SYNC, a damaged file.
+/// Rules with captures of their own, because their faults would disturb all others here: a full bus, an irregular SYNC,
+/// a damaged file.
 const ELSEWHERE: &[&str] = &[
     "bus/load",
     "bus/malformed",
@@ -83,7 +84,7 @@ const ELSEWHERE: &[&str] = &[
     "sdo/impatient-client",
 ];
 
-/// Times that a finding takes from its worst moment: they are not compared.
+/// The time of findings that depends on their worst moment; it is not compared.
 const ANY: u64 = 0;
 
 fn faults() -> Traffic {
@@ -97,7 +98,8 @@ fn faults() -> Traffic {
     traffic
 }
 
-/// Node 5 with a cyclic PDO, the irregular node 7, the nodes 8 and 9 that nobody starts, the draw-wire encoder 10.
+/// Node 5 with a cyclic PDO, the irregular node 7, the nodes 8 and 9, which nobody starts, and the draw-wire encoder
+/// 10.
 fn further_nodes(traffic: &mut Traffic) {
     traffic.at(105, "705#00").every(200, 1_000, 100, |_| "705#7F".to_owned());
     traffic.sdo(540, 5, "2F001802FE000000", "6000180200000000").sdo(550, 5, "2B00180532000000", "6000180500000000");
@@ -206,7 +208,7 @@ fn every_fault_is_found_among_all_others() {
     assert!(missing.is_empty() && others.is_empty(), "missing: {missing:#?}\nwrong: {others:#?}");
 }
 
-/// A rule without a capture that it finds something in is not proven.
+/// Every rule needs a capture in which it finds something.
 #[test]
 fn every_rule_has_its_fault() {
     let proven: BTreeSet<&str> = EXPECTED.iter().map(|row| row.0).chain(ELSEWHERE.iter().copied()).collect();

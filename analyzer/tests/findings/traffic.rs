@@ -1,18 +1,18 @@
-//! A small machine whose traffic is written down frame by frame, and what the rules say to it.
+//! A small machine whose traffic is written frame by frame, and the findings in this traffic.
 
 use canvass_analyzer::findings::{Diagnosis, Finding, InOrder, Results, SourceQuality, Thresholds};
 use canvass_traces::{ChannelId, Duration, Frame, INTERMISSION, Quality, Record, Timestamp, bit_length, parse_frame};
 
-/// Frames with the time at which each wants to be sent, in microseconds.
+/// Frames, each with the time in microseconds from which it waits for the bus.
 #[derive(Clone, Default)]
 pub struct Traffic {
     frames: Vec<(u64, Frame)>,
 }
 
-/// Node 3 is an encoder with a synchronous and a cyclic TPDO, node 4 sends on events, node 6 is guarded; a master with
-/// a heartbeat of its own, SYNC with a counter, and TIME.
+/// The end of the machine's traffic, in milliseconds. Node 3 is an encoder with a synchronous and a cyclic TPDO, node 4
+/// sends on events, node 6 is guarded; a master sends a heartbeat of its own, SYNC with a counter, and TIME.
 pub const END: u64 = 30_000;
-/// When the machine is started, in milliseconds.
+/// Time at which the machine is started, in milliseconds.
 pub const START: u64 = 1_000;
 
 pub fn frame(text: &str) -> Frame {
@@ -21,7 +21,7 @@ pub fn frame(text: &str) -> Frame {
 }
 
 impl Traffic {
-    /// Adds a frame at that time in milliseconds.
+    /// Adds a frame at `ms`, in milliseconds.
     pub fn at(&mut self, ms: u64, text: &str) -> &mut Self {
         self.micros(ms * 1000, text)
     }
@@ -31,7 +31,7 @@ impl Traffic {
         self
     }
 
-    /// Adds a frame again and again.
+    /// Adds a frame every `period` milliseconds.
     pub fn every(&mut self, from: u64, to: u64, period: u64, text: impl Fn(u64) -> String) -> &mut Self {
         for (n, ms) in (from..to).step_by(period as usize).enumerate() {
             self.at(ms, &text(n as u64));
@@ -39,24 +39,24 @@ impl Traffic {
         self
     }
 
-    /// Request and answer of an SDO server, 3 ms apart.
+    /// Adds a request to an SDO server and its answer, 3 ms apart.
     pub fn sdo(&mut self, ms: u64, node: u8, request: &str, response: &str) -> &mut Self {
         let (client, server) = (0x600 + u16::from(node), 0x580 + u16::from(node));
         self.at(ms, &format!("{client:03X}#{request}")).at(ms + 3, &format!("{server:03X}#{response}"))
     }
 
-    /// Takes frames away.
+    /// Removes frames.
     pub fn remove(&mut self, unwanted: impl Fn(u64, &Frame) -> bool) -> &mut Self {
         self.frames.retain(|(us, frame)| !unwanted(us / 1000, frame));
         self
     }
 
-    /// Takes away all frames of a CAN-ID within a time.
+    /// Removes all frames of a CAN-ID within a time.
     pub fn silence(&mut self, id: u16, from: u64, to: u64) -> &mut Self {
         self.remove(|ms, frame| frame.id().as_standard() == Some(id) && (from..to).contains(&ms))
     }
 
-    /// The frames as they come over a bus of 500 kbit/s, one after the other.
+    /// The frames as they follow each other on a bus of 500 kbit/s.
     pub fn records(&self) -> Vec<Record> {
         let mut frames = self.frames.clone();
         frames.sort_by_key(|(us, frame)| (*us, frame.id().raw()));
@@ -75,7 +75,7 @@ impl Traffic {
         diagnose(&self.records(), |_| {})
     }
 
-    /// What is found, which must all be of these rules.
+    /// All findings, which must be of these rules.
     #[track_caller]
     pub fn only(&self, rules: &[&str]) -> Vec<Finding> {
         let findings = self.results().findings;
@@ -84,7 +84,7 @@ impl Traffic {
         findings
     }
 
-    /// The one finding of that rule: at that node, first seen within 200 ms of that time, with evidence.
+    /// The only finding, which must be of this rule and node and first seen within 200 ms of `ms`, with evidence.
     #[track_caller]
     pub fn finds(&self, rule: &str, node: Option<u8>, ms: u64) -> Finding {
         self.finds_among(&[rule], rule, node, ms)
@@ -110,7 +110,7 @@ pub fn shown(finding: &Finding) -> String {
     format!("{at} ms {}{node}: {} ({} times)", finding.rule.id, finding.message, finding.count)
 }
 
-/// Takes the records through all rules; `prepare` may describe nodes.
+/// Shows the records to all rules; `prepare` may describe nodes.
 pub fn diagnose(records: &[Record], prepare: impl FnOnce(&mut Diagnosis)) -> Results {
     let mut diagnosis = Diagnosis::new(Thresholds::default());
     prepare(&mut diagnosis);
@@ -130,7 +130,7 @@ pub fn diagnose(records: &[Record], prepare: impl FnOnce(&mut Diagnosis)) -> Res
     diagnosis.finish(&[SourceQuality { name: "test.log", quality: &quality }])
 }
 
-/// What a healthy machine says in 30 seconds.
+/// The traffic of a healthy machine in 30 seconds.
 pub fn machine() -> Traffic {
     let mut traffic = Traffic::default();
     traffic.every(10, END, 100, |_| "701#05".to_owned());
@@ -147,11 +147,11 @@ pub fn machine() -> Traffic {
     for (n, ms) in (START + 20..END).step_by(20).enumerate() {
         let n = n as u64;
         traffic.at(ms, &format!("080#{:02X}", n % 10 + 1));
-        // It waits for SYNC to end.
+        // The PDO waits for the end of SYNC.
         traffic.micros(ms * 1000 + 30, &format!("183#{}", hex(4096 + n * 3)));
     }
     traffic.every(START + 7, END, 50, |n| format!("283#{:02X}{:02X}", n & 0xFF, n >> 8 & 0xFF));
-    // On an event: whenever it likes.
+    // The event comes at any time.
     traffic.every(START + 333, END, 777, |n| format!("184#{:02X}", n & 1));
     traffic.every(1_500, END, 1_000, |n| format!("100#{} 0010", hex(3_600_000 + n * 1000)));
     traffic.every(2_003, END, 500, |_| "603#4004600000000000".to_owned());
@@ -160,12 +160,12 @@ pub fn machine() -> Traffic {
     traffic
 }
 
-/// Four bytes, the lowest first.
+/// The lowest four bytes of a number in hexadecimal, the lowest byte first.
 pub fn hex(value: u64) -> String {
     value.to_le_bytes()[..4].iter().map(|byte| format!("{byte:02X}")).collect()
 }
 
-/// What the master reads and writes before the start.
+/// The SDO transfers of the master before the start.
 fn configuration(traffic: &mut Traffic) {
     let ok = "60";
     traffic.sdo(300, 3, "4000100000000000", "4300100096010200");
@@ -185,14 +185,14 @@ fn configuration(traffic: &mut Traffic) {
     traffic.sdo(440, 3, "2302600000000001", &format!("{ok}02600000000000"));
     traffic.sdo(450, 3, "2B00600004000000", &format!("{ok}00600000000000"));
     traffic.sdo(460, 3, "2310100173617665", &format!("{ok}10100100000000"));
-    // The name, in segments.
+    // The device name, in segments.
     traffic.sdo(500, 4, "4008100000000000", "410810000A000000");
     traffic.sdo(510, 4, "6000000000000000", "00454E434F444552");
     traffic.sdo(520, 4, "7000000000000000", "1920313700000000");
     traffic.sdo(530, 4, "2B171000C8000000", &format!("{ok}17100000000000"));
 }
 
-/// Node 6 is asked for its state every 300 ms.
+/// The master guards node 6 every 300 ms.
 fn guarding(traffic: &mut Traffic) {
     for (n, ms) in (700..END).step_by(300).enumerate() {
         let state = if ms < START { 0x7F } else { 0x05 };
@@ -200,7 +200,7 @@ fn guarding(traffic: &mut Traffic) {
     }
 }
 
-/// A node is stopped and started, and another one reset, as an operator would.
+/// An operator stops and starts a node, and resets another one.
 fn later(traffic: &mut Traffic) {
     traffic.at(10_031, "000#0204").at(11_045, "000#0104");
     traffic.silence(0x184, 10_031, 11_045);
@@ -214,7 +214,7 @@ fn later(traffic: &mut Traffic) {
     traffic.every(20_700, END, 900, |n| format!("184#{:02X}", n & 1));
 }
 
-/// How long a time in milliseconds is.
+/// A number of milliseconds.
 pub const fn ms(n: u64) -> Duration {
     Duration::from_millis(n)
 }

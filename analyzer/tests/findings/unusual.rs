@@ -1,9 +1,9 @@
-//! What a healthy bus may do beside what is usual. Nothing of it is a fault.
+//! Unusual behaviour of a healthy bus, which is no fault.
 
 use crate::traffic::{END, Traffic, diagnose, machine};
 use canvass_traces::{ChannelId, Timestamp};
 
-/// Two machines of the same kind, recorded together.
+/// Two machines of the same kind are recorded together.
 #[test]
 fn two_buses() {
     let first = machine().records();
@@ -18,7 +18,7 @@ fn two_buses() {
     assert!(findings.is_empty(), "{findings:#?}");
 }
 
-/// Another protocol on the same wires: CAN FD and 29-bit identifiers whose low bits look like ours.
+/// Another protocol on the same wires: CAN FD, and 29-bit identifiers whose low bits look like CAN-IDs of CANopen.
 #[test]
 fn other_protocols_in_between() {
     let mut traffic = machine();
@@ -28,7 +28,7 @@ fn other_protocols_in_between() {
     traffic.only(&[]);
 }
 
-/// New firmware: program control, silence, the program, and a boot-up.
+/// A firmware update: program control, silence, the program, and a boot-up.
 #[test]
 fn a_bootloader() {
     let mut traffic = machine();
@@ -50,7 +50,7 @@ fn an_lss_master_that_searches() {
     traffic.every(2_016, END, 1_000, |_| "7E5#0400000000000000".to_owned());
     traffic.every(2_017, END, 1_000, |_| "7E5#5100000000800000".to_owned());
     traffic.only(&[]);
-    // And hides nothing.
+    // The search hides no other finding.
     traffic.silence(0x703, 15_000, 15_250).finds("nodes/heartbeat-missing", Some(3), 14_960);
 }
 
@@ -66,7 +66,7 @@ fn a_reconfiguration() {
     traffic.only(&[]);
 }
 
-/// A second client has an SDO channel of its own, and asks while the first does.
+/// A second client has an SDO channel of its own, and sends requests while the first client does.
 #[test]
 fn two_sdo_clients() {
     let mut traffic = machine();
@@ -77,13 +77,13 @@ fn two_sdo_clients() {
     traffic.only(&[]);
 }
 
-/// Some recorders leave remote frames out: then guarding shows only its answers.
+/// Some recorders omit remote frames, so that guarding shows only its answers.
 #[test]
 fn a_recorder_without_remote_frames() {
     machine().remove(|_, frame| frame.is_remote()).only(&[]);
 }
 
-/// A node that comes up operational, and one whose boot-up is an EMCY without data, as before CiA 301 V4.
+/// A node that enters operational by itself, and one whose boot-up is an EMCY without data, as before CiA 301 V4.
 #[test]
 fn old_and_self_starting_nodes() {
     let mut traffic = machine();
@@ -93,7 +93,7 @@ fn old_and_self_starting_nodes() {
     traffic.only(&[]);
 }
 
-/// Times in milliseconds, as many tools write them.
+/// Times in whole milliseconds, as many tools write them.
 #[test]
 fn times_in_milliseconds() {
     let mut records = machine().records();
@@ -117,7 +117,7 @@ fn times_of_a_busy_computer() {
     assert!(findings.is_empty(), "{findings:#?}");
 }
 
-/// A configuration tool, a capture without any frame of the nodes themselves.
+/// Only a configuration tool sends: the capture has no frame of the nodes.
 #[test]
 fn only_a_master() {
     let mut traffic = Traffic::default();

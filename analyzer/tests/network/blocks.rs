@@ -1,4 +1,4 @@
-//! The messages of block transfers in their order (CiA 301, 7.2.4.3.8 to 7.2.4.3.16): what each may follow.
+//! The order of the messages in block transfers (CiA 301, 7.2.4.3.8 to 7.2.4.3.16).
 
 use crate::channels::{UNEXPECTED, dialogue, open, transfer};
 use canvass_analyzer::network::sdo::{Mode, Outcome, Violation};
@@ -49,18 +49,18 @@ fn both_directions_message_by_message() {
         assert_eq!((done.data(), done.announced, done.segments), (&b"ABCDEFGHIJKLMNO"[..], Some(15), 3));
         assert_eq!((done.crc(), done.length()), (crc16(0, b"ABCDEFGHIJKLMNO"), 15));
         assert_eq!(open(&trace), 0);
-        // Each message is of the transfer: it counts for its time.
+        // Each message belongs to the transfer and counts for its duration.
         for length in 1..=last {
             let trace = dialogue(&whole[..length]);
             assert_eq!(transfer(&trace).duration(), Duration::from_millis(length as u64 - 1), "{length}");
             assert_eq!(open(&trace), usize::from(length < last), "{length}");
         }
-        // The next request leaves nothing.
+        // The next request leaves no transfer behind.
         assert_eq!(open(&dialogue(whole)), 1);
     }
 }
 
-/// Bytes count when the receiver has confirmed them; of the last seven when the end message says how many.
+/// Bytes count when the receiver has confirmed them; the last seven bytes count when the end message says how many.
 #[test]
 fn bytes_count_when_they_are_confirmed() {
     let lengths = |whole: &[Line]| {
@@ -70,10 +70,10 @@ fn bytes_count_when_they_are_confirmed() {
     assert_eq!(lengths(&DOWNLOAD), [0, 0, 0, 0, 14, 14, 14, 15, 15]);
 }
 
-/// An exchange before, so that the capture can't have begun in the middle of a transfer.
+/// A complete exchange before, so that the capture can't have begun in the middle of a transfer.
 const BEFORE: [Line; 2] = [right("605#40 18 10 01 00 00 00 00"), right("585#43 18 10 01 13 00 00 00")];
 
-/// What belongs to another place of the transfer is reported, and changes nothing: the transfer goes on.
+/// A message that belongs to another place of the transfer is reported, and changes nothing: the transfer goes on.
 #[test]
 fn a_message_of_another_place_is_told() {
     let start = "605#A3 00 00 00 00 00 00 00";
@@ -111,7 +111,7 @@ fn a_message_of_another_place_is_told() {
     }
 }
 
-/// An end that comes while more was due ends the transfer, and is reported.
+/// An end message that comes while more was due ends the transfer, and is reported.
 #[test]
 fn an_early_end_ends_it() {
     for place in [2, 3, 4, 5, 6, 7, 8] {
@@ -130,8 +130,8 @@ fn an_early_end_ends_it() {
     }
 }
 
-/// Segments are numbered from 1 in every sub-block. One that is left out, or comes twice, is reported; the transfer is
-/// blamed only when the receiver confirms what the capture has not.
+/// Segments are numbered from 1 in every sub-block. A missing or repeated segment is reported. The transfer itself gets
+/// a violation only when the receiver confirms segments that the capture lacks.
 #[test]
 fn numbers_of_segments_go_up_by_one() {
     let sequence = |expected, found| Some(Violation::Sequence { expected, found });
@@ -144,7 +144,7 @@ fn numbers_of_segments_go_up_by_one() {
         ("605#01 41 42 43 44 45 46 47", sequence(2, 1)),
         right("605#02 48 49 4A 4B 4C 4D 4E"),
         right("605#83 4F 00 00 00 00 00 00"),
-        // A controller repeats a frame of which the last bit was disturbed.
+        // A CAN controller repeats a frame whose last bit was disturbed.
         ("605#83 4F 00 00 00 00 00 00", sequence(4, 3)),
         right("585#A2 03 02 00 00 00 00 00"),
         DOWNLOAD[7],
@@ -161,7 +161,7 @@ fn numbers_of_segments_go_up_by_one() {
     ]);
     assert_eq!((transfer(&trace).violation, transfer(&trace).segments), (sequence(1, 2), 0));
 
-    // Of an upload the same.
+    // The same holds for an upload.
     let trace = dialogue(&[
         UPLOAD[0],
         UPLOAD[1],
@@ -205,7 +205,7 @@ fn a_checksum_counts_where_both_know_it() {
     }
 }
 
-/// After ten seconds without a frame nobody waits for a segment any more; until then what looks like one is one.
+/// After ten seconds without a frame the sub-block is over. Until then a frame that looks like a segment is one.
 #[test]
 fn a_sub_block_waits_for_ten_seconds() {
     for (silence, is_segment) in [(9_999, true), (10_000, false)] {
@@ -216,7 +216,7 @@ fn a_sub_block_waits_for_ten_seconds() {
     }
 }
 
-/// The answer names the object of the request here too.
+/// A block upload, too, reports an answer that names another object than the request.
 #[test]
 fn an_answer_about_another_object_is_told() {
     let other = Violation::Multiplexer(canvass_analyzer::Multiplexer::new(0x1009, 0));
@@ -226,7 +226,7 @@ fn an_answer_about_another_object_is_told() {
     assert_eq!(transfer(&trace).violation, Some(other));
 }
 
-/// Behind the end of a sub-block no other frame is a segment, whatever it looks like.
+/// After the end of a sub-block no other frame is a segment, whatever it looks like.
 #[test]
 fn after_a_sub_block_requests_are_requests() {
     for (whole, places, request) in
@@ -240,7 +240,8 @@ fn after_a_sub_block_requests_are_requests() {
     }
 }
 
-/// A receiver that confirms the whole sub-block, of which the capture has not all, has not said that it is the last.
+/// The receiver confirms a whole sub-block of which the capture lacks segments: this does not make it the last
+/// sub-block.
 #[test]
 fn a_sub_block_with_a_gap_goes_on() {
     let sequence = |expected, found| Some(Violation::Sequence { expected, found });

@@ -1,4 +1,4 @@
-//! The rules of SDO dialogues, message by message (CiA 301, 7.2.4): what each message may follow, and what is blamed.
+//! The rules of SDO dialogues, message by message (CiA 301, 7.2.4): the order of messages, and the reported violations.
 
 use crate::trace::Trace;
 use canvass_analyzer::network::Event;
@@ -7,7 +7,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Duration};
 
-/// Says the frames to node 5 and asks for what each of them broke.
+/// Decodes the frames of a dialogue with node 5, and checks the violation of each frame.
 pub fn dialogue(frames: &[(&str, Option<Violation>)]) -> Trace {
     let mut trace = Trace::new();
     for (n, (frame, violation)) in frames.iter().enumerate() {
@@ -86,7 +86,7 @@ fn each_side_has_to_toggle() {
     assert_eq!(transfer(&trace).violation, None);
 }
 
-/// What belongs to the other direction, to a transfer in blocks, or to none, is out of place.
+/// A message of the other direction, of a block transfer or of no transfer is unexpected.
 #[test]
 fn what_does_not_belong_into_the_state_is_told() {
     let anywhere = [
@@ -97,7 +97,7 @@ fn what_does_not_belong_into_the_state_is_told() {
         "585#41 08 10 00 0F 00 00 00",
         "585#60 08 10 00 00 00 00 00",
     ];
-    // A whole transfer before, so that the capture has not begun in the middle of one.
+    // A whole transfer comes first, so that the capture has not begun in the middle of one.
     let whole = [("605#40 18 10 01 00 00 00 00", None), ("585#43 18 10 01 13 00 00 00", None)];
     for frame in anywhere {
         dialogue(&[whole[0], whole[1], (frame, UNEXPECTED)]);
@@ -122,7 +122,7 @@ fn what_does_not_belong_into_the_state_is_told() {
             assert_eq!(open(&trace), usize::from(before[0] != whole[0]), "{frame}");
         }
     }
-    // The other direction's.
+    // A message of the other direction.
     let reading = [(READ, None), (READ_ANSWER, None), ("605#60 00 00 00 00 00 00 00", None)];
     dialogue(&[reading[0], reading[1], ("605#00 41 42 43 44 45 46 47", UNEXPECTED)]);
     dialogue(&[reading[0], reading[1], reading[2], ("585#20 00 00 00 00 00 00 00", UNEXPECTED)]);
@@ -135,7 +135,7 @@ fn what_does_not_belong_into_the_state_is_told() {
 
 const READ_ANSWER_AMID_WRITE: (&str, Option<Violation>) = (READ_ANSWER, UNEXPECTED);
 
-/// A capture that begins in the middle of a block transfer blames nobody for the messages at its end.
+/// If a capture begins in the middle of a block transfer, the messages at its end are no violation.
 #[test]
 fn the_rest_of_a_block_transfer_from_before_the_capture_is_excused() {
     let rest = [
@@ -149,13 +149,13 @@ fn the_rest_of_a_block_transfer_from_before_the_capture_is_excused() {
     for frame in rest {
         dialogue(&[(frame, None)]);
     }
-    // These begin something, or nothing.
+    // These messages begin a transfer, or belong to none.
     for frame in ["605#A3 00 00 00 00 00 00 00", "585#A4 08 10 00 03 00 00 00", "585#C6 08 10 00 0F 00 00 00"] {
         dialogue(&[(frame, UNEXPECTED)]);
     }
 }
 
-/// Either side may abort at any time (7.2.4.3.17); an abort without a transfer ends none.
+/// Either side may abort at any time (7.2.4.3.17). An abort without a transfer ends none.
 #[test]
 fn an_abort_ends_the_transfer_and_says_who_did() {
     let code = AbortCode::TIMEOUT;
@@ -169,7 +169,7 @@ fn an_abort_ends_the_transfer_and_says_who_did() {
     assert_eq!(transfer(&trace).outcome, Outcome::Aborted(Side::Server, AbortCode::NO_OBJECT));
     assert_eq!(transfer(&trace).violation, None, "bytes that were announced are not due any more");
 
-    // Of the server the object counts, of the client it is its own matter.
+    // The object in an abort of the server must be the right one; the object in an abort of the client is not checked.
     let other = Violation::Multiplexer(Multiplexer::new(0x1009, 0));
     let trace = dialogue(&[(READ, None), ("585#80 09 10 00 00 00 02 06", Some(other))]);
     assert_eq!(transfer(&trace).violation, Some(other));
@@ -179,7 +179,7 @@ fn an_abort_ends_the_transfer_and_says_who_did() {
     assert_eq!((open(&trace), events(&trace)), (0, &[][..]));
 }
 
-/// An initiate request in the middle of a transfer leaves that.
+/// An initiate request in the middle of a transfer leaves the open transfer.
 #[test]
 fn each_kind_of_request_leaves_the_transfer_before() {
     for (request, direction, mode) in [
@@ -197,13 +197,13 @@ fn each_kind_of_request_leaves_the_transfer_before() {
         let new = transfer(&trace);
         assert_eq!((new.direction, new.mode, new.multiplexer.index.0), (direction, mode, 0x1000), "{request}");
         assert_eq!((new.outcome, new.segments, new.duration()), (Outcome::Open, 0, Duration::ZERO), "{request}");
-        // Without one before, nothing is left.
+        // Without a transfer before, no transfer is left.
         let trace = dialogue(&[(request, None)]);
         assert_eq!((events(&trace), open(&trace)), (&[][..], 1), "{request}");
     }
 }
 
-/// What was announced has to come: no more, no less.
+/// The number of bytes must equal the announced number.
 #[test]
 fn the_number_of_bytes_is_that_which_was_announced() {
     let size = |announced, received| Some(Violation::Size { announced, received });
@@ -219,7 +219,7 @@ fn the_number_of_bytes_is_that_which_was_announced() {
         assert_eq!((transfer(&trace).outcome, transfer(&trace).violation), (Outcome::Complete, violation));
         assert_eq!(transfer(&trace).duration(), Duration::from_millis(3));
     }
-    // The first rule that is broken is the one that the transfer is blamed for.
+    // The transfer keeps its first violation.
     let trace = dialogue(&[
         (READ, None),
         ("585#41 08 10 00 08 00 00 00", None),
@@ -229,7 +229,7 @@ fn the_number_of_bytes_is_that_which_was_announced() {
     assert_eq!(transfer(&trace).violation, TOGGLE);
 }
 
-/// One message each (7.2.4.3.3 and 7.2.4.3.6): the value is in it.
+/// Request and answer are one message each (7.2.4.3.3 and 7.2.4.3.6), and the value is in one of them.
 #[test]
 fn expedited_transfers_hold_their_value() {
     let trace = dialogue(&[("605#2B 17 10 00 E8 03 00 00", None), ("585#60 17 10 00 00 00 00 00", None)]);
@@ -245,7 +245,7 @@ fn expedited_transfers_hold_their_value() {
     let read = transfer(&trace);
     assert_eq!((read.direction, read.mode, read.data()), (Direction::Upload, Mode::Expedited, &[0xE8, 0x03][..]));
     assert_eq!((read.outcome, read.duration()), (Outcome::Complete, Duration(1_000_000)));
-    // The next one has nothing of it.
+    // The next transfer has nothing of this one.
     let mut trace = trace;
     trace.say("605#40 17 10 00 00 00 00 00");
     assert_eq!((transfer(&trace).data(), transfer(&trace).length(), transfer(&trace).crc()), (&[][..], 0, 0));
@@ -264,12 +264,12 @@ fn a_block_upload_can_become_a_normal_one() {
         ("585#05 41 42 43 44 45 00 00", None),
     ]);
     assert_eq!((transfer(&trace).mode, transfer(&trace).outcome), (Mode::Segmented, Outcome::Complete));
-    // Once the blocks have begun it is too late.
+    // Once the blocks have begun, the server can't change to a normal upload.
     dialogue(&[(request, None), ("585#C6 00 10 00 0F 00 00 00", None), ("585#43 00 10 00 96 01 02 00", UNEXPECTED)]);
 }
 
-/// A client that gives a block download up and asks for something else: its request looks like a segment, and the
-/// answer shows that it was none.
+/// A client gives up a block download and requests something else. Its request looks like a segment, and the answer
+/// shows that it was none.
 #[test]
 fn the_answer_to_another_request_ends_a_block_download() {
     let start = [("605#C6 00 20 00 0F 00 00 00", None), ("585#A4 00 20 00 03 00 00 00", None)];
@@ -278,13 +278,13 @@ fn the_answer_to_another_request_ends_a_block_download() {
         let trace = dialogue(&[start[0], start[1], segment, (answer, UNEXPECTED)]);
         assert!(matches!(events(&trace), [Event::TransferLeft(_)]), "{answer}");
         assert_eq!((left(&trace).outcome, open(&trace)), (Outcome::Superseded, 0), "{answer}");
-        // Before the first segment no request can have been taken for one.
+        // Before the first segment no request can have been taken for a segment.
         let trace = dialogue(&[start[0], (answer, UNEXPECTED)]);
         assert_eq!((events(&trace), open(&trace)), (&[][..], 1), "{answer}");
     }
 }
 
-/// A boot-up leaves what was under way, and an answer after it has no request.
+/// A boot-up leaves the open transfer, and an answer after the boot-up has no request.
 #[test]
 fn a_boot_up_leaves_the_transfer() {
     let mut trace = dialogue(&[(READ, None), (READ_ANSWER, None)]);
@@ -295,7 +295,7 @@ fn a_boot_up_leaves_the_transfer() {
     assert!(!events(&trace).iter().any(|event| matches!(event, Event::TransferLeft(_))), "nothing was under way");
 }
 
-/// Each message of a transfer counts for its time.
+/// Each message of a transfer counts for its duration.
 #[test]
 fn a_transfer_lasts_until_its_latest_message() {
     let upload = [

@@ -1,4 +1,4 @@
-//! What is known of devices before the capture: descriptions, and models that are recognised.
+//! Prior knowledge of devices: descriptions, and models that are recognised.
 
 use crate::trace::Trace;
 use crate::{events, node};
@@ -8,7 +8,7 @@ use canvass_analyzer::{Multiplexer, NodeId, PdoNumber};
 use canvass_traces::ChannelId;
 use std::sync::Arc;
 
-/// A description of some objects, each of 32 bits: index, sub-index, value.
+/// A description of some objects of 32 bits each: index, sub-index, value.
 fn device(objects: &[(u16, u8, &str)]) -> KnownDevice {
     let mut eds = "[DeviceInfo]\nVendorName=x\n".to_owned();
     for (index, sub, value) in objects {
@@ -21,8 +21,8 @@ fn device(objects: &[(u16, u8, &str)]) -> KnownDevice {
     KnownDevice::described(DeviceDescription::read(eds.as_bytes()).unwrap())
 }
 
-/// What a description says of CAN-IDs: PDOs and EMCY leave their place for it, SYNC and TIME may be at both, because another
-/// device may say otherwise.
+/// The COB-IDs of a description: PDOs and EMCY leave their default CAN-ID. SYNC and TIME may be on both CAN-IDs,
+/// because another device may use the default one.
 #[test]
 fn a_description_moves_what_is_the_nodes_own() {
     let mut trace = Trace::new();
@@ -51,9 +51,9 @@ fn a_description_moves_what_is_the_nodes_own() {
     assert_eq!(about(&mut trace, "185#00").0, "unknown");
     assert_eq!(about(&mut trace, "39A#00"), ("pdo", Some(5), Description));
     assert_eq!(about(&mut trace, "195#00"), ("pdo", Some(5), Description));
-    // Switched off as delivered: but it may have been switched on before the capture.
+    // The PDO is switched off in the description, but may have been switched on before the capture.
     assert_eq!(about(&mut trace, "285#00"), ("pdo", Some(5), Predefined));
-    // The trace knows better, also than a description that comes later.
+    // The trace overrides a description, even one that comes later.
     trace.say("605#23 00 18 01 0C 01 00 40");
     trace.say("585#60 00 18 01 00 00 00 00");
     trace.network.describe(node(5), device(&[(0x1800, 1, "0x18B")]));
@@ -63,7 +63,7 @@ fn a_description_moves_what_is_the_nodes_own() {
 fn offering() -> Trace {
     let known = device(&[(0x1800, 1, "0x18A"), (0x1804, 1, "0x195")]);
     let mut candidate = Candidate::of("model", Arc::new(known));
-    // In another order than that of the objects.
+    // The facts are not in the order of the objects.
     candidate.set(Multiplexer::new(0x1018, 2), Fact::Number(vec![7]));
     candidate.set(Multiplexer::new(0x1018, 1), Fact::Number(vec![0x13]));
     let mut trace = Trace::new();
@@ -71,7 +71,7 @@ fn offering() -> Trace {
     trace
 }
 
-/// With its model the places of a node's PDOs are known.
+/// Once the model is recognised, the CAN-IDs of the node's PDOs are known.
 #[test]
 fn a_recognised_node_has_the_places_of_its_model() {
     let mut trace = offering();
@@ -89,12 +89,12 @@ fn a_recognised_node_has_the_places_of_its_model() {
     let bus = trace.network.bus(ChannelId(0)).unwrap();
     let by = &bus.node(node(5)).unwrap().recognition.as_ref().unwrap().by;
     assert_eq!(by, &[Multiplexer::new(0x1018, 1), Multiplexer::new(0x1018, 2)]);
-    // Shown again, it is no news.
+    // A repeated read causes no event.
     trace.say("605#40 18 10 01 00 00 00 00");
     assert_eq!(events(&mut trace, "585#43 18 10 01 13 00 00 00"), [Event::TransferEnded]);
 }
 
-/// What a master writes is not what a device shows of itself.
+/// A value that a master writes identifies no device.
 #[test]
 fn nothing_is_recognised_by_what_is_written() {
     let mut trace = offering();
@@ -138,7 +138,7 @@ fn a_description_may_name_the_unit_of_speeds() {
     }
 }
 
-/// A description may come while the capture runs.
+/// A description may be added while the capture runs.
 #[test]
 fn a_description_counts_on_buses_that_are_known() {
     let mut trace = Trace::new();
@@ -147,7 +147,7 @@ fn a_description_counts_on_buses_that_are_known() {
     assert_eq!(trace.say("18A#00").decoded.node, Some(node(5)));
 }
 
-/// Vendor and product, or device type and name: one of two is too few.
+/// A model needs vendor-ID and product code, or device type and name. One of two is not enough.
 #[test]
 fn half_an_identity_fits_nothing() {
     let mut candidate = Candidate::of("model", Arc::new(device(&[(0x1000, 0, "0x00020196")])));
@@ -179,7 +179,7 @@ fn speeds_have_a_multiplier_and_a_divisor() {
         (0x14, 2, 1, "= -5 steps/s"),
         (0x14, 0, 5, "= -10"),
         (0x14, 2, 0, "= -10"),
-        // Of Kübler's encoders 6000h says it.
+        // For Kübler's encoders a bit of 6000h determines the unit.
         (0x13, 2, 5, "= -10 rpm"),
     ] {
         let mut trace = Trace::new();

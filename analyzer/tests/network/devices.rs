@@ -1,4 +1,4 @@
-//! Devices that are recognised, that get another node-ID or bit rate by objects of their own, or that speak LMT.
+//! Recognised devices, devices whose own objects set their node-ID or bit rate, and devices that speak LMT.
 
 use crate::trace::Trace;
 use crate::{events, node};
@@ -101,7 +101,7 @@ fn a_model_is_recognised_by_its_identity() {
     let bus = trace.network.bus(ChannelId(0)).unwrap();
     let recognition = bus.node(node(63)).unwrap().recognition.as_ref().unwrap();
     assert_eq!((&*recognition.model, recognition.by.len()), ("model", 2));
-    // Read once more, it is no news; other nodes are not it.
+    // A repeated read causes no event, and other nodes are not recognised.
     trace.say("63F#40 18 10 02 00 00 00 00");
     assert_eq!(events(&mut trace, "5BF#43 18 10 02 01 20 68 58"), [Event::TransferEnded]);
     assert_eq!(trace.say("181#03 01").text, "TPDO 1, 2 bytes, mapping not known");
@@ -116,7 +116,7 @@ fn another_product_is_not_recognised() {
     assert_eq!(events(&mut trace, "5BF#43 18 10 02 02 20 68 58"), [Event::TransferEnded]);
 }
 
-/// What the trace has shown of COB-IDs and mappings is known better than what the model has by default.
+/// COB-IDs and mappings that the trace has shown override the defaults of the model.
 #[test]
 fn the_trace_knows_better_than_a_model() {
     let mut trace = offering();
@@ -147,7 +147,7 @@ fn what_the_user_says_is_not_doubted() {
     assert_eq!(events(&mut trace, "5BF#43 18 10 02 01 20 68 58"), [Event::TransferEnded]);
 }
 
-/// Device type and name, which comes in segments.
+/// The model is recognised by device type and name; the name comes in segments.
 #[test]
 fn a_model_is_recognised_by_its_name() {
     let mut candidate = Candidate::of("named", Arc::new(described()));
@@ -166,7 +166,7 @@ fn a_model_is_recognised_by_its_name() {
     assert!(events(&mut trace, "585#01 53 65 6E 64 69 78 31").contains(&Event::Recognised(node(5))));
 }
 
-/// 2101h and 2100h of Sendix encoders: the device starts with what was written, and its description goes with it.
+/// 2101h and 2100h of Sendix encoders: the device starts with the written settings, and its description moves with it.
 #[test]
 fn a_node_id_and_a_bit_rate_that_were_written_take_effect_at_the_start() {
     let mut trace = Trace::new();
@@ -189,7 +189,7 @@ fn a_node_id_and_a_bit_rate_that_were_written_take_effect_at_the_start() {
     assert!(!events(&mut trace, "72A#00").contains(&changed), "it has it since then");
 }
 
-/// A write that was refused, or that the device did not keep.
+/// The device refuses the write, or does not keep the value.
 #[test]
 fn what_did_not_take_effect_is_forgotten() {
     let mut trace = Trace::new();
@@ -203,7 +203,7 @@ fn what_did_not_take_effect_is_forgotten() {
     assert_eq!(events(&mut trace, "72B#00").len(), 1, "node 63 still had its node-ID");
 }
 
-/// Both protocols know "configure bit timing"; their tables differ from code 5 on.
+/// Both protocols have "configure bit timing"; their tables differ from code 5 on.
 #[test]
 fn lmt_is_known_from_the_description() {
     let mut lmt = KnownDevice::default();
@@ -212,7 +212,7 @@ fn lmt_is_known_from_the_description() {
     trace.network.describe(node(5), lmt.clone());
     let said = trace.say("7E5#13 00 05 00 00 00 00 00");
     assert_eq!((said.service(), said.text.as_str()), ("lmt", "LMT configure bit timing: 50 kbit/s"));
-    // What only LSS knows tells otherwise.
+    // A message that only LSS has shows that the bus uses LSS.
     trace.say("7E5#5E 00 00 00 00 00 00 00");
     assert_eq!(trace.say("7E5#13 00 05 00 00 00 00 00").service(), "lss");
 
@@ -251,7 +251,8 @@ AccessType=rw
 DefaultValue=$NODEID+0x10B
 ";
 
-/// The parameters of an SRDO, read in the trace: no inverted twin is needed to know it, and its mapping names the data.
+/// The trace shows the parameters of an SRDO. The SRDO is then known without its inverted twin, and its mapping names
+/// the data.
 #[test]
 fn an_srdo_is_known_by_its_parameters() {
     let mut trace = Trace::new();
@@ -271,7 +272,7 @@ fn an_srdo_is_known_by_its_parameters() {
     assert_eq!((said.service(), said.text.as_str()), ("srdo", "SRDO 1 data: 6004h:00 Position value = 19642 steps"));
     assert_eq!(trace.say("142#45 B3 FF FF").text, "SRDO 1 inverted data");
     assert_eq!(trace.say("142#45 B3 FF FF").text, "SRDO 1 inverted data, without the data before it");
-    // Switched off, there is none.
+    // The SRDO is switched off.
     trace.say("605#2F 01 13 01 00 00 00 00");
     trace.say("585#60 01 13 01 00 00 00 00");
     assert_eq!(trace.say("141#BA 4C 00 00").service(), "unknown");
@@ -284,7 +285,7 @@ fn an_srdo_of_a_description_belongs_to_its_sender() {
     trace.network.describe(node(5), device);
     let said = trace.say("110#11");
     assert_eq!((said.service(), said.decoded.node), ("srdo", Some(node(5))), "{}", said.text);
-    // Node 9 receives it.
+    // Node 9 receives the SRDO.
     for frame in [
         "609#2F 01 13 01 02 00 00 00",
         "589#60 01 13 01 00 00 00 00",

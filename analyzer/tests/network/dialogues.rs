@@ -1,4 +1,4 @@
-//! Dialogues of layer setting, and what follows from the states and errors that nodes show.
+//! Dialogues of layer setting, and events from the states and errors that nodes show.
 
 use crate::trace::Trace;
 use crate::{events, node};
@@ -13,7 +13,8 @@ fn asked(unanswered: bool) -> Event {
     Event::LayerSetting(Exchange::Request { unanswered })
 }
 
-/// Each service of LSS and LMT that has an answer is missed when the next request comes first; those that have none are not.
+/// A missing answer to a request of LSS or LMT is reported with the next request. Services without an answer are not
+/// reported.
 #[test]
 fn a_request_without_its_answer_is_told_with_the_next() {
     let answered = [
@@ -51,7 +52,7 @@ fn several_slaves_may_answer_one_request_and_none_unasked() {
         let answer = Event::LayerSetting(Exchange::Response(Duration::from_millis(millis)));
         assert_eq!(events(&mut trace, "7E4#50 00 00 00 00 00 00 00"), [answer]);
     }
-    // All of them have answered, so that the next request misses nothing.
+    // All slaves have answered, so the next request reports no missing answer.
     trace.say("7E5#5E 00 00 00 00 00 00 00");
     trace.say("7E4#5E 05 00 00 00 00 00 00");
     assert_eq!(events(&mut trace, "7E5#5E 00 00 00 00 00 00 00"), [asked(false)]);
@@ -73,11 +74,12 @@ fn a_bit_rate_acts_when_it_was_confirmed_and_activated() {
     assert_eq!(activated(Some(good), set), changed(Some(250_000)));
     assert_eq!(activated(Some(bad), set), changed(None));
     assert_eq!(activated(None, set), changed(None));
-    // Another table than that of CiA says nothing.
+    // The code of another table than CiA's has no known bit rate.
     assert_eq!(activated(Some(good), "7E5#13 80 03 00 00 00 00 00"), changed(None));
 }
 
-/// The node-ID that a slave tells in configuration is the one that it had; one that was left is not it.
+/// The node-ID that a slave reports in configuration is its former node-ID. The report of a slave that has left
+/// configuration does not count.
 #[test]
 fn the_node_id_that_was_told_is_the_one_before() {
     let mut trace = Trace::new();
@@ -113,7 +115,7 @@ fn a_command_to_all_changes_the_nodes_that_are_known() {
     assert_eq!(events(&mut trace, "000#01 00"), [], "they are operational already");
     trace.say("000#80 05");
     assert_eq!(events(&mut trace, "000#02 05"), [to(5, State::STOPPED)]);
-    // Node-IDs end at 127.
+    // 128 is no node-ID.
     assert_eq!(events(&mut trace, "000#02 80"), []);
 }
 
@@ -126,7 +128,7 @@ fn a_state_is_news_once() {
     assert_eq!(events(&mut trace, "705#7F"), [change(Some(State::OPERATIONAL), State::PRE_OPERATIONAL)]);
 }
 
-/// An error is as old as its first message, until it is taken back or the node starts anew.
+/// The age of an error counts from its first message, until the error ends or the node restarts.
 #[test]
 fn an_error_has_an_age() {
     let mut trace = Trace::new();
@@ -154,15 +156,15 @@ fn two_kinds_of_boot_up_are_one_start() {
     let mut trace = Trace::new();
     assert_eq!(events(&mut trace, "085#"), [started(None)]);
     assert_eq!(events(&mut trace, "705#00"), []);
-    // The next ones are another start.
+    // A further boot-up of either kind is another start.
     assert_eq!(events(&mut trace, "705#00"), [started(Some(State::PRE_OPERATIONAL))]);
     assert_eq!(events(&mut trace, "705#00"), [started(Some(State::PRE_OPERATIONAL))]);
-    // More than a second later it is another one too.
+    // An empty EMCY more than a second later is another start too.
     trace.now += Duration::from_millis(1_001);
     assert_eq!(events(&mut trace, "085#"), [started(Some(State::PRE_OPERATIONAL))]);
 }
 
-/// The object that was written is reported where it is the manufacturer's that sets the node-ID: not without one.
+/// A message of a transfer has the object of the transfer.
 #[test]
 fn a_transfer_names_its_object() {
     let mut trace = Trace::new();

@@ -1,4 +1,4 @@
-//! What frames bring about on their bus.
+//! Events that frames cause on their bus.
 
 use crate::trace::Trace;
 use crate::{events, node, select_node_63};
@@ -15,7 +15,7 @@ fn a_frame_begins_a_new_list() {
     assert_eq!(events(&mut trace, "181#00"), []);
 }
 
-/// A slave that was addressed by its four numbers, which the trace has shown before, is the node that had them.
+/// The trace has shown the four numbers of a node's LSS address. The slave that is selected by them is this node.
 #[test]
 fn a_new_node_id_is_followed_by_the_lss_address() {
     let mut trace = Trace::new();
@@ -23,7 +23,7 @@ fn a_new_node_id_is_followed_by_the_lss_address() {
     trace.say("7E4#44 00 00 00 00 00 00 00");
     trace.say("7E5#11 2A 00 00 00 00 00 00");
     trace.say("7E4#11 00 00 00 00 00 00 00");
-    // Somebody else starts meanwhile.
+    // Another node starts meanwhile.
     assert_eq!(events(&mut trace, "701#00").len(), 1);
     let changed = Event::NodeIdChanged { from: Some(node(63)), to: node(42), object: None };
     assert!(events(&mut trace, "72A#00").contains(&changed));

@@ -1,4 +1,5 @@
-//! What a node keeps over its next start: 1010h stores, 1011h restores the defaults (CiA 301, 7.5.2.13 and 7.5.2.14).
+//! Parameters that a node keeps over its next start: 1010h stores, 1011h restores the defaults (CiA 301, 7.5.2.13 and
+//! 7.5.2.14).
 
 use crate::node;
 use crate::trace::Trace;
@@ -6,19 +7,19 @@ use canvass_analyzer::PdoNumber;
 use canvass_analyzer::network::{Event, Move, Source, Use};
 use canvass_traces::ChannelId;
 
-/// Node 5 takes a value of four bytes.
+/// Node 5 accepts a download of four bytes.
 fn written(trace: &mut Trace, object: &str, value: &str) {
     trace.say(&format!("605#23 {object} {value}"));
     trace.say(&format!("585#60 {object} 00 00 00 00"));
 }
 
-/// Node 5 shows a value of four bytes.
+/// Node 5 answers an upload with four bytes.
 fn shown(trace: &mut Trace, object: &str, value: &str) {
     trace.say(&format!("605#40 {object} 00 00 00 00"));
     trace.say(&format!("585#43 {object} {value}"));
 }
 
-/// Node 5 starts, and what follows from it beside its state.
+/// Node 5 starts. Returns the events beside the change of its state.
 fn started(trace: &mut Trace) -> Vec<Event> {
     trace.say("705#00");
     let mut all = trace.network.bus(ChannelId(0)).unwrap().events().to_vec();
@@ -45,8 +46,8 @@ fn back_home() -> Event {
 const SAVE: &str = "73 61 76 65";
 const LOAD: &str = "6C 6F 61 64";
 
-/// Sub-index 1 stores all, 2 communication (1000h to 1FFFh), 3 the application (6000h to 9FFFh); 4 and on are the
-/// manufacturer's.
+/// Sub-index 1 stores all parameters, 2 communication (1000h to 1FFFh), 3 the application (6000h to 9FFFh). Further
+/// sub-indexes belong to the manufacturer.
 #[test]
 fn each_sub_index_stores_its_own() {
     for (sub, kept) in [(1, true), (2, true), (3, false), (4, false)] {
@@ -58,7 +59,7 @@ fn each_sub_index_stores_its_own() {
     }
 }
 
-/// The unit of a position tells whether 6001h was kept.
+/// The unit of a position shows whether 6001h was kept.
 #[test]
 fn parameters_of_the_application_are_stored_too() {
     for (sub, kept) in [(1, true), (2, false), (3, true), (4, false)] {
@@ -73,7 +74,7 @@ fn parameters_of_the_application_are_stored_too() {
     }
 }
 
-/// Only the signature stores, and only where the device took it.
+/// Only the signature stores, and only if the device accepts it.
 #[test]
 fn without_its_signature_nothing_is_stored() {
     for (request, answer) in [
@@ -91,19 +92,19 @@ fn without_its_signature_nothing_is_stored() {
     }
 }
 
-/// What was read before anything was written is what the device starts with.
+/// A value that was read before any write is the value with which the device starts.
 #[test]
 fn what_was_read_was_there_before() {
     let mut trace = Trace::new();
     shown(&mut trace, TPDO, MOVED);
     assert_eq!(started(&mut trace), []);
     assert!(is_moved(&mut trace));
-    // Written, and then read back: that was not there before.
+    // The value was written and then read back, so the device did not start with it.
     let mut trace = Trace::new();
     written(&mut trace, TPDO, MOVED);
     shown(&mut trace, TPDO, MOVED);
     assert_eq!(started(&mut trace), [back_home()]);
-    // Read, written, and started anew: the first value is back.
+    // The value was read, then written; the start restores the value that was read.
     let mut trace = Trace::new();
     shown(&mut trace, TPDO, MOVED);
     written(&mut trace, TPDO, "0C 01 00 40");
@@ -113,7 +114,7 @@ fn what_was_read_was_there_before() {
     assert!(is_moved(&mut trace));
 }
 
-/// The defaults take effect with the start after 1011h, not before; those of the application alone move no COB-ID.
+/// The defaults take effect with the start after 1011h, not before. Defaults of the application alone move no COB-ID.
 #[test]
 fn defaults_come_back_with_the_next_start() {
     for (sub, value, kept) in [(1, LOAD, false), (2, LOAD, false), (3, LOAD, true), (1, SAVE, true)] {
@@ -124,14 +125,14 @@ fn defaults_come_back_with_the_next_start() {
         assert!(is_moved(&mut trace), "{sub}");
         assert_eq!(started(&mut trace), if kept { vec![] } else { vec![back_home()] }, "{sub} {value}");
     }
-    // Read from 1011h, "load" says only that the device could.
+    // A read of "load" from 1011h only says that the device can restore defaults.
     let mut trace = Trace::new();
     shown(&mut trace, TPDO, MOVED);
     shown(&mut trace, "11 10 01", LOAD);
     assert_eq!(started(&mut trace), []);
 }
 
-/// Device type and resolution are the device's own.
+/// Device type and resolution belong to the device: restoring defaults does not change them.
 #[test]
 fn what_the_device_is_survives_its_defaults() {
     let mut trace = Trace::new();
@@ -152,21 +153,21 @@ fn what_the_device_is_survives_its_defaults() {
     assert!(position(&mut trace).ends_with("= 19642 steps (863.173828°)"));
 }
 
-/// A start of node 5 takes nothing back that is another node's.
+/// A start of node 5 changes no COB-ID of another node.
 #[test]
 fn each_node_forgets_its_own() {
     let mut trace = Trace::new();
     written(&mut trace, TPDO, MOVED);
     trace.say("706#00");
     assert!(is_moved(&mut trace));
-    // SYNC is nobody's.
+    // SYNC belongs to no node.
     written(&mut trace, "05 10 00", "90 00 00 00");
     started(&mut trace);
     trace.say("701#00");
     assert_eq!(trace.say("090#").service(), "sync");
 }
 
-/// Further SDO servers move back too: 1201h has no CAN-IDs by default.
+/// Further SDO servers lose their CAN-IDs too, as 1201h has none by default.
 #[test]
 fn further_servers_are_forgotten_as_long_as_they_are_not_stored() {
     for store in [false, true] {

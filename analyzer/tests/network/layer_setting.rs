@@ -5,7 +5,7 @@ use crate::{events, node, select_node_63};
 use canvass_analyzer::network::{Event, Exchange};
 use canvass_traces::Duration;
 
-/// Each service of LMT that has an answer is missed when the next request comes first (CiA 205-2).
+/// A missing answer to a request of LMT is reported with the next request (CiA 205-2).
 #[test]
 fn lmt_requests_have_answers() {
     let asked = |unanswered| Event::LayerSetting(Exchange::Request { unanswered });
@@ -18,7 +18,7 @@ fn lmt_requests_have_answers() {
         ("7E5#01 41 42 43 20 20 20 20", false),
     ] {
         let mut trace = Trace::new();
-        // LMT's own way to ask for the manufacturer name.
+        // LMT's own command to inquire the manufacturer name.
         trace.say("7E5#24 00 00 00 00 00 00 00");
         trace.say("7E4#24 41 42 43 20 20 20 20");
         assert_eq!(events(&mut trace, request), [asked(false)], "{request}");
@@ -28,7 +28,7 @@ fn lmt_requests_have_answers() {
     }
 }
 
-/// Table 0 of LMT: code 3 is 250 kbit/s, code 7 is 20 kbit/s. It acts when it was confirmed.
+/// Table 0 of LMT: code 3 is 250 kbit/s, code 7 is 20 kbit/s. The bit rate takes effect only if it was confirmed.
 #[test]
 fn lmt_sets_bit_rates_and_addresses() {
     let activated = |setting: &str, answer: Option<&str>| {
@@ -54,7 +54,7 @@ fn lmt_sets_bit_rates_and_addresses() {
         let changed = Event::NodeIdChanged { from: None, to: node(7), object: None };
         assert_eq!(events(&mut trace, "707#00").contains(&changed), given, "{answer}");
     }
-    // Another slave is switched to: what was asked of the one before is not confirmed by it.
+    // After a switch to another slave, a confirmation does not count for the request to the slave before.
     for switch in ["7E5#04 00 00 00 00 00 00 00", "7E5#01 41 42 43 20 20 20 20"] {
         let mut trace = Trace::new();
         trace.say("7E5#24 00 00 00 00 00 00 00");
@@ -65,7 +65,7 @@ fn lmt_sets_bit_rates_and_addresses() {
     }
 }
 
-/// Only a node that has shown all four numbers of the address is the one that was addressed.
+/// A node is the addressed slave only if it has shown all four numbers of the address.
 #[test]
 fn a_part_of_an_lss_address_is_too_few() {
     for (shown, found) in
@@ -85,7 +85,7 @@ fn a_part_of_an_lss_address_is_too_few() {
         let changed = Event::NodeIdChanged { from: found.then(|| node(63)), to: node(42), object: None };
         assert!(events(&mut trace, "72A#00").contains(&changed), "{shown:02X?}");
     }
-    // A node that was given the node-ID that it had is no news.
+    // Assigning the node-ID that a node already has causes no event.
     let mut trace = Trace::new();
     trace.say("7E5#5E 00 00 00 00 00 00 00");
     trace.say("7E4#5E 2A 00 00 00 00 00 00");
@@ -94,7 +94,7 @@ fn a_part_of_an_lss_address_is_too_few() {
     assert_eq!(events(&mut trace, "72A#00").len(), 1);
 }
 
-/// An address that was selected before another slave was switched to is not that slave's.
+/// An address that was selected before a switch to another slave is not the address of that slave.
 #[test]
 fn an_lss_address_belongs_to_the_slave_that_was_selected() {
     let mut trace = Trace::new();

@@ -1,4 +1,4 @@
-//! What the network learns from SDO traffic, and what a boot-up makes it forget (CiA 301, 7.3.2.2.1).
+//! What the network learns from SDO traffic, and what it forgets at a boot-up (CiA 301, 7.3.2.2.1).
 
 use crate::trace::Trace;
 use crate::{events, node};
@@ -6,7 +6,7 @@ use canvass_analyzer::network::{Event, Move, Source, Use};
 use canvass_analyzer::{PdoNumber, Service};
 use canvass_traces::ChannelId;
 
-/// Node 5 takes a value of four bytes; what follows from it.
+/// Node 5 accepts a download of four bytes. Returns the events.
 fn written(trace: &mut Trace, object: &str, value: &str) -> Vec<Event> {
     trace.say(&format!("605#23 {object} {value}"));
     let mut all = events(trace, &format!("585#60 {object} 00 00 00 00"));
@@ -14,7 +14,7 @@ fn written(trace: &mut Trace, object: &str, value: &str) -> Vec<Event> {
     all
 }
 
-/// Node 5 shows a value of four bytes.
+/// Node 5 answers an upload with four bytes. Returns the events.
 fn read(trace: &mut Trace, object: &str, value: &str) -> Vec<Event> {
     trace.say(&format!("605#40 {object} 00 00 00 00"));
     let mut all = events(trace, &format!("585#43 {object} {value}"));
@@ -52,7 +52,7 @@ fn what_has_no_place_in_the_standard_is_new_there() {
     assert_eq!(written(&mut trace, "08 18 01", "95 01 00 C0"), [moved(ninth, Some(0x195), None)]);
 }
 
-/// CAN-IDs that CiA 301 (7.3.5) restricts are not learned, nor those of 29 bits looked for among those of 11.
+/// CAN-IDs that CiA 301 (7.3.5) restricts are not learned, and 29-bit CAN-IDs are not looked up among the 11-bit ones.
 #[test]
 fn impossible_places_are_not_taken() {
     let mut trace = Trace::new();
@@ -68,7 +68,7 @@ fn the_first_sdo_server_stays_where_it_is_unless_it_was_told_to_move() {
     assert_eq!(trace.say("60A#40 18 10 01 00 00 00 00").decoded.node, Some(node(10)));
 }
 
-/// A device that takes another COB-ID of its first server, which is read-only, may stay where it is, or not.
+/// 1200h is read-only. A device that accepts another COB-ID there may use the new CAN-ID or its default one.
 #[test]
 fn a_first_sdo_server_that_was_told_to_move_is_known_in_both_places() {
     let mut trace = Trace::new();
@@ -82,7 +82,7 @@ fn a_first_sdo_server_that_was_told_to_move_is_known_in_both_places() {
     }
 }
 
-/// What was not stored is gone with the next start: the place comes back, and so does the mapping.
+/// COB-IDs and mappings that were not stored are lost at the next start: the former ones return.
 #[test]
 fn a_boot_up_takes_back_what_was_not_stored() {
     let mut trace = Trace::new();
@@ -101,7 +101,7 @@ fn a_boot_up_takes_back_what_was_not_stored() {
     assert_eq!(trace.say("185#01 02 03 04").text, "TPDO 1, 4 bytes, mapping not known");
 }
 
-/// 1010h:01 keeps it.
+/// 1010h:01 stores the COB-ID.
 #[test]
 fn a_boot_up_keeps_what_was_stored() {
     let mut trace = Trace::new();
@@ -125,7 +125,7 @@ fn a_boot_up_ends_the_transfers_of_the_node() {
     assert_eq!(bus.open_transfers().map(|open| open.0).collect::<Vec<_>>(), [node(6)]);
 }
 
-/// An answer about another object, or a refusal, teaches nothing.
+/// A COB-ID is not learned from an answer about another object or from a refused download.
 #[test]
 fn what_was_refused_or_mixed_up_is_not_learned() {
     let mut trace = Trace::new();

@@ -1,4 +1,4 @@
-//! What a network knows of its nodes, and what frames bring about.
+//! The knowledge of a network about its nodes, and the events that frames cause.
 
 #[cfg(test)]
 mod blocks;
@@ -46,14 +46,14 @@ fn node(raw: u8) -> NodeId {
     NodeId::new(raw).unwrap()
 }
 
-/// What the frame brings about.
+/// The events that the frame causes.
 #[cfg(test)]
 fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
     trace.say(frame);
     trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
 }
 
-/// Node 63 gives its identity by SDO, and is then selected by its LSS address.
+/// Node 63 shows its identity by SDO, and is then selected by its LSS address.
 #[cfg(test)]
 fn select_node_63(trace: &mut Trace) {
     const IDENTITY: [&str; 4] = ["13", "F1", "66", "A5"];

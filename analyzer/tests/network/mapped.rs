@@ -1,11 +1,11 @@
-//! What PDOs and SRDOs carry, as their mappings say it (CiA 301, 7.5.2.36 and 7.5.2.38), and in which unit (CiA 406).
+//! The content of PDOs and SRDOs by their mappings (CiA 301, 7.5.2.36 and 7.5.2.38), and its units (CiA 406).
 
 use crate::trace::Trace;
 use canvass_analyzer::network::Event;
 use canvass_analyzer::{NodeId, PdoNumber};
 use canvass_traces::ChannelId;
 
-/// Node 5 shows a value of four bytes.
+/// Node 5 answers an upload with four bytes.
 fn shown(trace: &mut Trace, index: u16, sub: u8, value: u32) {
     let ([low, high], [a, b, c, d]) = (index.to_le_bytes(), value.to_le_bytes());
     trace.say(&format!("605#40 {low:02X} {high:02X} {sub:02X} 00 00 00 00"));
@@ -19,7 +19,7 @@ fn changed(trace: &Trace) -> Option<PdoNumber> {
     })
 }
 
-/// The four of each direction that have CAN-IDs of their own, and one of each that has none.
+/// The four PDOs of each direction that have default CAN-IDs, and one of each direction that has none.
 const PDOS: [(u16, u16, PdoNumber); 10] = [
     (0x1A00, 0x185, PdoNumber::Transmit(1)),
     (0x1A01, 0x285, PdoNumber::Transmit(2)),
@@ -39,7 +39,7 @@ fn each_pdo_has_its_own_mapping() {
     shown(&mut trace, 0x1804, 1, 0x195);
     shown(&mut trace, 0x1404, 1, 0x196);
     for (n, (index, _, pdo)) in PDOS.into_iter().enumerate() {
-        // What is asked for before it is known is known afterwards.
+        // A layout that was requested while the mapping was unknown is computed once the mapping is known.
         for (_, id, pdo) in &PDOS[n..] {
             assert_eq!(trace.say(&format!("{id:03X}#01")).text, format!("{pdo}, 1 byte, mapping not known"));
         }
@@ -56,7 +56,7 @@ fn each_pdo_has_its_own_mapping() {
     }
 }
 
-/// 0 switches the mapping off; 64 is the most.
+/// A count of 0 disables the mapping; 64 is the highest count.
 #[test]
 fn a_mapping_has_up_to_64_entries() {
     let mut trace = Trace::new();
@@ -76,7 +76,7 @@ fn a_mapping_has_up_to_64_entries() {
     }
 }
 
-/// Signals lie one behind the other, by the bit; a data type as object is a gap.
+/// Signals follow each other without gaps, bit by bit. A data type in place of an object is a gap.
 #[test]
 fn signals_follow_each_other() {
     let mut trace = Trace::new();
@@ -107,7 +107,7 @@ fn the_mapping_of_an_srdo_comes_in_pairs() {
         let mut trace = Trace::new();
         shown(&mut trace, 0x1301, 5, 0x141);
         shown(&mut trace, 0x1301, 6, 0x142);
-        // Asked for once before it is known.
+        // The layout is requested once while the mapping is unknown.
         assert_eq!(trace.say("141#11 22").text, "SRDO 1 data");
         for (sub, entry) in [(1, 0x2100_0008), (2, 0x2200_0008), (3, 0x2101_0008), (4, 0x2201_0008)] {
             shown(&mut trace, 0x1381, sub, entry);
@@ -117,7 +117,7 @@ fn the_mapping_of_an_srdo_comes_in_pairs() {
     }
 }
 
-/// An encoder of that kind, which counts 3600 steps scaled and 8192 physical ones.
+/// An encoder of the type `kind`, with 3600 scaled steps and 8192 physical steps in a turn.
 fn encoder(kind: u32) -> Trace {
     let mut trace = Trace::new();
     shown(&mut trace, 0x1000, 0, kind << 16 | 0x0196);
@@ -138,7 +138,7 @@ fn physical(text: &str) -> &str {
     text.rsplit(['(', '=']).next().unwrap_or_default().trim().trim_end_matches(')')
 }
 
-/// 3600 steps are one turn scaled, and 158.203125 degrees of 8192 steps.
+/// A turn has 3600 scaled steps; 3600 of 8192 physical steps are 158.203125 degrees.
 #[test]
 fn positions_of_every_kind_are_degrees() {
     const SCALED: &str = "360°";
@@ -162,26 +162,26 @@ fn positions_of_every_kind_are_degrees() {
     }
 }
 
-/// Rotary encoders are 1 to 5, in newer devices also Bh, linear ones 8 and 9 (CiA 406, device type).
+/// Rotary encoders have the types 1 to 5, and Bh in newer devices; linear encoders have 8 and 9 (CiA 406, device type).
 #[test]
 fn the_device_type_tells_rotary_from_linear() {
     for kind in 0..=0x0D {
         let text = answer(&mut encoder(kind), 0x6004, 0);
         match kind {
             1..=5 | 0xB => assert_eq!(physical(&text), "360°", "{kind}"),
-            // 8192 steps of 0.001 µm each are 8.192 µm, for each of 3600.
+            // 3600 steps of 8192 × 0.001 µm = 8.192 µm each.
             8 | 9 => assert_eq!(physical(&text), "29.4912 mm", "{kind}"),
             _ => assert!(!text.contains('°') && !text.contains("mm"), "{kind}: {text}"),
         }
     }
-    // Other profiles than 406 have other objects there.
+    // Profiles other than CiA 406 have other objects at these indexes.
     let mut trace = Trace::new();
     shown(&mut trace, 0x1000, 0, 0x0002_0195);
     shown(&mut trace, 0x6001, 0, 3_600);
     assert!(!answer(&mut trace, 0x6004, 0).contains('°'));
 }
 
-/// Bit 2 of 6000h switches scaling; where 6000h is not known, 6500h shows the same.
+/// Bit 2 of 6000h switches scaling on; if 6000h is not known, bit 2 of 6500h shows the same.
 #[test]
 fn the_operating_status_tells_whether_scaling_is_on() {
     for (operating, status, unit) in [
@@ -205,7 +205,7 @@ fn the_operating_status_tells_whether_scaling_is_on() {
     }
 }
 
-/// 6005h:01 is the step that is set, of the position; the raw one has that of the device, 6501h.
+/// 6005h:01 is the configured step of the position; the raw position has the step of the device, 6501h.
 #[test]
 fn a_linear_encoder_has_two_steps() {
     let mut trace = encoder(8);
@@ -216,7 +216,7 @@ fn a_linear_encoder_has_two_steps() {
     assert!(!answer(&mut trace, 0x600C, 0).contains("mm"));
 }
 
-/// Every object that decides the unit changes that of process data which are laid out already.
+/// Every object that determines the unit also changes the unit of process data with a known layout.
 #[test]
 fn process_data_follow_every_parameter() {
     let mut trace = encoder(2);

@@ -1,4 +1,4 @@
-//! Where services are on a bus, and what is no parameter of a node.
+//! The CAN-IDs of services on a bus, and values that are no parameters of a node.
 
 use crate::trace::Trace;
 use crate::{events, node};
@@ -6,7 +6,7 @@ use canvass_analyzer::network::{Event, Move, Source, Use};
 use canvass_analyzer::{Multiplexer, PdoNumber};
 use canvass_traces::{ChannelId, Duration, Timestamp};
 
-/// A message that is too short for a code is no end of an error.
+/// An EMCY that is too short for an error code ends no error.
 #[test]
 fn a_cut_emcy_ends_no_error() {
     let mut trace = Trace::new();
@@ -21,7 +21,7 @@ fn a_cut_emcy_ends_no_error() {
     assert_eq!(since(&mut trace, "085#00 00"), None);
 }
 
-/// SYNC and TIME move each by itself.
+/// The CAN-IDs of SYNC and TIME move independently.
 #[test]
 fn sync_is_not_taken_for_time() {
     let mut trace = Trace::new();
@@ -39,7 +39,7 @@ fn sync_is_not_taken_for_time() {
     assert_eq!(moved("12", "97"), Some((Use::Time, Some(0x91), Some(0x97))));
 }
 
-/// Switched off, a COB-ID may hold any CAN-ID, also one that is restricted.
+/// A COB-ID that is switched off may hold any CAN-ID, even a restricted one.
 #[test]
 fn what_is_switched_off_may_have_no_can_id() {
     let mut trace = Trace::new();
@@ -49,7 +49,7 @@ fn what_is_switched_off_may_have_no_can_id() {
     assert!(events(&mut trace, "585#60 00 18 01 00 00 00 00").contains(&gone));
 }
 
-/// Values of the application are no parameters: they are not kept.
+/// Values of the application are no parameters, so they are not kept.
 #[test]
 fn process_values_are_not_kept() {
     let mut trace = Trace::new();
@@ -62,7 +62,7 @@ fn process_values_are_not_kept() {
     assert_eq!(kept, [(Multiplexer::new(0x1017, 0), 1)]);
 }
 
-/// A PDO that was there at the start, was switched off, and comes back with the next start.
+/// A PDO exists at the start, is switched off, and returns with the next start.
 #[test]
 fn a_start_brings_back_what_was_switched_off() {
     let mut trace = Trace::new();
@@ -77,7 +77,7 @@ fn a_start_brings_back_what_was_switched_off() {
     assert_eq!(started.iter().filter(|event| **event == back).count(), 1, "{started:?}");
 }
 
-/// The mapping that a start takes back is reported once, however many entries it has.
+/// A mapping that a start changes back is one event, however many entries it has.
 #[test]
 fn a_mapping_is_told_once() {
     let mut trace = Trace::new();
@@ -90,7 +90,7 @@ fn a_mapping_is_told_once() {
     assert_eq!(started.iter().filter(|event| **event == changed).count(), 1, "{started:?}");
 }
 
-/// 128 entries are 64 objects with their twins; more are none.
+/// 128 entries are 64 objects with their twins. A higher count is invalid.
 #[test]
 fn an_srdo_maps_up_to_64_objects() {
     for (count, length) in [(0, None), (2, Some(1)), (127, Some(8)), (128, Some(8)), (129, None)] {
@@ -110,7 +110,8 @@ fn an_srdo_maps_up_to_64_objects() {
     }
 }
 
-/// Multiplexed PDOs that are too short are reported, and their place is believed all the same: any bytes may be a PDO.
+/// Multiplexed PDOs that are too short are reported, but do not disprove the use of the CAN-ID, as any bytes may be a
+/// PDO.
 #[test]
 fn short_multiplexed_pdos_disprove_nothing() {
     let mut trace = Trace::new();

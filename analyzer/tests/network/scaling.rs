@@ -1,8 +1,8 @@
-//! Positions and speeds of encoders in the units that their configuration decides.
+//! Positions and speeds of encoders in the units that their configuration determines.
 
 use crate::trace::Trace;
 
-/// An SDO upload of four bytes from node 5, as the trace shows it.
+/// Node 5 answers an SDO upload with four bytes.
 fn shows(trace: &mut Trace, address: &str, value: u32) {
     let [a, b, c, d] = value.to_le_bytes();
     trace.say(&format!("605#40 {address} 00 00 00 00"));
@@ -84,7 +84,7 @@ fn speeds_have_the_unit_of_the_speed_format() {
     assert!(speed(&mut trace).ends_with("= -10 rpm"));
     shows(&mut trace, OPERATING, 0x2000);
     assert!(speed(&mut trace).ends_with("= -10 steps/s"));
-    // From version 4.1 on it is bit 12.
+    // From version 4.1 on, the bit is bit 12.
     shows(&mut trace, "07 65 00", 0x0102_0401);
     assert!(speed(&mut trace).ends_with("= -10 rpm"));
 }

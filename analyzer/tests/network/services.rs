@@ -1,4 +1,4 @@
-//! Which service a frame belongs to and which node it is about, by CAN-ID (CiA 301, 7.3.3) and by what was learned.
+//! The service of a frame and the node that it concerns, by CAN-ID (CiA 301, 7.3.3) and by learned uses.
 
 use crate::trace::{Said, Trace};
 use canvass_analyzer::NodeId;
@@ -6,7 +6,7 @@ use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::network::{Source, Use};
 use canvass_traces::{ChannelId, Duration};
 
-/// Service, node, and whether the node has sent it itself.
+/// Service, node, and whether the node itself has sent the frame.
 fn about(said: &Said) -> (&'static str, Option<u8>, bool) {
     (said.service(), said.decoded.node.map(NodeId::raw), said.decoded.is_from_node())
 }
@@ -50,7 +50,7 @@ fn every_can_id_of_the_predefined_connection_set() {
     }
 }
 
-/// Remote frames ask for a node's state, or for a TPDO; any other has no meaning.
+/// Remote frames request a node's state or a TPDO. Any other remote frame has no meaning.
 #[test]
 fn remote_frames_ask() {
     for (frame, service, node) in [
@@ -64,7 +64,7 @@ fn remote_frames_ask() {
         let said = Trace::new().say(frame);
         assert_eq!(about(&said), (service, node, false), "{frame}");
     }
-    // A TPDO that has moved is asked for where it is now, and that is known from the trace.
+    // A TPDO that has moved is requested on its new CAN-ID, which is known from the trace.
     let mut trace = Trace::new();
     trace.say("605#23 00 18 01 0A 01 00 00");
     trace.say("585#60 00 18 01 00 00 00 00");
@@ -73,7 +73,7 @@ fn remote_frames_ask() {
     assert_eq!(trace.say("185#R8").service(), "unknown");
 }
 
-/// What was asked by a remote frame is no heartbeat; nor is what alternates (7.2.8.3.2.1).
+/// A message after a remote frame is no heartbeat, and neither is a message with a toggling bit (7.2.8.3.2.1).
 #[test]
 fn answers_of_guarding_are_told_from_heartbeats() {
     let mut trace = Trace::new();
@@ -82,16 +82,16 @@ fn answers_of_guarding_are_told_from_heartbeats() {
     assert_eq!(trace.say("705#85").service(), "guarding");
     assert_eq!(trace.say("705#05").service(), "guarding");
     assert_eq!(trace.say("705#05").service(), "heartbeat");
-    // Another node's request is not this one's.
+    // The request to another node does not count.
     trace.say("706#R1");
     assert_eq!(trace.say("705#05").service(), "heartbeat");
-    // A start forgets that it was guarded.
+    // A start ends node guarding.
     trace.say("705#R1");
     trace.say("705#00");
     assert_eq!(trace.say("705#7F").service(), "heartbeat");
 }
 
-/// A learned CAN-ID whose frames never fit was learned in error: after a hundred it is given up.
+/// A learned use of a CAN-ID is dropped after a hundred frames that do not fit it.
 #[test]
 fn a_use_that_nothing_fits_is_given_up() {
     let learned = || {
@@ -109,7 +109,7 @@ fn a_use_that_nothing_fits_is_given_up() {
     }
     let said = trace.say("190#01");
     assert_eq!((about(&said), said.decoded.source), (("pdo", Some(16), true), Source::Predefined));
-    // Each that fits makes up for one that does not.
+    // Each fitting frame makes up for one that does not fit.
     let mut trace = learned();
     for _ in 0..99 {
         trace.say("190#01");
@@ -120,7 +120,7 @@ fn a_use_that_nothing_fits_is_given_up() {
     }
     assert_eq!(trace.say("190#01").service(), "time");
     assert_eq!(trace.say("190#01").service(), "pdo");
-    // Where it fits to begin with, it counts no more than once that it does.
+    // Fitting frames at the beginning do not add up: they make up for no later frame.
     let mut trace = learned();
     for _ in 0..50 {
         trace.say("190#00 00 00 00 00 00");
@@ -131,7 +131,7 @@ fn a_use_that_nothing_fits_is_given_up() {
     assert_eq!(trace.say("190#01").service(), "pdo");
 }
 
-/// Of the predefined connection set nothing is given up, nor are PDOs, which may hold any bytes.
+/// Uses of the predefined connection set are never dropped, nor are PDOs, which may hold any bytes.
 #[test]
 fn what_is_predefined_is_not_doubted() {
     let mut trace = Trace::new();
@@ -145,7 +145,7 @@ fn what_is_predefined_is_not_doubted() {
     }
 }
 
-/// SDO messages that do not fit a further channel disprove it too.
+/// SDO messages that do not fit a further channel disprove the channel too.
 #[test]
 fn a_further_channel_is_given_up_as_well() {
     for unfit in ["690#E0 00 00 00 00 00 00 00", "690#60 00 00 00 00 00 00 00"] {
@@ -163,7 +163,7 @@ fn a_further_channel_is_given_up_as_well() {
     }
 }
 
-/// A mapping of FEh or FFh entries makes a PDO multiplexed: it names its object itself.
+/// A mapping count of FEh or FFh makes a PDO multiplexed: it names its object itself.
 #[test]
 fn a_multiplexed_pdo_names_its_object() {
     for (count, text) in [("FE", "from node 9"), ("FF", "to node 9")] {
@@ -178,14 +178,14 @@ fn a_multiplexed_pdo_names_its_object() {
         let short = trace.say(&format!("185#{address}"));
         assert_eq!((short.service(), short.decoded.object), ("pdo", None));
         assert!(matches!(short.decoded.message, canvass_analyzer::Message::Malformed(..)));
-        // With an ordinary mapping it is an ordinary one again.
+        // With an ordinary mapping, the PDO is an ordinary one again.
         trace.say("605#2F 00 1A 00 00 00 00 00");
         trace.say("585#60 00 1A 00 00 00 00 00");
         assert_eq!(trace.say(&format!("185#{address} 00 20 01 11 22 33 44")).decoded.object, None);
     }
 }
 
-/// An LMT device on the bus makes messages that both protocols know LMT, until one of LSS comes.
+/// An LMT device on the bus makes messages that both protocols have LMT messages, until an LSS message comes.
 #[test]
 fn the_last_message_of_one_protocol_alone_decides() {
     let ambiguous = "7E5#13 00 05 00 00 00 00 00";
@@ -197,7 +197,7 @@ fn the_last_message_of_one_protocol_alone_decides() {
     trace.say("7E4#5E 05 00 00 00 00 00 00");
     assert_eq!(trace.say(ambiguous).service(), "lss");
     assert_eq!(trace.say("7E4#13 00 00 00 00 00 00 00").service(), "lss");
-    // Devices of which nothing is said speak for neither.
+    // Devices without a statement about LSS or LMT do not decide the protocol.
     let mut trace = Trace::new();
     trace.network.describe(NodeId::new(5).unwrap(), KnownDevice::default());
     assert_eq!(trace.say(ambiguous).service(), "lss");
@@ -221,7 +221,7 @@ fn a_pair_of_frames_is_an_srdo() {
     trace.say("109#55 01");
     trace.now += Duration::from_millis(255);
     assert_eq!(trace.say("10A#AA FE").text, "SRDO inverted data, without the data before it");
-    // The other pairs are known each by itself.
+    // Each of the other pairs is known independently.
     assert_eq!(trace.say("10B#55 01").service(), "unknown");
     assert_eq!(trace.say("17F#00").service(), "unknown");
     assert_eq!(about(&trace.say("180#FF")), ("srdo", Some(64), false));
@@ -232,7 +232,7 @@ fn a_pair_of_frames_is_an_srdo() {
     assert_eq!(trace.say("104#").service(), "unknown");
 }
 
-/// The bus knows what each of a node's CAN-IDs is for.
+/// The CAN-IDs of an SRDO have a use while the node sends or receives the SRDO.
 #[test]
 fn an_srdo_that_is_sent_or_received_has_its_can_ids() {
     let node = NodeId::new(5).unwrap();
@@ -255,7 +255,7 @@ fn an_srdo_that_is_sent_or_received_has_its_can_ids() {
     assert_eq!(show("01 13 01", "01 00 00 00"), [], "it sends");
     assert_eq!(show("01 13 01", "00 00 00 00"), [(data, Some(0x121), None), (inverted, Some(0x122), None)]);
     assert_eq!(show("01 13 01", "02 00 00 00"), [(data, None, Some(0x121)), (inverted, None, Some(0x122))]);
-    // The last of 64, and what is beyond.
+    // The last of 64 SRDOs, and objects outside the SRDO parameters.
     let last = Use::Srdo(node, 64, Half::Normal);
     assert_eq!(show("40 13 05", "31 01 00 00"), [(last, None, Some(0x131))]);
     assert_eq!(show("41 13 05", "33 01 00 00"), []);

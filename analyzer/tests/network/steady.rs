@@ -1,4 +1,4 @@
-//! What is skipped because it changes nothing really changes nothing: all other frames mean the same without it.
+//! Frames that are skipped as steady have no effect: all other frames have the same meaning without them.
 
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::network::{Decoded, Network, Skipping};
@@ -7,7 +7,7 @@ use canvass_traces::{CanId, Capture, ChannelId, Frame, Merge, Naming, ReadOption
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// Random numbers that are the same everywhere (xorshift64*).
+/// Pseudo-random numbers that are the same on every machine (xorshift64*).
 struct Random(u64);
 
 impl Random {
@@ -23,14 +23,14 @@ impl Random {
     }
 }
 
-/// Traffic in which much is repeated, and now and then everything changes.
+/// Traffic in which much is repeated, and sometimes everything changes.
 struct Traffic {
     random: Random,
     now: u64,
     records: Vec<Record>,
 }
 
-/// Where process data and others may move to.
+/// CAN-IDs to which PDOs and other services may move.
 const PLACES: [u32; 8] = [0x181, 0x182, 0x1A0, 0x281, 0x105, 0x106, 0x6A0, 0x080];
 
 impl Traffic {
@@ -47,7 +47,7 @@ impl Traffic {
         self.now += 1_000_000 * (1 + self.random.below(40));
         let channel = ChannelId(u16::from(self.random.below(5) == 0));
         self.records.push(Record::new(Timestamp(self.now), channel, frame));
-        // Interfaces record frames twice.
+        // Some interfaces record frames twice.
         if self.random.below(20) == 0 {
             self.records.push(Record::new(Timestamp(self.now), channel, frame));
         }
@@ -105,7 +105,7 @@ impl Traffic {
         }
     }
 
-    /// A COB-ID moves: of a PDO, EMCY, SYNC, TIME, a further SDO server or an SRDO, or there is none any more.
+    /// Moves or removes a COB-ID: of a PDO, EMCY, SYNC, TIME, a further SDO server or an SRDO.
     fn moved(&mut self, node: u32) {
         let (index, sub) = self.random.of(&[
             (0x1800, 1),
@@ -132,7 +132,7 @@ impl Traffic {
         self.write(node, 0x1A00, 0, count);
     }
 
-    /// Layer setting gives a device another node-ID.
+    /// Layer setting assigns another node-ID to a device.
     fn renamed(&mut self, node: u32) {
         self.send(0x7E5, &[4, 1, 0, 0, 0, 0, 0, 0]);
         self.send(0x7E5, &[0x11, node as u8, 0, 0, 0, 0, 0, 0]);
@@ -153,7 +153,7 @@ impl Traffic {
     }
 }
 
-/// All that can be told of a frame.
+/// Everything that can be told of a frame, as text.
 fn told(network: &Network, record: &Record, decoded: &Decoded) -> String {
     let bus = network.bus(record.channel).unwrap();
     let meaning = Meaning::new(record, decoded, bus);
@@ -161,7 +161,7 @@ fn told(network: &Network, record: &Record, decoded: &Decoded) -> String {
     format!("{decoded:?} {:?} {meaning} {signals:?}", bus.events())
 }
 
-/// Of some networks a node is described.
+/// A network; for every other seed, one node has a description.
 fn network(seed: u64) -> Network {
     static SENDIX: LazyLock<DeviceDescription> = LazyLock::new(|| {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/device/models/kuebler-sendix-58x8.eds");
@@ -174,7 +174,8 @@ fn network(seed: u64) -> Network {
     network
 }
 
-/// Takes all frames, and beside them those that are not skipped, by a network of its own. Gives back how many were skipped.
+/// Decodes all frames in one network, and only those that are not skipped in a second one. Returns the number of
+/// skipped frames.
 fn compare<'a>(records: impl Iterator<Item = &'a Record>, seed: u64) -> usize {
     let (mut whole, mut other) = (network(seed), network(seed));
     let (mut skipping, mut skipped) = (Skipping::default(), 0);
@@ -189,7 +190,7 @@ fn compare<'a>(records: impl Iterator<Item = &'a Record>, seed: u64) -> usize {
         }
         let again = other.handle(record);
         assert_eq!(told(&other, record, &again), told(&whole, record, &decoded), "seed {seed}, {record:?}");
-        // Some of them somebody wants to see.
+        // The reader wants to see some of the frames.
         let is_unwanted = random.below(8) > 0;
         skipping.taken(other.bus(record.channel).unwrap(), record, &again, |_| is_unwanted);
     }

@@ -1,4 +1,4 @@
-//! Whole SDO transfers, with what they carried (CiA 301, 7.2.4).
+//! Whole SDO transfers with their values (CiA 301, 7.2.4).
 
 use crate::trace::Trace;
 use canvass_analyzer::network::sdo::{Direction, Mode, Outcome, Transfer};
@@ -44,7 +44,7 @@ fn segments_are_counted_and_their_bytes_kept() {
     assert_eq!((download.duration(), download.violation), (Duration::from_millis(5), None));
 }
 
-/// One of three segments, then the end that the server saw: the client sends from there again.
+/// The client confirms one of three segments of an upload, so the server sends the others again.
 #[test]
 fn a_block_goes_on_after_the_segment_that_was_confirmed() {
     let (_, upload) = transfer(&[
@@ -64,7 +64,8 @@ fn a_block_goes_on_after_the_segment_that_was_confirmed() {
     assert!(upload.data().starts_with(b"ABCDEFGHIJKLMN"), "{:?}", upload.data());
 }
 
-/// A server that starts anew, or a client that asks for something else, begins with a clean slate: the toggle bit too.
+/// After a restart of the server, or a new request of the client, nothing of the former transfer remains, not even its
+/// toggle bit.
 #[test]
 fn a_reset_forgets_where_a_transfer_was() {
     let mut trace = Trace::new();
@@ -91,7 +92,7 @@ fn the_last_node_has_its_own_channel() {
     assert_eq!(channel.predefined_server().map(|node| node.raw()), Some(127));
 }
 
-/// A further SDO server (1201h) is a channel of its own, told by its two CAN-IDs.
+/// A further SDO server (1201h) has a channel of its own, identified by its two CAN-IDs.
 #[test]
 fn a_further_server_is_a_channel_of_its_own() {
     let mut trace = Trace::new();

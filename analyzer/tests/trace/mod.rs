@@ -4,9 +4,9 @@ use canvass_analyzer::Meaning;
 use canvass_analyzer::network::{Decoded, Network};
 use canvass_traces::{ChannelId, Duration, Record, Timestamp, parse_frame};
 
-/// A network and a clock that goes on by a millisecond with every frame.
+/// A network, and a clock that advances by a millisecond with every frame.
 pub struct Trace {
-    /// The network, to look into.
+    /// The network, for inspection by tests.
     pub network: Network,
     /// The time of the latest frame.
     pub now: Timestamp,
@@ -14,26 +14,26 @@ pub struct Trace {
 
 /// How the analyzer decodes a frame.
 pub struct Said {
-    /// The decoding.
+    /// The decoded frame.
     pub decoded: Decoded,
-    /// The decoding in words.
+    /// The decoded frame as text.
     pub text: String,
 }
 
 impl Trace {
-    /// A network of which nothing is known.
+    /// A network without prior knowledge.
     pub fn new() -> Self {
         Self { network: Network::new(), now: Timestamp(1_000_000_000) }
     }
 
-    /// The next frame, as `7E5#0401000000000000`; blanks are ignored.
+    /// Decodes the next frame, written as `7E5#0401000000000000`; blanks are ignored.
     pub fn say(&mut self, frame: &str) -> Said {
         let compact: String = frame.split_whitespace().collect();
         let record = parse_frame(&compact).unwrap_or_else(|error| panic!("{frame}: {error:?}"));
         self.record(record)
     }
 
-    /// The next frame, with the time of the trace.
+    /// Decodes the next frame, with the time of the trace.
     pub fn record(&mut self, mut record: Record) -> Said {
         self.now += Duration(1_000_000);
         record.timestamp = self.now;

@@ -46,19 +46,19 @@ struct DuplicateNodeId {
 struct Voice {
     interleaving: Interleaving,
     state: Option<State>,
-    /// Number of changes of state to and fro without a command.
+    /// Number of alternations between two states without a command.
     flips: u32,
-    /// The state before the last one.
+    /// The second-last state.
     earlier: Option<State>,
     last_boot_up: Option<Timestamp>,
-    /// The time of the last heartbeat, and its distance to the one before.
+    /// The time of the last heartbeat, and the interval before it.
     beat: Option<(Timestamp, Duration)>,
-    /// The state in the last heartbeat before an unexplained boot-up, with that heartbeat.
+    /// State, time and interval of the last heartbeat before an unexplained boot-up.
     surviving: Option<(State, Timestamp, Duration)>,
     answer: Option<Answer>,
     /// Number of unanswered requests: a repeated request rightly gets two answers.
     outstanding: u8,
-    /// Time of the latest request: requests unanswered long after it get no answer any more.
+    /// Time of the latest request. A request that is unanswered long after this time gets no answer any more.
     asked: Option<Timestamp>,
     /// Number of requests that got the same answer twice.
     doubles: u32,
@@ -72,9 +72,9 @@ struct Answer {
 }
 
 impl Voice {
-    /// Number of changes to and fro from which they are no accident.
+    /// Number of alternations that prove two devices.
     const FLIPS: u32 = 4;
-    /// Number of requests with two equal answers from which they are no accident.
+    /// Number of requests with two equal answers that prove two devices.
     const DOUBLES: u32 = 3;
 
     fn commanded(&mut self) {
@@ -121,7 +121,7 @@ impl Rule for DuplicateNodeId {
 }
 
 impl Voice {
-    /// A request: unanswered requests of long ago are no longer expected to be answered.
+    /// Counts a request. Requests that are unanswered for a long time are no longer expected to be answered.
     fn asked(&mut self, now: Timestamp) {
         const FORGOTTEN: Duration = Duration::from_secs(10);
         if self.asked.replace(now).is_some_and(|before| now.since(before) > FORGOTTEN) {
@@ -214,7 +214,7 @@ impl Voice {
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.
     fn identify(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
-        // An answer about another object than requested proves neither.
+        // An answer about another object than the requested one proves nothing about either.
         let Some((sub, value)) = identity(response).filter(|_| context.decoded.violation.is_none()) else { return };
         let Some(known) = self.identity.get_mut(usize::from(sub) - 1) else { return };
         if let Some(before) = known.replace(value).filter(|before| *before != value) {
@@ -234,7 +234,7 @@ fn identity(response: Response) -> Option<(u8, u32)> {
     (multiplexer.index.0 == object::IDENTITY).then(|| (sub, u32::from_le_bytes(*value)))
 }
 
-/// Whether a heartbeat comes at its undisturbed time after the last one, within a tenth of the period.
+/// Whether a heartbeat comes a whole number of periods after the last one, within a tenth of the period.
 fn goes_on(last: Timestamp, period: Duration, now: Timestamp) -> bool {
     let Some(phase) = now.since(last).nanos().checked_rem(period.nanos()) else { return false };
     phase.min(period.nanos() - phase) <= period.nanos() / 10

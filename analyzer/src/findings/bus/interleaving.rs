@@ -1,4 +1,4 @@
-//! Two senders with the same period, seen as one: their intervals alternate.
+//! Detection of two senders with the same period on one CAN-ID: the intervals between their messages alternate.
 
 use canvass_traces::{Duration, Timestamp};
 
@@ -12,13 +12,12 @@ pub struct Interleaving {
 }
 
 impl Interleaving {
-    /// Number of alternations in a row from which they are no accident.
+    /// Number of consecutive alternations that prove two senders.
     const ENOUGH: u32 = 8;
     /// If the shorter interval is more than this percentage of the sum, one sender with a coarse tick may cause it.
     const ALIASED: u64 = 38;
 
-    /// A message of the sender. Returns the two intervals once they have alternated often enough to prove two
-    /// senders.
+    /// Handles a message. Returns the two intervals once they have alternated often enough to prove two senders.
     pub fn beat(&mut self, now: Timestamp, slack: Duration) -> Option<(Duration, Duration)> {
         let length = now.since(self.last.replace(now)?).nanos();
         let [earlier, previous] = self.before;

@@ -60,7 +60,7 @@ struct Full {
     worst: Option<(u64, Seen)>,
 }
 
-/// No window is full yet at any usual bit rate.
+/// The initial state: no full window at any usual bit rate.
 fn full(_: &Thresholds) -> Vec<Full> {
     RATES.into_iter().map(|rate| Full { rate, ..Full::default() }).collect()
 }
@@ -118,7 +118,7 @@ impl Rule for Load {
         let message = || {
             let (rate, length) = (f64::from(full.rate) / 1000.0, self.window);
             let inferred = if scene.is_inferred { " (inferred)" } else { "" };
-            // One frame may have begun before the window.
+            // The first frame may have begun before the window, so a little more than 100 % is possible.
             let wrong =
                 if *load > 101 && !scene.is_inferred { ": more than fits: the bit rate must be higher" } else { "" };
             format!("up to {load} % of {rate} kbit/s{inferred} within {length}{wrong}")

@@ -13,7 +13,7 @@ mod unknown_ids;
 
 use crate::object;
 
-/// The objects with the COB-ID of a message that the node sends or serves.
+/// Whether the object is a COB-ID: of SYNC, TIME, EMCY, an SDO or a PDO.
 const fn is_cob_id(index: u16, sub: u8) -> bool {
     matches!(
         (index, sub),

@@ -33,7 +33,7 @@ struct OverlappingCobId {
 }
 
 impl OverlappingCobId {
-    /// Maximum number of producers: 127 nodes with more TPDOs than any simple device has.
+    /// Maximum number of producers: enough for 127 nodes with 32 TPDOs each.
     const MOST: usize = 4096;
 
     fn forget(&mut self, producer: (NodeId, Multiplexer)) {

@@ -26,7 +26,7 @@ use canvass_macros::rule;
 #[rule(id = "bus/restricted-cob-id", severity = Error, rank = State, also = EndedTransfers)]
 struct RestrictedCobId;
 
-/// The fault of a COB-ID, if it has one.
+/// The severity and the text of a COB-ID's fault; `None` if the COB-ID is right.
 fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<NodeId>) -> Option<(Severity, String)> {
     let written = direction == Direction::Download;
     if object.index.0 == object::SDO_SERVER_PARAMETER {

@@ -70,7 +70,7 @@ struct Counters {
 }
 
 impl Counters {
-    /// Number of changes between the series from which they are no accident.
+    /// Number of changes between the series that prove two producers.
     const ENOUGH: u32 = 8;
 
     /// Adds a counter; returns whether two series are mixed.
@@ -91,7 +91,7 @@ impl Counters {
 }
 
 impl TwoProducers {
-    /// Number of cycles in a row from which a second PDO is no accident.
+    /// Number of consecutive cycles with a second PDO that prove two producers.
     const CYCLES: u8 = 5;
 
     fn sync(&mut self, sync: Sync, context: &Context<'_>, sink: &mut Sink<'_>) {
@@ -159,7 +159,7 @@ impl TwoProducers {
     }
 }
 
-/// The entry of that TPDO; `None` for TPDOs that are not judged.
+/// The entry of TPDO `number`; `None` for TPDOs beyond the first [`TPDOS`].
 fn slot(pdos: &mut PerNode<[Option<Pdo>; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Option<Pdo>> {
     pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }

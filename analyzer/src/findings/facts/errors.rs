@@ -13,7 +13,7 @@ pub struct Errors {
     nodes: PerNode<OpenErrors<Raised>>,
 }
 
-/// The first message of an error. Smaller than a whole [`Seen`], as there may be many.
+/// The first message of an error. Smaller than a whole [`Seen`], as a node may have many errors.
 pub struct Raised {
     record: Record,
     node: NodeId,

@@ -19,7 +19,7 @@ pub struct Heartbeats {
 }
 
 impl Heartbeats {
-    /// Handles a heartbeat; returns the interval that ends with it. `facts` are those of its node.
+    /// Handles a heartbeat of the node that `facts` describes; returns the interval that ends with the heartbeat.
     pub fn beat(&mut self, now: Timestamp, decoded: &Decoded, facts: &NodeFacts) -> Option<Interval> {
         let (Message::ErrorControl(_), Some(node)) = (decoded.message, decoded.node) else { return None };
         let rhythm = self.rhythm(node);

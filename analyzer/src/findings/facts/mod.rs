@@ -48,16 +48,16 @@ pub struct Facts {
     pub errors: Errors,
     /// The presence of the nodes, before the frame.
     pub presence: Presence,
-    /// The meaning of the frame to several rules.
+    /// The facts about the frame that several rules need.
     pub news: News,
 }
 
-/// The meaning of a frame to several rules: computed once for all of them.
+/// Facts about a frame that several rules need: computed once for all rules.
 #[derive(Default)]
 pub struct News {
     /// Whether the frame is an NMT command that changes the state of a node, so that periodic messages may begin anew.
     pub begins_anew: bool,
-    /// Whether the frame is a TPDO with a known parameter.
+    /// Whether the frame is a TPDO of which any parameter is known.
     pub is_known_tpdo: bool,
     /// Whether the concerned node has sent the frame.
     pub is_from_node: bool,
@@ -221,8 +221,8 @@ impl Facts {
         }
     }
 
-    /// A node has booted with a new node-ID; the old one will not return. If nothing tells the old node-ID, it is
-    /// that of the only node that was reset and is silent since.
+    /// A node has booted with a new node-ID, so the old one will not return. If no message tells the old node-ID, it
+    /// belongs to the only node that was reset and is silent since.
     fn moved(&mut self, bus: &Bus) {
         let from = bus.events().iter().find_map(|event| match event {
             Event::NodeIdChanged { from, .. } => Some(*from),

@@ -6,29 +6,29 @@ use canvass_traces::{Duration, Timestamp};
 /// The facts about a node.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NodeFacts {
-    /// Time of its first message.
+    /// Time of the node's first message.
     pub first_seen: Option<Timestamp>,
-    /// Time of its last message.
+    /// Time of the node's last message.
     pub last_seen: Option<Timestamp>,
-    /// The CAN-ID of the last message.
+    /// The CAN-ID of the node's last message.
     pub last_id: Option<u16>,
-    /// The last NMT command to it or to all nodes.
+    /// The last NMT command to the node or to all nodes.
     pub command: Option<(Command, Timestamp)>,
     /// The last reset by NMT command without a boot-up yet.
     pub pending_reset: Option<Timestamp>,
-    /// The longest silence since that reset: a node without a pause has not restarted.
+    /// The longest silence since `pending_reset`: a node without a pause has not restarted.
     pub longest_pause: Duration,
     /// Time of the last download by an SDO client.
     pub last_download: Option<Timestamp>,
-    /// Time of the last request to store or restore parameters, or of its answer: some devices are silent for seconds
-    /// around it.
+    /// Time of the last request to store or restore parameters, or of its answer. Some devices are silent for seconds
+    /// around this time.
     pub last_store: Option<Timestamp>,
-    /// Time at which its program was last started or stopped (1F50h, 1F51h).
+    /// Time at which the node's program was last started or stopped (1F50h, 1F51h).
     pub last_program_control: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
-    /// Whether it is known to be an NMT slave: a command named it, it has answered an SDO client, or sends TPDOs or
-    /// EMCY. The NMT master does not hear its own commands to all nodes.
+    /// Whether the node is known to be an NMT slave: a command named it, it has answered an SDO client, or it sends
+    /// TPDOs or EMCY. The NMT master does not hear its own commands to all nodes.
     pub is_slave: bool,
     /// Whether the node has got another node-ID since its reset.
     pub has_moved: bool,

@@ -7,16 +7,16 @@ use crate::network::{Bus, Decoded, Signal};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Record;
 
-/// A value of an object.
+/// A value of an object, as a frame shows it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Operand {
-    /// The node.
+    /// The node with the object.
     pub node: NodeId,
     /// The object.
     pub object: Multiplexer,
-    /// Its bits.
+    /// The bits of the value.
     pub raw: u64,
-    /// How many bits it has.
+    /// Number of bits.
     pub bits: u8,
     /// Whether a client wrote the value; else the device sent it.
     pub written: bool,

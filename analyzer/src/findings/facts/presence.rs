@@ -14,7 +14,7 @@ pub struct Presence {
     alarms: PerNode<Option<Duration>>,
     /// Whether the master has commanded or asked the node since its last message.
     addressed: PerNode<bool>,
-    /// Nothing before this time counts: frames may be missing there.
+    /// A silence that began before this time proves nothing: frames may be missing there.
     since: Timestamp,
 }
 
@@ -54,7 +54,7 @@ struct Guarding {
 /// The reason why a node should have sent a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sign {
-    /// Its heartbeat, with its period.
+    /// The heartbeat of the node, with its period.
     Heartbeat(Duration),
     /// The guarding requests of the master, with their interval.
     Guarding(Duration),
@@ -63,7 +63,7 @@ pub enum Sign {
 /// The silence of a node that should have sent a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Outage {
-    /// Time of its last message.
+    /// Time of the node's last message.
     pub since: Timestamp,
     /// The missing message.
     pub sign: Sign,
@@ -79,19 +79,19 @@ impl Presence {
     const BEFORE_RESET: Percent = Percent(150);
     /// Resets within this time count as one: some masters reset communication and then the node.
     const RETRY: Duration = Duration::from_secs(2);
-    /// Time that a present node may take to restart, until the capture has shown its own.
+    /// Time that a present node may take to restart, until the capture has shown how long it takes.
     const RESTART: Duration = Duration::from_secs(10);
     /// Time for which a node may be silent around layer setting.
     const LAYER_SETTING: Duration = Duration::from_secs(10);
 
-    /// Whether a silence of that length may be an outage.
+    /// Whether a silence of the length `silence` may be an outage.
     #[inline]
     pub fn is_long(&self, node: NodeId, silence: Duration) -> bool {
         self.alarms[node].is_some_and(|alarm| silence > alarm)
     }
 
-    /// The outage of a node, if its silence is longer than the commands meanwhile explain. `period` is that of its
-    /// heartbeat, `layer_setting` the time of the last LSS message that may reset nodes.
+    /// The outage of a node, if its silence is longer than the commands meanwhile explain. `period` is the heartbeat
+    /// period of the node, `layer_setting` the time of the last LSS message that may reset nodes.
     pub fn outage(
         &self,
         node: NodeId,
@@ -137,7 +137,7 @@ impl Presence {
         self.nodes[node].restart.map_or(Self::RESTART, |longest| longest.times(2) + Duration::from_secs(1))
     }
 
-    /// Handles a heartbeat; the next one is due after that period.
+    /// Handles a heartbeat; the next one is due after `period`.
     pub fn beat(&mut self, node: NodeId, period: Option<Duration>) {
         self.alarms[node] = period.map(|period| Self::BEFORE_RESET.of(period));
     }

@@ -23,7 +23,7 @@ struct Left {
     channel: ChannelIndex,
     pending: Pending,
     since: Timestamp,
-    /// Whether the client has abandoned it; else a restart of the node has ended it.
+    /// Whether the client has abandoned the request; else a restart of the node has ended it.
     by_client: bool,
 }
 
@@ -32,9 +32,9 @@ struct Left {
 pub struct Pending {
     /// The request.
     pub request: Seen,
-    /// Time of its first sending.
+    /// Time at which the request was first sent.
     pub since: Timestamp,
-    /// Number of times it was sent.
+    /// Number of times that the request was sent.
     pub times: u32,
     /// The object of the transfer.
     pub object: Option<Multiplexer>,
@@ -56,7 +56,7 @@ pub enum RequestEvent {
         pending: Pending,
         /// Time at which it was abandoned.
         gave_up: Timestamp,
-        /// Whether the client abandoned it; else a restart of the node ended it.
+        /// Whether the client abandoned the request; else a restart of the node ended it.
         by_client: bool,
     },
     /// The client sent the same request again.
@@ -64,7 +64,7 @@ pub enum RequestEvent {
 }
 
 impl RequestEvent {
-    /// Whether the event is another than a request being answered.
+    /// Whether a request was repeated or abandoned, or an abandoned request was answered.
     #[inline]
     pub const fn is_unusual(&self) -> bool {
         !matches!(self, Self::None | Self::Answered(_))
@@ -138,8 +138,8 @@ impl Requests {
         RequestEvent::GivenUp(pending)
     }
 
-    /// The event of an answer about that object, if its request was abandoned and no waiting request concerns the
-    /// same object.
+    /// The event of an answer about `object`, if its request was abandoned and no waiting request concerns the same
+    /// object.
     #[inline]
     fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<RequestEvent> {
         if self.left.is_empty() {
@@ -205,7 +205,7 @@ impl Requests {
 }
 
 impl Pending {
-    /// Whether it stores or restores parameters, which takes some devices seconds.
+    /// Whether the request stores or restores parameters, which takes some devices seconds.
     pub fn is_store(&self) -> bool {
         self.object.is_some_and(|object| {
             matches!(

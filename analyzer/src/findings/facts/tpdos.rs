@@ -10,10 +10,10 @@ use crate::object;
 use crate::{Multiplexer, NodeId, PerNode, SubIndex};
 use canvass_traces::Duration;
 
-/// Number of TPDOs of a node that are judged; further ones are rare.
+/// Number of TPDOs of a node that rules check; nodes with more are rare.
 pub const TPDOS: usize = 8;
 
-/// Synchronous window length, in microseconds; 0 is no window.
+/// Synchronous window length, in microseconds; 0 means no window.
 const SYNC_WINDOW: u16 = object::SYNCHRONOUS_WINDOW_LENGTH;
 
 /// Event timer of the first TPDO, in milliseconds.
@@ -47,7 +47,7 @@ pub struct AllParameters {
     windows: PerNode<Option<Duration>>,
     /// Whether the parameters have been read.
     known: PerNode<bool>,
-    /// Whether the timer that the device profile has for the first TPDO was shown later than that TPDO's event timer.
+    /// Whether the trace has shown the device profile's timer for TPDO 1 after the event timer of TPDO 1.
     cyclic: PerNode<bool>,
 }
 
@@ -124,7 +124,7 @@ fn timer_of_profile(node: NodeId, bus: &Bus) -> Option<Multiplexer> {
     with_role(profile, Role::EventTimer).next().map(|index| Multiplexer { index, sub: SubIndex(0) })
 }
 
-/// Whether any profile has such a timer there.
+/// Whether the object is any profile's timer for the first TPDO.
 fn is_timer_of_profile(object: Multiplexer) -> bool {
     object.sub.0 == 0 && has_role(object.index, Role::EventTimer)
 }

@@ -14,7 +14,7 @@ pub enum Sender {
     Slave,
 }
 
-/// The sender of a message.
+/// The sender of a message; `None` if the message is neither LSS nor LMT.
 pub const fn sender(message: &Message) -> Option<Sender> {
     match message {
         Message::LssRequest(_) | Message::LmtRequest(_) => Some(Sender::Master),
@@ -49,7 +49,7 @@ pub const fn is_leave(message: &Message) -> bool {
     )
 }
 
-/// The command and the error code of an answer to a configuration.
+/// The command and the error code in an answer to a configure command.
 pub const fn configured(message: &Message) -> Option<(ConfigureCommand, u8)> {
     match message {
         Message::LssResponse(lss::Response::Configured { command, error, .. })

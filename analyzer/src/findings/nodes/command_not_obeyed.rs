@@ -49,7 +49,7 @@ struct CommandNotObeyed {
 #[derive(Default)]
 struct Watched {
     pending: Option<Pending>,
-    /// Whether it has obeyed a command to leave operational or to reset.
+    /// Whether the node has obeyed a command to leave operational or to reset.
     obedient: bool,
     /// The last heartbeat, with its state.
     beat: Option<(Timestamp, State)>,
@@ -60,7 +60,7 @@ struct Pending {
     /// The command, shared by all nodes that it names.
     command: Rc<Seen>,
     expected: State,
-    /// Number of messages with another state.
+    /// Number of messages with a state other than `expected`.
     against: u8,
     /// The last heartbeat before the command, and the number of heartbeats at their regular times after it.
     before: Option<(Timestamp, State)>,
@@ -82,7 +82,7 @@ impl Disobeyed {
     /// Number of resets listed with their times.
     const LISTED: usize = 8;
 
-    /// Adds a command; returns the text about all of them.
+    /// Adds a command; returns the text about all disobeyed commands.
     fn add(&mut self, expected: State, since_start: Duration, words: String) -> String {
         self.times += 1;
         match expected {
@@ -153,7 +153,7 @@ impl CommandNotObeyed {
         };
         let command = Rc::new(context.seen());
         for (_, watched) in self.nodes.named_mut(node) {
-            // A repeated command: the node has had its time since the first one.
+            // A repeated command gives no new time: the node has had its time since the first one.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
             // An unseen node may just have been switched on.
             if expected == State::BOOT_UP && watched.beat.is_none() {

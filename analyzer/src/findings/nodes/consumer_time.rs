@@ -39,7 +39,7 @@ struct ConsumerTime {
     consumers: PerNode<Consumers>,
     /// Number of all consumers.
     count: usize,
-    /// The nodes whose description or stored parameters have been read.
+    /// Whether the description or the stored parameters of a node have been read.
     known: PerNode<bool>,
     last: PerNode<Option<Seen>>,
 }

@@ -50,7 +50,7 @@ struct Losses {
     times: u64,
     total: Duration,
     longest: Duration,
-    /// Number of outages in which the master reset it.
+    /// Number of outages in which the master reset the node.
     reset: u64,
     first: String,
 }
@@ -58,7 +58,7 @@ struct Losses {
 /// The end of an outage.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
-    /// A boot-up, this long after a reset and so caused by it.
+    /// A boot-up caused by a reset, this long after the reset.
     Reset(Duration),
     /// A boot-up without a reset.
     BootUp,
@@ -69,7 +69,7 @@ enum End {
 }
 
 impl Losses {
-    /// Adds an outage; returns the text about all of them.
+    /// Adds an outage; returns the text about all outages.
     fn add(&mut self, outage: &Outage, length: Duration, end: End, last: Option<&Seen>) -> String {
         let words = words(outage, length, end, last);
         self.times += 1;

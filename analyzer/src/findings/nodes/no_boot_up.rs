@@ -15,7 +15,7 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 /// Effects: nodes that miss the lost node.
 const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
-/// Whether a device of that type may send no boot-up by its profile, so that none is expected.
+/// Whether the profile lets a device of this type (1000h) start without a boot-up message, so that none is expected.
 fn may_be_silent(device_type: u32) -> bool {
     names::known_profile(device_type as u16).is_some_and(|profile| profile.may_be_silent(device_type))
 }

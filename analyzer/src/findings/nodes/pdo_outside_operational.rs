@@ -38,7 +38,7 @@ struct PdoOutsideOperational {
 struct Watched {
     /// Time of the command by which the node should have left operational.
     commanded: Option<Timestamp>,
-    /// A PDO after a heartbeat with another state; the next heartbeat proves it.
+    /// A PDO after a heartbeat with a state other than operational; the next heartbeat proves the fault.
     suspect: Option<Seen>,
     /// Number of PDOs after the command.
     despite: u8,

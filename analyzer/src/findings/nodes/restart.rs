@@ -2,7 +2,7 @@
 
 use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 
-/// The effects; `on_restarts` tells whether single restarts are among them.
+/// The effects of restarts; `on_restarts` tells whether findings about single restarts are among them.
 pub const fn effects(on_restarts: Effect) -> [Effect; 7] {
     [
         on_restarts,

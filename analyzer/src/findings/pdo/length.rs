@@ -33,7 +33,7 @@ struct Length {
     fitted: PerNode<u64>,
 }
 
-/// The bit of a PDO; PDOs beyond the 32nd have none.
+/// The bit of a PDO; 0 for PDOs beyond the 32nd.
 const fn bit(number: PdoNumber) -> u64 {
     match number {
         PdoNumber::Transmit(number @ 1..=32) => 1 << (number - 1),

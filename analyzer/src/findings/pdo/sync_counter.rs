@@ -20,7 +20,7 @@ use canvass_traces::{Duration, Timestamp};
 #[rule(id = "pdo/sync-counter", severity = Error, rank = Detail, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,
-    /// The largest value, after which 1 followed.
+    /// The counter value after which 1 followed.
     overflow: Option<u8>,
 }
 

@@ -30,16 +30,16 @@ struct SyncPdoMissing {
 /// The state of a TPDO.
 #[derive(Clone, Copy, Default)]
 struct Pdo {
-    /// Number of SYNC messages since it last came; `None` before it came at all.
+    /// Number of SYNC messages since the TPDO last came; `None` before it has come at all.
     since: Option<u32>,
     /// The TPDO is due with every n-th SYNC; 0 if it is not synchronous and cyclic.
     cycle: u8,
-    /// Number of times in a row that it came too soon.
+    /// Number of consecutive times that the TPDO came too soon.
     early: u8,
 }
 
 impl SyncPdoMissing {
-    /// Number of times in a row from which coming too soon is no accident.
+    /// Number of consecutive times after which a TPDO that comes too soon is reported.
     const EARLY: u8 = 3;
 
     fn refresh(&mut self, node: NodeId, scene: &Scene<'_>) {
@@ -53,7 +53,7 @@ impl SyncPdoMissing {
         }
     }
 
-    /// Handles a PDO after some SYNC messages: a PDO of every n-th SYNC must not come with others.
+    /// Checks a PDO against the SYNC messages before it: a PDO of every n-th SYNC must not come with others.
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { return };
         let passed = pdo.since.replace(0);
@@ -92,7 +92,7 @@ impl SyncPdoMissing {
     }
 }
 
-/// The state of a TPDO; `None` for TPDOs that are not judged.
+/// The state of a TPDO; `None` for TPDOs beyond the first [`TPDOS`].
 fn pdo_mut(pdos: &mut PerNode<[Pdo; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Pdo> {
     pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }

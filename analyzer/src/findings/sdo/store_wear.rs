@@ -34,7 +34,7 @@ struct StoreWear {
     nodes: PerNode<Wear>,
 }
 
-/// Whether a download to that object writes the memory of the node.
+/// Whether a download to `object` writes the memory of the node.
 fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
     if object.index.0 == object::STORE_PARAMETERS {
         return true;

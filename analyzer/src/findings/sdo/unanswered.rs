@@ -103,7 +103,7 @@ impl Unanswered {
         self.given_up.push((channel, pending.clone(), why));
     }
 
-    /// Reports abandoned requests after this time, or all.
+    /// Reports the requests that were abandoned at least `wait` ago; without `wait`, all.
     fn tell_given_up(&mut self, wait: Option<Duration>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let due = |pending: &Pending| wait.is_none_or(|wait| scene.now.since(pending.request.time()) > wait);
         for (_, pending, why) in self.given_up.extract_if(.., |row| due(&row.1)) {

@@ -3,7 +3,7 @@
 use super::groups::Group;
 use crate::findings::effect::{Effect, Kinds, Nodes, Time};
 
-/// For each group its cause, if it has one.
+/// The index of each group's cause; `None` for a group without a cause.
 pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
     let mut causes: Vec<Option<usize>> = vec![None; groups.len()];
     for (at, effect) in groups.iter().enumerate() {
@@ -11,8 +11,8 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
             .iter()
             .enumerate()
             .filter(|(other, cause)| *other != at && cause.channel == effect.channel && follows(effect, cause));
-        // Of several possible causes the one with the highest rank; among equals the one that began last before the
-        // effect.
+        // Of several possible causes, the cause with the highest rank is taken; among equal ranks, the one that began
+        // last before the effect.
         let best = possible.min_by_key(|(_, cause)| (cause.rule.rank, effect.first().since(cause.first())));
         causes[at] = best.map(|(cause, _)| cause);
     }
@@ -26,7 +26,7 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
 }
 
 /// Links causes and effects through a third group: a node is lost, its consumer notices, sends an EMCY, and leaves
-/// operational. All of it stays in one story.
+/// operational. All these findings stay in one story.
 fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
     let orders: Vec<_> = groups.iter().map(|group| (group.first(), group.rule.rank)).collect();
     for (at, effect) in groups.iter().enumerate() {
@@ -53,7 +53,7 @@ fn leads_to(causes: &[Option<usize>], effect: usize, cause: usize) -> bool {
     chain.take(causes.len()).any(|at| at == cause)
 }
 
-/// The group from which all of a story follows.
+/// The group from which all others of a story follow.
 pub fn root(causes: &[Option<usize>], at: usize) -> usize {
     let mut root = at;
     for _ in 0..causes.len() {

@@ -1,4 +1,4 @@
-//! Findings of one kind: of one rule and one node, or of several nodes where that is one event.
+//! Groups of findings of one kind: of one rule and one node, or of several nodes if their findings are one event.
 
 use crate::NodeId;
 use crate::findings::finding::{Finding, Severity};
@@ -17,7 +17,7 @@ pub struct Group<'a> {
     /// The nodes, each once.
     pub nodes: Vec<NodeId>,
     pub findings: Vec<&'a Finding>,
-    /// The indexes of its findings.
+    /// The indexes of the group's findings.
     pub places: Vec<usize>,
 }
 
@@ -42,7 +42,7 @@ impl Group<'_> {
         time + settle >= self.first() && time <= last + settle
     }
 
-    /// Whether one of the findings concerns that node.
+    /// Whether one of the findings concerns this node.
     pub fn has(&self, node: Option<NodeId>) -> bool {
         node.is_some_and(|node| self.nodes.contains(&node))
     }
@@ -57,7 +57,8 @@ impl Group<'_> {
         same && own && finding.source == self.findings.first().and_then(|first| first.source)
     }
 
-    /// Whether a finding of another node is the same event; if times tell nothing, the same fault.
+    /// Whether a finding of another node belongs to the group: it is the same event or, if times prove nothing, the
+    /// same fault.
     fn is_together(&self, finding: &Finding) -> bool {
         let apart = self.first().since(finding.first).max(finding.first.since(self.first()));
         match self.rule.id.split('/').next() {

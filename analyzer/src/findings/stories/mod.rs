@@ -1,7 +1,7 @@
 //! Stories: findings of one kind together, with the findings that follow from them.
 //!
-//! Each rule reports what it sees, independently of the others. Most findings after a breakdown follow from one of
-//! them: other nodes miss the lost one, requests to it are not answered, it restarts. The head of a story is the
+//! Each rule reports what it sees, independently of the others. Most findings after a breakdown follow from one
+//! finding: other nodes miss the lost node, requests to it are not answered, it restarts. The head of a story is the
 //! finding from which the others follow; the others come in the order of time.
 
 mod causes;
@@ -12,7 +12,7 @@ use super::finding::{Finding, Severity};
 /// One event with its consequences.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Story {
-    /// The findings at its head, by their indexes: findings of one kind, of one node or of several at the same time.
+    /// The indexes of the findings at the head: all of one kind, of one node or of several nodes at the same time.
     pub head: Vec<usize>,
     /// The consequences, each of one kind, in the order of time.
     pub consequences: Vec<Consequence>,
@@ -21,20 +21,20 @@ pub struct Story {
 /// Findings of one kind that follow from others.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Consequence {
-    /// Their indexes.
+    /// The indexes of the findings.
     pub findings: Vec<usize>,
     /// The index of the finding from which they follow.
     pub of: usize,
 }
 
 impl Story {
-    /// The indexes of all findings in it.
+    /// The indexes of all findings in the story.
     pub fn all(&self) -> impl Iterator<Item = usize> {
         let consequences = self.consequences.iter().flat_map(|consequence| &consequence.findings);
         self.head.iter().chain(consequences).copied()
     }
 
-    /// Its severity: that of the worst finding in its head.
+    /// The severity of the worst finding at the head.
     pub fn severity(&self, findings: &[Finding]) -> Severity {
         let severities = self.head.iter().filter_map(|at| Some(findings.get(*at)?.severity));
         severities.max().unwrap_or(Severity::Info)

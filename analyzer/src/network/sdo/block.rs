@@ -75,7 +75,7 @@ pub struct Run {
     block_size: u8,
     /// The sequence number of the last segment that came in order.
     in_order: u8,
-    /// Whether that segment is the last of the transfer.
+    /// Whether the segment `in_order` is the last one of the transfer.
     last: bool,
     /// The latest segment, in order or not.
     latest: Option<BlockSegment>,
@@ -86,7 +86,7 @@ impl Run {
         Self { block_size, in_order: 0, last: false, latest: None }
     }
 
-    /// Whether the transfer's last segment is among those up to that number.
+    /// Whether the transfer's last segment is among the segments up to `sequence`.
     ///
     /// If a receiver confirms more segments than the capture shows, and less than the whole sub-block, it has
     /// received the last one, which the capture lacks.
@@ -104,7 +104,7 @@ impl Run {
 pub struct HeldBack(Vec<u8>);
 
 impl HeldBack {
-    /// The memory it occupies.
+    /// The occupied memory, in bytes.
     pub(super) const fn capacity(&self) -> usize {
         self.0.capacity()
     }
@@ -121,7 +121,7 @@ impl HeldBack {
 }
 
 impl Channel {
-    /// The promises of a block transfer between two frames.
+    /// Checks the invariants of a block transfer, which hold between two frames.
     pub(super) fn check_block(&self, block: Block) {
         let held_back = self.held_back.0.len();
         match block {
@@ -277,7 +277,7 @@ impl Channel {
         }
     }
 
-    /// The end was confirmed while more was due: the capture lacks frames.
+    /// Handles the confirmation of the end while more was due: the capture lacks frames.
     fn complete_early(&mut self, step: Step) -> Step {
         self.with(|transfer| transfer.blame(Violation::Unexpected));
         self.complete(step.out_of_place())

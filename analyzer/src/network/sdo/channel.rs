@@ -65,9 +65,9 @@ enum Phase {
 pub struct Step {
     /// The frame's message.
     pub message: Message,
-    /// Whether it ended the transfer.
+    /// Whether the frame ended the transfer.
     pub ended: bool,
-    /// Whether it ended an open transfer as superseded; the channel keeps it as the left transfer.
+    /// Whether the frame ended an open transfer as superseded; the channel keeps that transfer as the left one.
     pub superseded: bool,
     /// The rule that the frame breaks.
     pub violation: Option<Violation>,
@@ -94,7 +94,7 @@ impl Channel {
         Self { server, transfer: None, left: None, held_back, phase: Phase::Idle, under_way, taken: 0 }
     }
 
-    /// Memory of values beyond short ones.
+    /// Memory of values that are longer than [`Transfer::SHORT`].
     #[inline]
     fn held(&self) -> usize {
         let values = self.transfer.iter().chain(&self.left).map(Transfer::capacity).sum::<usize>();
@@ -162,8 +162,8 @@ impl Channel {
         step
     }
 
-    /// What the machine promises after each frame: a transfer is open exactly while a message is due, and a sub-block
-    /// holds back the bytes of the segments that came in order.
+    /// Checks the invariants after each frame: a transfer is open exactly while a message is due, and a sub-block holds
+    /// back the bytes of the segments that came in order.
     fn check(&self) {
         debug_assert_eq!(self.is_busy(), self.transfer.as_ref().is_some_and(Transfer::is_open), "{:?}", self.phase);
         if cfg!(debug_assertions)
@@ -190,7 +190,7 @@ impl Channel {
         step
     }
 
-    /// The frame as a segment of a block transfer, also of one that began before the capture.
+    /// The frame as a segment of a block transfer, even if the transfer began before the capture.
     #[inline]
     fn any_block_segment(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<Step> {
         if let Some(segment) = self.as_block_segment(now, direction, payload) {
@@ -200,7 +200,7 @@ impl Channel {
         Some(Step::segment(direction, segment))
     }
 
-    /// A message of a block transfer that began before the capture breaks no rule.
+    /// Removes the violation from a message of a block transfer that began before the capture.
     fn excused(&self, step: Step) -> Step {
         let block = matches!(
             step.message,
@@ -220,7 +220,7 @@ impl Channel {
             return None;
         }
         let segment = self.under_way.segment(now, direction, payload)?;
-        // The segment before was taken for another message.
+        // The previous segment was taken for another message.
         (self.phase, self.transfer) = (Phase::Idle, None);
         Some(segment)
     }
@@ -292,10 +292,10 @@ impl Channel {
         superseded
     }
 
-    /// The server answers another request during a block download: the client has abandoned the download, and its
+    /// Handles an answer to another request during a block download: the client has abandoned the download, and its
     /// request was taken for a segment.
     fn leave_block_download(&mut self, step: Step) -> Step {
-        // Before the first segment no request can have been taken for one.
+        // Before the first segment no request can have been taken for a segment.
         let Phase::Block(Block::Data { direction: Direction::Download, .. }) = self.phase else { return step };
         self.phase = Phase::Idle;
         self.with(|transfer| transfer.end(Outcome::Superseded));

@@ -14,15 +14,15 @@ pub struct Transfer {
     pub direction: Direction,
     /// Expedited, segmented, or block.
     pub mode: Mode,
-    /// Time of its first frame.
+    /// Time of the transfer's first frame.
     pub started: Timestamp,
-    /// Time of its latest frame.
+    /// Time of the transfer's latest frame.
     pub latest: Timestamp,
     /// The announced number of bytes, if there is one.
     pub announced: Option<u32>,
     /// The number of segments with data; repeated ones count once.
     pub segments: u32,
-    /// How the transfer ended, or that it is open.
+    /// The outcome of the transfer; open until its end.
     pub outcome: Outcome,
     /// The first violation of the protocol in the transfer.
     pub violation: Option<Violation>,
@@ -69,7 +69,7 @@ pub enum Outcome {
     Open,
     /// The transfer was completed.
     Complete,
-    /// One side aborted it.
+    /// One side aborted the transfer.
     Aborted(Side, AbortCode),
     /// The client began another transfer before its end.
     Superseded,
@@ -108,7 +108,7 @@ pub enum Violation {
 }
 
 impl Transfer {
-    /// Maximum number of bytes of a value that are kept; of longer ones the bytes are counted and the CRC is
+    /// Maximum number of bytes of a value that are kept. Of longer values all bytes are counted, and the CRC is
     /// calculated.
     pub const KEPT: usize = 64 * 1024;
     /// Number of bytes that are kept even without room for more.
@@ -160,7 +160,7 @@ impl Transfer {
         self.latest - self.started
     }
 
-    /// Whether it is open.
+    /// Whether the transfer is open.
     pub fn is_open(&self) -> bool {
         self.outcome == Outcome::Open
     }

@@ -1,6 +1,6 @@
 //! Block transfers that began before the capture.
 //!
-//! Their segments look like any message: the first byte is the sequence number. They are recognised by following each
+//! The segments look like any message: the first byte is the sequence number. They are recognised by following each
 //! other without a frame from the other side, numbered from 1 after each confirmation.
 
 use super::transfer::Direction;

@@ -3,7 +3,7 @@
 use super::objects;
 use crate::identity::Index;
 
-/// 6000h and 6500h; bits 12 to 15 belong to the manufacturer.
+/// Bits of 6000h and 6500h; bits 12 to 15 belong to the manufacturer.
 const OPERATING: &[&str] = &[
     "code sequence counter-clockwise",
     "commissioning diagnostic control",
@@ -11,10 +11,10 @@ const OPERATING: &[&str] = &[
     "measuring direction reversed",
 ];
 
-/// 6503h and 6504h; bits 12 to 15 belong to the manufacturer.
+/// Bits of 6503h and 6504h; bits 12 to 15 belong to the manufacturer.
 const ALARMS: &[&str] = &["position error", "commissioning diagnostic control"];
 
-/// 6505h and 6506h; bits 12 to 15 belong to the manufacturer.
+/// Bits of 6505h and 6506h; bits 12 to 15 belong to the manufacturer.
 const WARNINGS: &[&str] = &[
     "frequency exceeded",
     "light control reserve",
@@ -24,10 +24,10 @@ const WARNINGS: &[&str] = &[
     "reference point not reached",
 ];
 
-/// 6400h.
+/// Bits of 6400h.
 const AREA_STATE: &[&str] = &["out of range", "range overflow", "range underflow"];
 
-/// 6300h to 6302h.
+/// Bits of 6300h to 6302h.
 const CAMS: &[&str] = &["cam 1", "cam 2", "cam 3", "cam 4", "cam 5", "cam 6", "cam 7", "cam 8"];
 
 /// The names of the bits of an object, from bit 0 on.

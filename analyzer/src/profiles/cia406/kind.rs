@@ -3,9 +3,9 @@
 /// The motion of an encoder's shaft or rod, by the upper word of 1000h.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
-    /// 01h to 05h of CiA 406, and 0Bh of newer devices.
+    /// Types 01h to 05h of CiA 406, and 0Bh of newer devices.
     Rotary,
-    /// 08h and 09h.
+    /// Types 08h and 09h.
     Linear,
 }
 

@@ -1,5 +1,5 @@
-//! Where the encoders of a manufacturer differ from others, as data: known by the vendor-ID (1018h:01) of a node, even where
-//! nothing else tells which model it is.
+//! Properties by which the encoders of a manufacturer differ from others. The vendor-ID (1018h:01) of a node selects
+//! them, even if the model is unknown.
 
 use super::objects;
 use crate::identity::Multiplexer;
@@ -12,7 +12,7 @@ pub struct Maker {
     pub speed_format: Option<SpeedFormat>,
     /// Objects that the device stores on each write, without 1010h.
     pub kept_at_once: &'static [u16],
-    /// The lowest and the highest temperature without a warning, in degrees Celsius plus 64.
+    /// The objects with the lowest and the highest temperature without a warning, in degrees Celsius plus 64.
     pub temperature_limits: Option<[Multiplexer; 2]>,
 }
 
@@ -43,12 +43,12 @@ static MAKERS: &[Maker] = &[
     },
 ];
 
-/// The manufacturer of that vendor-ID, if its encoders are known to differ.
+/// The manufacturer with this vendor-ID, if its encoders are known to differ.
 pub fn of(vendor: u32) -> Option<&'static Maker> {
     MAKERS.iter().find(|maker| maker.vendor == vendor)
 }
 
-/// The limits of temperatures of all manufacturers.
+/// The objects with temperature limits, of all manufacturers.
 pub fn temperature_limits() -> impl Iterator<Item = Multiplexer> {
     MAKERS.iter().flat_map(|maker| maker.temperature_limits).flatten()
 }

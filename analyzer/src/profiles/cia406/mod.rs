@@ -70,7 +70,7 @@ impl Profile for Cia406 {
     }
 }
 
-/// By index.
+/// The roles of objects, by index.
 const ROLES: &[(u16, &[Role])] = &[
     (objects::OPERATING_PARAMETERS, &[Role::Scaling]),
     (objects::UNITS_PER_REVOLUTION, &[Role::Scaling]),

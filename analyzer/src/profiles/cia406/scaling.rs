@@ -21,7 +21,7 @@ pub(super) fn scale(at: Multiplexer, device: &dyn Configured) -> Option<Unit> {
     }
 }
 
-/// Positions, limits and offsets of positions, and speeds.
+/// Whether an object may have a configured unit: positions, limits and offsets of positions, and speeds.
 const fn may_scale(object: Multiplexer) -> bool {
     match object.index.0 {
         objects::PRESET_VALUE | objects::POSITION_VALUE | objects::POSITION_RAW_VALUE | objects::OFFSET_VALUE => {
@@ -49,7 +49,7 @@ fn positive(device: &dyn Configured, index: u16, sub: u8) -> Option<u32> {
     of(device, index, sub).filter(|&value| value > 0)
 }
 
-/// The unit of a position in steps. `raw` steps are the sensor's own, independent of the scaling.
+/// The unit of a position in steps. With `raw` the steps are those of the sensor, independent of the scaling.
 fn position(device: &dyn Configured, raw: bool) -> Option<Unit> {
     match Kind::of(of(device, object::DEVICE_TYPE, 0)?)? {
         Kind::Rotary => {

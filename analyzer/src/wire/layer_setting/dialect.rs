@@ -16,7 +16,7 @@ pub enum Protocol {
 }
 
 impl Protocol {
-    /// The protocol that alone has the command specifier of a payload; `None` if both or neither have it.
+    /// The only protocol that has the command specifier of a payload; `None` if both or neither have it.
     pub fn of(payload: &[u8]) -> Option<Self> {
         match payload.first()? {
             0x01..=0x03 | 0x05..=0x09 | 0x24..=0x26 => Some(Self::Lmt),
@@ -43,11 +43,11 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     const SWITCH_SELECTIVE: u8;
     /// The command specifier of the first bound of "identify remote slave".
     const IDENTIFY_REMOTE: u8;
-    /// The command specifier of the answer to it.
+    /// The command specifier of the answer to "identify remote slave".
     const IDENTIFIED: u8;
     /// The command specifier that inquires the first part of an address.
     const INQUIRE: u8;
-    /// The fields of the answer to an inquiry of that part.
+    /// The fields of the answer to an inquiry of a part.
     const PART_FIELDS: &'static [Field];
     /// The standard's word for the state of a slave: state, or mode.
     const STATE: &'static str;
@@ -60,7 +60,7 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     fn limits(bound: Self::Bound) -> (Self::Part, Limit);
     /// The bit rate of a row of table 0, in bit/s; `None` for a row that has none.
     fn bit_rate(index: u8) -> Option<u32>;
-    /// The meaning of an error code that differs between the dialects; `None` for a reserved one.
+    /// The meaning of an error code that differs between the dialects; `None` for a reserved code.
     fn error_name(command: ConfigureCommand, error: u8) -> Option<&'static str>;
     /// The value of a part as text.
     fn words(part: Self::Part, value: Self::Value) -> impl Display;
@@ -92,7 +92,7 @@ pub trait Numbered: Copy + Eq + Hash + Debug + 'static {
     /// The standard's name.
     fn name(self) -> &'static str;
 
-    /// Whether it is the last of an address.
+    /// Whether this part or bound is the last one.
     fn is_last(self) -> bool {
         self.position() + 1 == Self::ALL.len()
     }

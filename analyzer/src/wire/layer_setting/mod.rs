@@ -13,10 +13,10 @@
 //! 17h                          store            17h  error  specific     confirmed
 //! ```
 //!
-//! Both address one slave part by part, look for slaves bound by bound, and inquire the parts of an address; the
-//! [`Dialect`] defines the parts and bounds, and their command specifiers. Only LSS has slaves without node-ID,
-//! Fastscan, the inquiry of the node-ID, and the answer of the addressed slave; the parser of LMT never returns
-//! these messages.
+//! Both dialects address one slave part by part, look for slaves bound by bound, and inquire the parts of an address;
+//! the [`Dialect`] defines the parts and bounds, and their command specifiers. Only LSS has slaves without node-ID,
+//! Fastscan, the inquiry of the node-ID, and the answer of the addressed slave; the parser of LMT never returns these
+//! messages.
 
 mod dialect;
 
@@ -63,21 +63,21 @@ pub enum Request<D: Dialect> {
     StoreConfiguration,
     /// Addresses one slave by the parts of its address.
     SwitchSelective {
-        /// The part.
+        /// The part of the address.
         part: D::Part,
-        /// Its value.
+        /// The value of the part.
         value: D::Value,
     },
     /// Identifies slaves within bounds, bound by bound.
     IdentifyRemote {
         /// The bound.
         bound: D::Bound,
-        /// Its value.
+        /// The value of the bound.
         value: D::Value,
     },
     /// Inquires a part of the address.
     Inquire {
-        /// The part.
+        /// The inquired part.
         part: D::Part,
     },
     /// 4Ch, LSS: identifies slaves without node-ID.
@@ -99,7 +99,7 @@ pub enum Request<D: Dialect> {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, filled up with zeros.
+        /// The bytes after byte 0, filled up with zeros.
         tail: [u8; 7],
     },
 }
@@ -120,9 +120,9 @@ pub enum Response<D: Dialect> {
     Identified,
     /// A part of the address.
     Part {
-        /// The part.
+        /// The inquired part.
         part: D::Part,
-        /// Its value.
+        /// The value of the part.
         value: D::Value,
     },
     /// 44h, LSS: the addressed slave is in configuration state.
@@ -135,7 +135,7 @@ pub enum Response<D: Dialect> {
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, filled up with zeros.
+        /// The bytes after byte 0, filled up with zeros.
         tail: [u8; 7],
     },
 }
@@ -162,7 +162,7 @@ impl ConfigureCommand {
         }
     }
 
-    /// The meaning of the error code; `None` for a reserved one.
+    /// The meaning of the error code; `None` for a reserved code.
     pub fn error_name<D: Dialect>(self, error: u8) -> Option<&'static str> {
         match (self, error) {
             (_, 0) => Some("successful"),
@@ -186,7 +186,7 @@ impl<D: Dialect> Request<D> {
 }
 
 impl<D: Dialect> Response<D> {
-    /// Whether this message answers that request.
+    /// Whether this message answers `request`.
     pub fn answers(self, request: Request<D>) -> bool {
         match (self, request) {
             (Self::Configured { command, .. }, request) => match request {
@@ -205,14 +205,14 @@ impl<D: Dialect> Response<D> {
         }
     }
 
-    /// Whether a confirmation has a specific error code although its error code is not 255, the only value that
-    /// announces one.
+    /// Whether a confirmation has a specific error code although its error code is not 255. Only 255 announces a
+    /// specific error code.
     pub const fn says_too_much(self) -> bool {
         matches!(self, Self::Configured { error: 0..=254, specific: 1.., .. })
     }
 }
 
-/// The part or bound with that command specifier, if the first one has `first`.
+/// The part or bound with the command specifier `command`, if the first part or bound has `first`.
 fn at<N: Numbered>(command: u8, first: u8) -> Option<N> {
     N::ALL.get(usize::from(command.checked_sub(first)?)).copied()
 }
@@ -473,7 +473,7 @@ mod tests {
         assert_eq!(Protocol::of(&[]), None);
     }
 
-    /// From index 5 on the tables differ.
+    /// The tables differ from index 5 on.
     #[test]
     fn bit_rates_of_lmt_are_shifted_against_lss() {
         assert!((0..5).all(|index| Lss::bit_rate(index).is_some() && Lss::bit_rate(index) == Lmt::bit_rate(index)));

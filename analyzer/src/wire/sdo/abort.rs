@@ -145,15 +145,15 @@ impl AbortCode {
 
     /// The meaning of error class (bits 31..24) and error code (bits 23..16) in CAL; `None` if CAL has none.
     ///
-    /// Some devices (manual 004, 8.14 and 12.2) write class 6, code 6 as 0600 0006h: the code is in the lowest byte, and
-    /// its own place is 0.
+    /// Some devices (manual 004, 8.14 and 12.2) write class 6, code 6 as 0600 0006h: the code is in the lowest byte,
+    /// and bits 23..16 are 0.
     pub fn cal_name(self) -> Option<&'static str> {
         let [class, code, _, lowest] = self.0.to_be_bytes();
         let find = |code| CAL_ERRORS.iter().find(|row| (row.0, row.1) == (class, code)).map(|row| row.2);
         find(code).or_else(|| find(lowest).filter(|_| self.0 & 0x00FF_FF00 == 0))
     }
 
-    /// The meaning in CiA 301 or CAL, or that neither has one.
+    /// The meaning in CiA 301 or CAL, or a text that says that neither has one.
     pub fn text(self) -> &'static str {
         self.name().or_else(|| self.cal_name()).unwrap_or("unknown abort code")
     }
@@ -173,13 +173,13 @@ impl Wire for Abort {
 }
 
 impl AbortCode {
-    /// As the standard prints it: `0601 0002h`.
+    /// The code as the standard prints it: `0601 0002h`.
     pub fn digits(self) -> impl fmt::Display {
         fmt::from_fn(move |f| write!(f, "{:04X} {:04X}h", self.0 >> 16, self.0 & 0xFFFF))
     }
 }
 
-/// `0601 0002h attempt to write a read only object`.
+/// Writes `0601 0002h attempt to write a read only object`.
 impl fmt::Display for AbortCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ", self.digits())?;

@@ -70,11 +70,11 @@ pub enum Request {
         /// The CRC over all data; 0 without CRC.
         crc: u16,
     },
-    /// Command specifier 7, or a byte of no other form.
+    /// Command specifier 7, or a byte 0 that has no other form.
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, filled up with zeros.
+        /// The bytes after byte 0, filled up with zeros.
         tail: [u8; 7],
     },
 }
@@ -85,12 +85,12 @@ impl Request {
         Self::InitiateUpload { multiplexer }
     }
 
-    /// The request that writes a value of 1 to 4 bytes, or announces a longer one.
+    /// The request that writes a value of 1 to 4 bytes, or announces a longer value.
     pub fn download(multiplexer: Multiplexer, value: &[u8]) -> Self {
         Self::InitiateDownload { multiplexer, payload: Payload::of(value) }
     }
 
-    /// The end of a transfer.
+    /// The abort of a transfer.
     pub const fn abort(multiplexer: Multiplexer, code: super::AbortCode) -> Self {
         Self::Abort(Abort { multiplexer, code })
     }
@@ -261,7 +261,7 @@ mod tests {
         both_ways(&[0xE0, 1, 2, 3, 4, 5, 6, 7], Request::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] });
     }
 
-    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    /// Bits that the standard reserves (`-` in the pictures above) do not change the message.
     #[test]
     fn reserved_bits_are_ignored() {
         assert_eq!(Request::read(&[0x6F, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::UploadSegment { toggle: false }));
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(Request::read(&[]), Err(Malformed { offset: 0, expected: "an SDO command byte" }));
     }
 
-    /// Which bytes of each message the standard reserves (CiA 301, 7.2.4.3), and that no other is taken for them.
+    /// The parser takes exactly the bytes as reserved that the standard reserves (CiA 301, 7.2.4.3).
     #[test]
     fn reserved_bytes_belong_to_the_message() {
         let multiplexer = Multiplexer::new(0x1F50, 1);

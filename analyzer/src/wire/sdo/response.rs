@@ -68,22 +68,22 @@ pub enum Response {
         /// The CRC over all data; 0 without CRC.
         crc: u16,
     },
-    /// Command specifier 7, or a byte of no other form.
+    /// Command specifier 7, or a byte 0 that has no other form.
     Unknown {
         /// Byte 0.
         command: u8,
-        /// The bytes after it, filled up with zeros.
+        /// The bytes after byte 0, filled up with zeros.
         tail: [u8; 7],
     },
 }
 
 impl Response {
-    /// The answer with a value of 1 to 4 bytes, or the announcement of a longer one.
+    /// The answer with a value of 1 to 4 bytes, or the announcement of a longer value.
     pub fn upload(multiplexer: Multiplexer, value: &[u8]) -> Self {
         Self::InitiateUpload { multiplexer, payload: Payload::of(value) }
     }
 
-    /// The end of a transfer.
+    /// The abort of a transfer.
     pub const fn abort(multiplexer: Multiplexer, code: super::AbortCode) -> Self {
         Self::Abort(Abort { multiplexer, code })
     }
@@ -373,7 +373,7 @@ mod tests {
         both_ways(&[0xFF, 0, 0, 0, 0, 0, 0, 0], Response::Unknown { command: 0xFF, tail: [0; 7] });
     }
 
-    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    /// Bits that the standard reserves (`-` in the pictures above) do not change the message.
     #[test]
     fn reserved_bits_are_ignored() {
         assert_eq!(Response::read(&[0x2F, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::DownloadSegment { toggle: false }));
@@ -383,7 +383,7 @@ mod tests {
         assert_eq!(Response::read(&[0xBD, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::EndBlockDownload));
     }
 
-    /// Which bytes of each message the standard reserves (CiA 301, 7.2.4.3), and that no other is taken for them.
+    /// The parser takes exactly the bytes as reserved that the standard reserves (CiA 301, 7.2.4.3).
     #[test]
     fn reserved_bytes_belong_to_the_message() {
         let multiplexer = Multiplexer::new(0x1008, 0);
@@ -417,7 +417,7 @@ mod tests {
         whole([0xE0, 1, 2, 3, 4, 5, 6, 7], Response::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] }, 0);
     }
 
-    /// Bytes that hold no data, and a size that is not indicated.
+    /// Whether the field has no meaning in this response: bytes that hold no data, and a size that is not indicated.
     fn carries_nothing(response: &Response, field: Field) -> bool {
         match response {
             Response::UploadSegment(segment) => field.name == "data" && segment.data().len() < 7,

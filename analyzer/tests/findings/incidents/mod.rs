@@ -1,6 +1,7 @@
-//! Networks of 3 to 20 nodes with one fault each, and healthy ones: the first story names what broke first.
+//! Networks of 3 to 20 nodes, healthy ones and ones with one fault each. The first story must name what broke first.
 //!
-//! `cargo xtask incidents` runs a thousand of both and prints the table of `docs/diagnose.md`; the tests run fewer.
+//! `cargo xtask incidents` runs a thousand of each kind and prints the table of `docs/diagnose.md`; the tests run
+//! fewer.
 
 mod network;
 mod random;
@@ -13,18 +14,18 @@ use random::Random;
 use roots::Root;
 use std::io::Write;
 
-/// How many of each there are, unless the environment says how many.
+/// Number of networks of each kind; the environment variable overrides the default.
 fn runs() -> u64 {
     std::env::var("CANVASS_INCIDENTS").ok().and_then(|number| number.parse().ok()).unwrap_or(60)
 }
 
-/// A line of the table.
+/// Prints a line of the table.
 fn say(line: &str) {
-    // Who does not listen misses nothing that the test checks.
+    // A closed output changes nothing that the test checks.
     let _ = writeln!(std::io::stdout(), "{line}");
 }
 
-/// The head of the first story.
+/// The rule and the nodes of the findings at the head of the first story.
 fn named(results: &Results) -> Option<(&'static str, Vec<Option<u8>>)> {
     let head = &results.stories.first()?.head;
     let nodes = head.iter().map(|at| results.findings[*at].node.map(|node| node.raw())).collect();

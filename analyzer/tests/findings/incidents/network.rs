@@ -1,14 +1,14 @@
-//! A network: a master that configures, starts and polls its nodes, and what each of them sends.
+//! A simulated network: a master that configures, starts and polls its nodes, and the frames of each node.
 
 use super::random::Random;
 use crate::traffic::{Traffic, hex};
 
-/// How long everything takes, in milliseconds.
+/// The end of the traffic, in milliseconds.
 pub const END: u64 = 60_000;
-/// The nodes are started.
+/// Time at which the nodes are started, in milliseconds.
 const START: u64 = 3_000;
 
-/// What a node does from a moment on.
+/// The status of a node from a moment on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
     Off,
@@ -17,23 +17,23 @@ pub enum Status {
     Stopped,
 }
 
-/// A node.
+/// A simulated node.
 pub struct Node {
     pub id: u8,
-    /// Of its heartbeat, in milliseconds.
+    /// The heartbeat period, in milliseconds.
     pub period: u64,
-    /// The heartbeat that it waits for, and how long.
+    /// The consumed heartbeat: node-ID of the producer, and consumer time in milliseconds.
     pub consumes: Option<(u8, u64)>,
     /// Whether the node sends its TPDO with each SYNC; otherwise it sends the TPDO every `cycle` milliseconds.
     pub synchronous: bool,
     pub cycle: u64,
     pub length: usize,
-    /// What it does, from when on.
+    /// The changes of status, each with its time in milliseconds.
     pub history: Vec<(u64, Status)>,
-    /// How long it takes to answer, in microseconds.
+    /// The response time of the SDO server, in microseconds.
     pub answer: u64,
     phase: u64,
-    /// How often the master asks it for something, in milliseconds.
+    /// The interval at which the master polls the node by SDO, in milliseconds.
     pub polled: u64,
 }
 
@@ -42,13 +42,13 @@ impl Node {
         self.history.iter().rev().find(|row| row.0 <= ms).map_or(Status::Off, |row| row.1)
     }
 
-    /// From then on it does that.
+    /// Adds a change of status at `ms`; later changes stay.
     pub fn becomes(&mut self, ms: u64, status: Status) {
         let at = self.history.iter().position(|row| row.0 > ms).unwrap_or(self.history.len());
         self.history.insert(at, (ms, status));
     }
 
-    /// From then on it does that, whatever was planned.
+    /// Sets the status from `ms` on, and drops all later changes.
     pub fn stays(&mut self, ms: u64, status: Status) {
         self.history.retain(|row| row.0 <= ms);
         self.history.push((ms, status));
@@ -58,36 +58,37 @@ impl Node {
         (0..).map(|n| 500 + self.phase + n * self.period).take_while(|ms| *ms < END)
     }
 
-    /// When the master asks it for something.
+    /// Times at which the master polls the node.
     fn asked(&self) -> impl Iterator<Item = u64> {
         (START + 500 + self.phase..END - 3_000).step_by(self.polled as usize)
     }
 
-    /// Whether the master may ask it for something else then: a client has one request at a time.
+    /// Whether the master may send another SDO request at `ms`: a client has one request at a time.
     pub fn is_free(&self, ms: u64) -> bool {
         self.asked().all(|asked| asked.abs_diff(ms) > 150)
     }
 
-    /// Its last heartbeat before a moment.
+    /// Time of the node's last heartbeat before `ms`.
     pub fn last_beat(&self, ms: u64) -> u64 {
         self.beats().take_while(|beat| *beat < ms).last().unwrap_or(0)
     }
 }
 
-/// All of it.
+/// The whole network.
 pub struct Network {
     pub nodes: Vec<Node>,
-    /// Milliseconds.
+    /// The SYNC period, in milliseconds.
     pub sync: u64,
-    /// SYNC is not sent from then on.
+    /// Time of the last SYNC, in milliseconds.
     pub sync_ends: u64,
-    /// What else is said.
+    /// Further frames, such as those of a fault.
     pub extra: Traffic,
-    /// The heartbeat periods that are changed: node, from when on, milliseconds.
+    /// A change of a heartbeat period: node, time of the change, new period, in milliseconds.
     pub slower: Option<(u8, u64, u64)>,
-    /// The length of TPDOs that is another one: node, from when on.
+    /// A change of the length of a node's TPDOs: node, time of the change in milliseconds.
     pub shorter: Option<(u8, u64)>,
-    /// A client with a short timeout: the node that it asks, the begin, and the timeout in microseconds.
+    /// A client with a short timeout: the node that it polls, the begin in milliseconds, and the timeout in
+    /// microseconds.
     pub impatient: Option<(u8, u64, u64)>,
     jitter: Random,
 }
@@ -129,13 +130,13 @@ impl Network {
         self.nodes.iter_mut().find(|node| node.id == id).unwrap()
     }
 
-    /// Who waits for the heartbeat of a node: each with its time.
+    /// The consumers of a node's heartbeat, each with its consumer time.
     pub fn consumers(&self, producer: u8) -> Vec<(u8, u64)> {
         let waits = |node: &Node| node.consumes.filter(|row| row.0 == producer).map(|row| (node.id, row.1));
         self.nodes.iter().filter_map(waits).collect()
     }
 
-    /// All that is on the bus.
+    /// All frames on the bus.
     pub fn traffic(&mut self) -> Traffic {
         let mut traffic = self.extra.clone();
         self.configuration(&mut traffic);
@@ -150,7 +151,7 @@ impl Network {
         traffic
     }
 
-    /// What the master writes: each node has its own time for it.
+    /// The configuration by the master: each node needs its own time for it.
     fn configuration(&self, traffic: &mut Traffic) {
         for (n, node) in self.nodes.iter().enumerate() {
             traffic.at(100 + n as u64 * 5, &format!("{:03X}#00", 0x700 + u16::from(node.id)));
@@ -205,12 +206,12 @@ impl Network {
         self.polls(at, traffic);
     }
 
-    /// The master reads something again and again.
+    /// The polls of a node by the master.
     fn polls(&self, at: usize, traffic: &mut Traffic) {
         let node = &self.nodes[at];
         let (client, server) = (0x600 + u16::from(node.id), 0x580 + u16::from(node.id));
         for ms in node.asked() {
-            // A master does not ask those that it has lost.
+            // A master does not poll nodes that it has lost.
             if matches!(node.status(ms), Status::Off | Status::Stopped) || node.status(ms + 20) == Status::Off {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Numbers that look random and are the same for the same seed.
+//! Pseudo-random numbers, the same ones for the same seed.
 
 /// Marsaglia's xorshift.
 pub struct Random(u64);
@@ -17,7 +17,7 @@ impl Random {
         self.0
     }
 
-    /// From `from` to less than `to`.
+    /// A number from `from` to `to`, without `to`.
     pub fn between(&mut self, from: u64, to: u64) -> u64 {
         from + self.next() % (to - from).max(1)
     }

@@ -1,9 +1,9 @@
-//! What breaks, and what follows from it in a network of devices that do as CiA 301 says.
+//! The first faults, and their consequences in a network of devices that follow CiA 301.
 
 use super::network::{END, Network, Status};
 use super::random::Random;
 
-/// What breaks first.
+/// The first fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Root {
     PowerLoss,
@@ -21,7 +21,7 @@ pub enum Root {
     IgnoredReset,
 }
 
-/// What must be named.
+/// The finding that the first story must name.
 pub struct Expected {
     pub rules: &'static [&'static str],
     pub node: Option<u8>,
@@ -62,7 +62,7 @@ impl Root {
         }
     }
 
-    /// Breaks it, and says what must be named.
+    /// Adds the fault to the network; returns the finding that must be named.
     pub fn break_it(self, network: &mut Network, random: &mut Random) -> Expected {
         let at = random.between(20_000, 40_000);
         let ids: Vec<u8> = network.nodes.iter().map(|node| node.id).collect();
@@ -136,7 +136,7 @@ impl Root {
     }
 }
 
-/// A node is away; who waits for it says so and leaves operational, and the master resets and starts it.
+/// A node is away. Its consumers send an EMCY and leave operational; the master resets and starts the node.
 fn lose(network: &mut Network, random: &mut Random, id: u8, at: u64, away: Option<u64>, restarts: bool) {
     let last = network.node(id).last_beat(at);
     for (consumer, time) in network.consumers(id) {
@@ -171,7 +171,7 @@ fn lose(network: &mut Network, random: &mut Random, id: u8, at: u64, away: Optio
     network.extra.at(back, &format!("{:03X}#00", 0x700 + u16::from(id))).at(back + 900, &format!("000#01{id:02X}"));
 }
 
-/// A node starts anew by itself, and is started by the master.
+/// A node restarts by itself, and the master starts it.
 fn restart(network: &mut Network, id: u8, at: u64, took: u64) {
     let node = network.node(id);
     node.stays(at, Status::Off);
@@ -181,7 +181,7 @@ fn restart(network: &mut Network, id: u8, at: u64, took: u64) {
     network.extra.at(at + took + 400, &format!("000#01{id:02X}"));
 }
 
-/// The heartbeat time of a producer is set to more than its consumer waits.
+/// A producer's heartbeat time is set to more than its consumer's time.
 fn wrong_heartbeat_time(network: &mut Network, random: &mut Random, at: u64) -> Expected {
     let place = random.between(1, network.nodes.len() as u64) as usize;
     let (producer, period) = (network.nodes[place - 1].id, network.nodes[place - 1].period);
@@ -200,7 +200,7 @@ fn wrong_heartbeat_time(network: &mut Network, random: &mut Random, at: u64) -> 
     Expected { rules: &["nodes/consumer-time"], node: Some(consumer) }
 }
 
-/// Another device of the same type is switched on: it has its own serial number and its own heartbeat.
+/// A second device of the same type is switched on, with its own serial number and its own heartbeat.
 fn second_device(network: &mut Network, id: u8, at: u64) {
     let (heartbeat, period) = (0x700 + u16::from(id), network.node(id).period);
     network.extra.at(at, &format!("{heartbeat:03X}#00"));
@@ -215,13 +215,13 @@ fn second_device(network: &mut Network, id: u8, at: u64) {
     }
 }
 
-/// What a master does with nodes that are in order: it stops, starts and resets them, and looks what objects they have.
+/// Normal operation by a master: it stops, starts and resets healthy nodes, and finds out which objects they have.
 pub fn operate(network: &mut Network, random: &mut Random) {
     let ids: Vec<u8> = network.nodes.iter().map(|node| node.id).collect();
     for n in 0..random.between(0, 4) {
         let at = 8_000 + n * 12_000 + random.between(0, 4_000);
         let id = random.one_of(&ids);
-        // Whom others wait for is not taken away.
+        // A node whose heartbeat is consumed is not stopped or reset.
         if !network.consumers(id).is_empty() {
             continue;
         }

@@ -31,7 +31,7 @@ struct PositionFrozen {
 struct Axis {
     /// Time of the first message with the current position, and the position.
     since: Option<(Timestamp, u64)>,
-    /// The frame of that message; kept only when the position has come again.
+    /// The frame in which the position came first; kept only when the position has come again.
     first: Option<Seen>,
     /// Number of further PDOs with the same position while the shaft turns.
     same: u32,

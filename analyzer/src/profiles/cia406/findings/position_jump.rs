@@ -111,7 +111,7 @@ impl PositionJump {
         }
     }
 
-    /// [`Self::units_a_second`], kept until one of its inputs is shown again.
+    /// The result of [`Self::units_a_second`], kept until one of its inputs is shown again.
     #[cold]
     fn work_out(&mut self, position: &Operand, context: &Context<'_>) -> u64 {
         let node = position.node;
@@ -137,7 +137,7 @@ impl PositionJump {
         // PDOs wait for the bus, and recorders for the processor, so the interval may be longer than measured.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
         let a_second = before_this.a_second.unwrap_or_else(|| self.work_out(position, context));
-        // In billionths of a unit.
+        // The allowed movement, in billionths of a unit.
         let allowed = u128::from(a_second) * u128::from(elapsed.nanos());
         // The direct distance is the longest, and usually short enough; this saves the slower division.
         if u128::from(before.abs_diff(position.raw)) * 1_000_000_000 <= allowed {
@@ -173,7 +173,7 @@ impl Rule for PositionJump {
             let axis = &mut self.nodes[operand.node];
             match operand.object.index.0 {
                 objects::POSITION_VALUE if context.decoded.service == Service::Pdo => position = Some(operand),
-                // Only the first of several channels is judged.
+                // Only the first of several channels is checked.
                 objects::CHANNEL_POSITION_VALUES if context.decoded.service == Service::Pdo => {
                     position = position.or(Some(operand));
                 }

@@ -90,7 +90,7 @@ impl Rule for RedundantChannels {
 }
 
 impl RedundantChannels {
-    /// A function of its own, so that PDOs without two channels cost nothing.
+    /// Compares the two channels. A function of its own, so that PDOs without two channels cost nothing.
     #[inline(never)]
     fn compare(
         &mut self,
