@@ -1,7 +1,7 @@
 //! The answers of a device to reading its object dictionary: compares them with its description, or makes a
 //! description from them.
 //!
-//! Nothing here accesses a device: the caller does, and fills a [`Survey`].
+//! Nothing here accesses a device: the caller reads the device and fills a [`Survey`].
 
 pub mod compare;
 pub mod describe;
@@ -59,7 +59,7 @@ impl fmt::Display for Answer {
     }
 }
 
-/// The first bytes of a value, with their number: as many as people read at a glance.
+/// The first bytes of a value, and the total number of bytes: people can read this many at a glance.
 struct Bytes<'a>(&'a [u8]);
 
 impl fmt::Display for Bytes<'_> {
