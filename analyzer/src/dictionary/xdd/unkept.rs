@@ -1,4 +1,4 @@
-//! The elements and attributes of an XDD or XDC that canvass reads over: the description in memory has no place for them.
+//! Reports the elements and attributes of an XDD or XDC that a description in memory does not keep.
 
 use std::collections::BTreeMap;
 
