@@ -15,7 +15,7 @@
 //! | 1.1 | number, offset, direction or kind, id, DLC, data |
 //! | 1.2 | number, offset, bus, direction or kind, id, DLC, data |
 //! | 1.3 | number, offset, bus, direction or kind, id, reserved, DLC, data |
-//! | 2.0, 2.1 | by `$COLUMNS`: N number, O offset, T kind, B bus, I id, d direction, R reserved, L DLC, l length, D data |
+//! | 2.x | by `$COLUMNS`: N number, O offset, T kind, B bus, I id, d direction, R reserved, L DLC, l length, D data |
 //!
 //! Pitfalls:
 //!

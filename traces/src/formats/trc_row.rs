@@ -46,7 +46,7 @@ pub(crate) struct TrcRow<'a> {
     pub(crate) content: Content<'a>,
 }
 
-/// The content of a row: a frame, or an event.
+/// The content of a row: a frame, an event, or an unsupported kind.
 pub(crate) enum Content<'a> {
     Frame {
         offset: u64,

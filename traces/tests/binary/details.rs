@@ -116,7 +116,7 @@ fn topics_can_be_named() {
 #[test]
 fn an_mcap_without_can_frames_says_so() {
     let mut plain = shown::bytes("ros2-unchunked.mcap");
-    // Without the type of `data` the schema is not that of a CAN frame.
+    // Without a field named `data` no schema is that of a CAN frame.
     for name in [&b"uint8[8] data"[..], b"uint8[<=64] data"] {
         while let Some(at) = memchr::memmem::find(&plain, name) {
             plain[at + name.len() - 1] = b'x';

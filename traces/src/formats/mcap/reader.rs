@@ -177,7 +177,7 @@ impl McapReader {
         Err(Damage::new(DamageKind::Unsupported, place, "a record of MCAP in its place", found.as_bytes()))
     }
 
-    /// Skips the content of a record.
+    /// Skips a record without frames, or a record that is too long to be parsed.
     fn pass_over(&mut self, code: u8, length: u64) -> Result<(), Damage> {
         let place = self.place();
         self.source.consume(RECORD_HEADER);

@@ -43,7 +43,7 @@ pub(crate) struct Field {
 /// One message type.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Message {
-    /// The name in the form `std_msgs/Header`, without `/msg/`.
+    /// The name in the form `std_msgs/Header`, without `msg/`.
     pub(crate) name: String,
     pub(crate) fields: Vec<Field>,
 }
