@@ -48,7 +48,7 @@ fn known_formats() -> String {
 }
 
 impl Capture {
-    /// Opens a file, or standard input where the path is `-`.
+    /// Opens a file, or standard input if the path is `-`.
     ///
     /// # Errors
     /// [`OpenError`] if it can't be opened, is empty, or no format matches.

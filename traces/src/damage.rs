@@ -31,7 +31,7 @@ pub enum DamageKind {
     Truncated,
     /// The line or packet is well-formed, but canvass does not read its kind.
     Unsupported,
-    /// The recorder reports that it lost this many frames.
+    /// The number of frames that the recorder reports as lost.
     Dropped(u64),
     /// The file has no proper end, because the recorder was interrupted. The part before was read.
     Unfinished,

@@ -5,8 +5,8 @@ use std::fmt;
 
 /// A CAN frame in 24 bytes.
 ///
-/// It holds the whole payload of classical frames and of CAN FD frames of up to 16 bytes. Of a longer CAN FD or CAN
-/// XL frame it holds the first 16 bytes; the whole payload is in the [`crate::Record`].
+/// The frame holds the whole payload of classical frames and of CAN FD frames of up to 16 bytes. Of a longer CAN FD or
+/// CAN XL frame it holds the first 16 bytes; the whole payload is in the [`crate::Record`].
 ///
 /// ```
 /// use canvass_traces::{CanId, Frame};

@@ -1,7 +1,7 @@
 //! The lowest parsers of the text formats: numbers, bytes, words; with the expected text for errors.
 //!
-//! They are nom parsers written by hand, because these few loops see every byte of a capture. Each format combines
-//! them with nom's combinators.
+//! The parsers are nom parsers written by hand, because these few loops see every byte of a capture. Each format
+//! combines them with nom's combinators.
 
 use crate::digits::{four_decimal, hex_prefix};
 use nom::IResult;

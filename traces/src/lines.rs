@@ -35,9 +35,9 @@ pub(crate) struct Line<'a> {
 
 /// The end of the line at the window's start.
 enum End {
-    /// A line feed after this many bytes.
+    /// The line ends in a line feed after this number of bytes.
     Feed(usize),
-    /// The end of the source after this many bytes.
+    /// The source ends after this number of bytes.
     Source(usize),
     TooLong,
 }

@@ -31,7 +31,7 @@ impl Timestamp {
         }
     }
 
-    /// The time since `earlier`, or zero where the clock stepped back.
+    /// The time since `earlier`, or zero if the clock stepped back.
     ///
     /// ```
     /// use canvass_traces::{Duration, Timestamp};

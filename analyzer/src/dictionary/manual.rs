@@ -12,7 +12,7 @@ use crate::wire::emcy::{Emcy, EmcyCode};
 pub struct KnownDevice {
     /// The device's description.
     pub description: DeviceDescription,
-    /// Facts from its manual; empty if nobody has given them.
+    /// Facts from the device's manual; empty if they are unknown.
     pub manual: Manual,
 }
 

@@ -18,7 +18,7 @@ use std::fmt;
 pub enum Answer {
     /// A value with these bytes.
     Value(Vec<u8>),
-    /// A value longer than the limit, of at least this many bytes.
+    /// A value longer than the limit; the number is its minimum length in bytes.
     Long(usize),
     /// An abort.
     Aborted(AbortCode),
@@ -29,7 +29,7 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Whether the device has the entry; `None` if the answer does not tell.
+    /// Whether the device has the entry; `None` if the answer does not show it.
     pub const fn exists(&self) -> Option<bool> {
         match self {
             Self::Value(_) | Self::Long(_) => Some(true),
