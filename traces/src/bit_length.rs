@@ -19,8 +19,8 @@ pub const INTERMISSION: u32 = 3;
 /// CRC delimiter, ACK slot and delimiter, end of frame: none of them is stuffed.
 const FIXED_FORM: u32 = 1 + 2 + 7;
 
-/// The number of bits of a classical data or remote frame, from start of frame to end of frame, with its stuff
-/// bits and without the [`INTERMISSION`]. `None` for CAN FD, CAN XL and error frames.
+/// The number of bits of a classical data or remote frame, from start of frame to end of frame, with its stuff bits and
+/// without the [`INTERMISSION`]. `None` for CAN FD, CAN XL and error frames.
 pub fn bit_length(frame: &Frame) -> Option<u32> {
     if frame.is_error() || frame.is_fd() || frame.is_xl() {
         return None;
@@ -33,13 +33,13 @@ pub fn bit_length(frame: &Frame) -> Option<u32> {
     })
 }
 
-/// SOF to DLC of the base format, 19 bits, in whole bytes.
+/// The bits from SOF to DLC of the base format: 19 bits, in whole bytes.
 fn base_header(frame: &Frame) -> [u8; 3] {
     let [_, bytes @ ..] = (frame.id().raw() << 7 | control(frame)).to_be_bytes();
     bytes
 }
 
-/// SOF to DLC of the extended format, 39 bits, in whole bytes. SRR and IDE are recessive.
+/// The bits from SOF to DLC of the extended format: 39 bits, in whole bytes. SRR and IDE are recessive.
 fn extended_header(frame: &Frame) -> [u8; 5] {
     let raw = u64::from(frame.id().raw());
     let bits = (raw >> 18) << 27 | 0b11 << 25 | (raw & 0x3_FFFF) << 7 | u64::from(control(frame));
@@ -47,13 +47,13 @@ fn extended_header(frame: &Frame) -> [u8; 5] {
     bytes
 }
 
-/// RTR, two dominant bits, DLC.
+/// The control bits: RTR, two dominant bits, DLC.
 #[inline]
 fn control(frame: &Frame) -> u32 {
     u32::from(frame.kind() == FrameKind::Remote) << 6 | u32::from(frame.dlc() & 0xF)
 }
 
-/// The bits of a frame with the given header of `len` bits; `filled` is the data, filled up with zeros.
+/// The number of bits of a frame with the given header of `len` bits; `filled` is the data, filled up with zeros.
 #[inline]
 fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [u8; 8]) -> u32 {
     // Nearly all frames have eight bytes; a constant number of bytes lets the compiler unroll the loops.
@@ -63,7 +63,7 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
     }
 }
 
-/// The bits of a frame with the given header of `len` bits, data and CRC.
+/// The number of bits of a frame with the given header of `len` bits, data and CRC.
 #[inline(always)]
 fn filled_up<const N: usize>(header: [u8; N], len: u32, data: &[u8], crc: u16) -> u32 {
     let [first, rest @ ..] = &header[..] else { return 0 };
@@ -103,15 +103,15 @@ fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
 struct Stuffing {
     /// Entry of [`STUFF_TABLE`] for the last byte: the run after it, and its number of stuff bits.
     last: u16,
-    /// Sum of all entries. Its lower half holds runs, which can't overflow in 15 bytes; its upper half counts the
-    /// stuff bits.
+    /// Sum of all entries. The lower half is the sum of the runs, which can't overflow in 15 bytes; the upper half is
+    /// the number of stuff bits.
     sum: u32,
 }
 
 impl Stuffing {
     #[inline]
     fn byte(&mut self, byte: u8) {
-        // The only step that waits for the byte before: the look-up.
+        // The look-up is the only step that depends on the byte before.
         self.last = STUFF_TABLE[usize::from(byte)][usize::from(self.last & 0xF)];
         self.sum += u32::from(self.last);
     }
@@ -170,8 +170,8 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By byte and by the run before it: the run after the byte in the lower byte, its number of stuff bits in the upper
-/// one.
+/// The run after a byte (lower byte) and the number of stuff bits in it (upper byte), by the byte and the run before
+/// it.
 static STUFF_TABLE: [[u16; 16]; 256] = {
     let mut table = [[0; 16]; 256];
     let mut at = 0;
@@ -199,7 +199,7 @@ mod tests {
     use crate::CanId;
     use proptest::prelude::*;
 
-    /// The frame bit by bit, as ISO 11898-1 describes it, with nothing shared with the code above.
+    /// The number of bits, counted bit by bit as ISO 11898-1 describes it; shares nothing with the code above.
     fn naive(frame: &Frame) -> u32 {
         let mut bits = vec![false];
         let mut push = |value: u32, len: u32| (0..len).rev().for_each(|n| bits.push(value >> n & 1 != 0));
@@ -229,7 +229,7 @@ mod tests {
         let mut sent: Vec<bool> = Vec::new();
         for bit in bits {
             sent.push(bit);
-            // A stuff bit begins a run of its own, so the last five bits tell all.
+            // A stuff bit begins a new run, so the last five bits suffice to find the next one.
             if sent.len() >= 5 && sent[sent.len() - 5..].iter().all(|&b| b == bit) {
                 sent.push(!bit);
             }
@@ -243,7 +243,8 @@ mod tests {
 
     #[test]
     fn limits_of_the_standard() {
-        // 44 + 8n bits without stuff bits, at most floor((34 + 8n - 1) / 4) of them; 64 + 8n in the extended format.
+        // A frame has 44 + 8n bits and at most floor((34 + 8n - 1) / 4) stuff bits; 64 + 8n bits in the extended
+        // format.
         let longest = (0..=0xFF).map(|byte| bit_length(&standard(0x78, &[byte; 8])).unwrap()).max();
         assert!(longest <= Some(44 + 64 + 24), "{longest:?}");
         assert!(bit_length(&standard(0x555, &[0x55; 8])).unwrap() >= 108);

@@ -48,7 +48,7 @@ fn known_formats() -> String {
 }
 
 impl Capture {
-    /// Opens a file, or standard input where the path is `-`.
+    /// Opens a file, or standard input if the path is `-`.
     ///
     /// # Errors
     /// [`OpenError`] if it can't be opened, is empty, or no format matches.
@@ -60,8 +60,8 @@ impl Capture {
         Self::from_source(&path.display().to_string(), Source::new(file), options)
     }
 
-    /// Reads a source under that name. A source compressed by gzip or zstd is decompressed; offsets are those in the
-    /// decompressed content.
+    /// Reads a source and gives the capture this name. A source compressed by gzip or zstd is decompressed; offsets are
+    /// those in the decompressed content.
     ///
     /// # Errors
     /// [`OpenError`] if nothing can be read, it is empty, or no format matches.
@@ -75,8 +75,8 @@ impl Capture {
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
-    /// Makes a capture of another kind of reader, such as that of a live bus; it gets this name and counts as this
-    /// format.
+    /// Makes a capture of another kind of reader, such as the reader of a live bus; `name` and `format` are those that
+    /// the capture reports.
     pub fn from_reader(name: &str, format: Format, reader: Box<dyn Reader>) -> Self {
         Self { name: name.to_owned(), format, reader }
     }

@@ -1,4 +1,4 @@
-//! Channel names: which bus a frame was seen on.
+//! Channel names: the name of the bus on which a frame was seen.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -11,7 +11,7 @@ pub struct ChannelId(pub u16);
 #[derive(Clone, Debug, Default)]
 pub struct Channels {
     names: Vec<Box<str>>,
-    /// The index of each name; used when there are more than [`Channels::FEW`].
+    /// The index of each name; used only for more than [`Channels::FEW`] names.
     places: HashMap<Box<str>, u16>,
     last: usize,
 }
@@ -21,7 +21,7 @@ impl Channels {
     pub const MAX: usize = 4096;
     /// Up to this number of channels a linear search is faster than the map.
     const FEW: usize = 16;
-    /// The name under which all further channels go once [`Channels::MAX`] are known.
+    /// The name of all further channels once [`Channels::MAX`] are known.
     pub const OVERFLOW: &'static str = "(more)";
 
     /// Makes an empty set of channels.
@@ -62,7 +62,7 @@ impl Channels {
         place
     }
 
-    /// The name of a channel; `?` for one that is not of this capture.
+    /// The name of a channel; `?` for an id that is not of this capture.
     pub fn name(&self, id: ChannelId) -> &str {
         self.names.get(usize::from(id.0)).map_or("?", |name| name)
     }
@@ -72,7 +72,7 @@ impl Channels {
         self.names.iter().map(|name| &**name)
     }
 
-    /// How many channels were seen.
+    /// The number of channels seen.
     pub fn len(&self) -> usize {
         self.names.len()
     }

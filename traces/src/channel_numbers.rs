@@ -1,4 +1,4 @@
-//! Numbers for channels, for formats without channel names.
+//! Numbers of channels, for formats without channel names.
 
 use crate::{ChannelId, Loss, Losses};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,13 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct ChannelNumbers {
     numbers: BTreeMap<ChannelId, u16>,
     taken: BTreeSet<u16>,
-    /// All numbers below this one are taken.
+    /// The lowest number that may be free: all numbers below it are taken.
     free_from: u16,
 }
 
 impl ChannelNumbers {
-    /// The number of a channel, from 1: its name if that is a number, else the next free one; the loss of the name is
-    /// counted.
+    /// The number of a channel, from 1: its name if that is a number, else the next free number; then the loss of the
+    /// name is counted.
     pub(crate) fn number(&mut self, channel: ChannelId, name: &str, losses: &mut Losses) -> u16 {
         let number = match self.numbers.get(&channel) {
             Some(number) => *number,

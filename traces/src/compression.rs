@@ -16,7 +16,7 @@ const ZSTD: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];
 /// # Errors
 /// [`SourceError`] if the first bytes can't be read.
 pub(crate) fn decompressed(mut source: Source) -> Result<Source, SourceError> {
-    // A pipe may be slow, so only the bytes that tell compressed from plain data are awaited.
+    // A pipe may be slow, so only the bytes that distinguish compressed from plain data are awaited.
     while begins(source.window()) && source.window().len() < ZSTD.len() {
         if !source.fill()? {
             break;

@@ -4,7 +4,7 @@ use crate::{Place, Record, SourceError};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Something in a source that is not a readable frame. Reading goes on after it, unless it is
+/// A part of a source that is not a readable frame. Reading goes on after it, unless the damage is
 /// [fatal](DamageKind::is_fatal).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Damage {
@@ -12,7 +12,7 @@ pub struct Damage {
     pub kind: DamageKind,
     /// The line or packet, and its offset.
     pub place: Place,
-    /// The column in that line, from 1, where the line's format has columns; counted in bytes.
+    /// The column in the line, from 1, if the line's format has columns; counted in bytes.
     pub column: Option<u32>,
     /// The text or value expected at this place.
     pub expected: Cow<'static, str>,
@@ -31,7 +31,7 @@ pub enum DamageKind {
     Truncated,
     /// The line or packet is well-formed, but canvass does not read its kind.
     Unsupported,
-    /// The recorder reports that it lost this many frames.
+    /// The number of frames that the recorder reports as lost.
     Dropped(u64),
     /// The file has no proper end, because the recorder was interrupted. The part before was read.
     Unfinished,
@@ -62,7 +62,7 @@ impl Damage {
     /// Maximum length of the found text that is kept, in characters.
     pub const EXCERPT: usize = 60;
 
-    /// A damage at a place, with what was expected and the bytes found.
+    /// A damage at a place, with the expected text and the bytes found.
     pub fn new(kind: DamageKind, place: Place, expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
         Self { kind, place, column: None, expected: expected.into(), found: excerpt(found), salvaged: None }
     }

@@ -3,12 +3,12 @@
 
 use crate::grammar::nibble;
 
-/// A word with this value in each byte.
+/// A word with the value `byte` in each byte.
 const fn each(byte: u8) -> u64 {
     u64::from_ne_bytes([byte; 8])
 }
 
-/// As [`each`], for sixteen bytes.
+/// A word of sixteen bytes with the value `byte` in each.
 const fn each_of_16(byte: u8) -> u128 {
     u128::from_ne_bytes([byte; 16])
 }
@@ -25,7 +25,7 @@ pub(crate) const fn four_decimal(text: [u8; 4]) -> Option<u32> {
     Some((pairs & 0xFF) * 100 + (pairs >> 16 & 0xFF))
 }
 
-/// Whether all are decimal digits.
+/// Whether all eight characters are decimal digits.
 #[inline]
 pub(crate) const fn all_decimal(text: [u8; 8]) -> bool {
     let word = u64::from_le_bytes(text);
@@ -72,7 +72,7 @@ pub(crate) const fn hex_prefix(text: [u8; 16]) -> (usize, [u8; 8]) {
     (count, (bytes & kept).to_le_bytes())
 }
 
-/// The number of leading hexadecimal digits, and the value of each.
+/// The number of leading hexadecimal digits, and the value of each digit.
 #[inline]
 const fn hex_values(word: u128) -> (usize, u128) {
     const HIGH: u128 = each_of_16(0x80);
@@ -83,7 +83,7 @@ const fn hex_values(word: u128) -> (usize, u128) {
     let letter = at_least(letters, b'a') & !at_least(letters, b'f' + 1);
     let is_hex = (digit | letter) & is_ascii;
     let count = (!is_hex & HIGH).trailing_zeros() as usize / 8;
-    // Bit 6 tells the letters, which begin with A = 41h: 1 + 9.
+    // Bit 6 is set in letters only: a letter adds 9 to its lower half, which is 1 for A = 41h.
     let nine = (word >> 6 & each_of_16(1)).wrapping_mul(9);
     (count, (word & each_of_16(0x0F)).wrapping_add(nine) & each_of_16(0x0F))
 }

@@ -15,9 +15,9 @@ use std::fmt;
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
-    /// candump's log.
+    /// The log of candump.
     Candump,
-    /// candump's output on a console.
+    /// The output of candump on a console.
     CandumpConsole,
     /// pcap.
     Pcap,
@@ -37,7 +37,7 @@ pub enum Format {
     PythonCanCsv,
 }
 
-/// What a format is called.
+/// The names and properties of a format.
 struct Facts {
     id: &'static str,
     summary: &'static str,

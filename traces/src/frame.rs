@@ -5,8 +5,8 @@ use std::fmt;
 
 /// A CAN frame in 24 bytes.
 ///
-/// It holds the whole payload of classical frames and of CAN FD frames of up to 16 bytes. Of a longer CAN FD or CAN
-/// XL frame it holds the first 16 bytes; the whole payload is in the [`crate::Record`].
+/// The frame holds the whole payload of classical frames and of CAN FD frames of up to 16 bytes. Of a longer CAN FD or
+/// CAN XL frame it holds the first 16 bytes; the whole payload is in the [`crate::Record`].
 ///
 /// ```
 /// use canvass_traces::{CanId, Frame};
@@ -67,12 +67,12 @@ impl Flags {
         self.0 & other.0 == other.0
     }
 
-    /// BRS 1, ESI 2, FDF 4, XLF 8, as SocketCAN numbers the first three.
+    /// The flags as a number: BRS 1, ESI 2, FDF 4, XLF 8. The first three have the numbers of SocketCAN.
     pub const fn bits(self) -> u8 {
         self.0
     }
 
-    /// The flags for [`Flags::bits`]; the upper half is ignored.
+    /// The flags of a number as [`Flags::bits`] gives it; the upper half is ignored.
     pub const fn from_bits(bits: u8) -> Self {
         Self(bits & 0x0F)
     }
@@ -118,7 +118,7 @@ impl Frame {
         Some(frame)
     }
 
-    /// A classical data frame with all 8 bytes: the hot path of SDO and of binary readers.
+    /// A classical data frame with all 8 bytes: a quick constructor for SDO and binary readers.
     pub const fn full(id: CanId, data: [u8; 8]) -> Self {
         let [a, b, c, d, e, f, g, h] = data;
         Self { id, kind: FrameKind::Data, flags: 0, len: 8, data: [a, b, c, d, e, f, g, h, 0, 0, 0, 0, 0, 0, 0, 0] }
@@ -187,13 +187,13 @@ impl Frame {
         }
     }
 
-    /// Data, remote or error.
+    /// The kind: data, remote or error.
     #[inline]
     pub const fn kind(&self) -> FrameKind {
         self.kind
     }
 
-    /// The payload, up to 16 bytes of it; empty for a remote frame.
+    /// The first 16 bytes of the payload; empty for a remote frame.
     #[inline]
     pub fn data(&self) -> &[u8] {
         match self.kind {
@@ -245,22 +245,22 @@ impl Frame {
         Flags::from_bits(self.flags)
     }
 
-    /// Whether it is a CAN FD frame.
+    /// Whether the frame is a CAN FD frame.
     pub const fn is_fd(&self) -> bool {
         self.flags().contains(Flags::FDF)
     }
 
-    /// Whether it is a CAN XL frame.
+    /// Whether the frame is a CAN XL frame.
     pub const fn is_xl(&self) -> bool {
         self.flags().contains(Flags::XLF)
     }
 
-    /// Whether it is a remote frame.
+    /// Whether the frame is a remote frame.
     pub const fn is_remote(&self) -> bool {
         matches!(self.kind, FrameKind::Remote)
     }
 
-    /// Whether it is an error frame.
+    /// Whether the frame is an error frame.
     pub const fn is_error(&self) -> bool {
         matches!(self.kind, FrameKind::Error)
     }
@@ -280,7 +280,7 @@ impl fmt::Debug for Frame {
     }
 }
 
-/// The traits support only classical frames.
+/// The traits of embedded-can support only classical frames.
 impl embedded_can::Frame for Frame {
     fn new(id: impl Into<embedded_can::Id>, data: &[u8]) -> Option<Self> {
         Frame::new(id.into().into(), data)

@@ -1,29 +1,29 @@
 //! The lowest parsers of the text formats: numbers, bytes, words; with the expected text for errors.
 //!
-//! They are nom parsers written by hand, because these few loops see every byte of a capture. Each format combines
-//! them with nom's combinators.
+//! The parsers are nom parsers written by hand, because these few loops see every byte of a capture. Each format
+//! combines them with nom's combinators.
 
 use crate::digits::{four_decimal, hex_prefix};
 use nom::IResult;
 use nom::error::{ErrorKind, ParseError};
 
-/// The expected text, and the input at that place.
+/// The error of a parser: the expected text, and the input at the place of the error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Expected<'a> {
     pub(crate) at: &'a [u8],
     pub(crate) what: &'static str,
 }
 
-/// The rest of the input, and the value.
+/// The result of a parser: the rest of the input, and the value.
 pub(crate) type Parsed<'a, T> = IResult<&'a [u8], T, Expected<'a>>;
 
 impl<'a> ParseError<&'a [u8]> for Expected<'a> {
-    /// Nom's own parsers serve only the structure here and have no better text.
+    /// Nom's own parsers only combine the parsers of this module, so they have no expected text.
     fn from_error_kind(at: &'a [u8], _: ErrorKind) -> Self {
         Self { at, what: "something else" }
     }
 
-    /// The innermost parser knows best what is missing.
+    /// The error of the innermost parser is the most precise one.
     fn append(_: &'a [u8], _: ErrorKind, inner: Self) -> Self {
         inner
     }
@@ -79,7 +79,7 @@ pub(crate) fn skip_blanks(input: &[u8]) -> &[u8] {
     input.get(count..).unwrap_or_default()
 }
 
-/// At least one space or tab.
+/// Skips at least one space or tab.
 #[inline]
 pub(crate) fn blanks1(input: &[u8]) -> Parsed<'_, ()> {
     match skip_blanks(input) {
@@ -100,8 +100,8 @@ pub(crate) fn word<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, &'
     }
 }
 
-/// Length of the run of decimal digits at the input's start, and its value, which is right for up to [`SAFE_DIGITS`]
-/// digits.
+/// The length of the run of decimal digits at the input's start, and its value, which is right for up to
+/// [`SAFE_DIGITS`] digits.
 #[inline]
 fn digits(input: &[u8]) -> (usize, u64) {
     let mut value = 0_u64;
@@ -121,7 +121,7 @@ fn digits(input: &[u8]) -> (usize, u64) {
 /// Number of decimal digits that always fit into 64 bits.
 const SAFE_DIGITS: usize = 19;
 
-/// A decimal number of at most 19 digits.
+/// Parses a decimal number of at most 19 digits.
 #[inline]
 pub(crate) fn decimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u64> {
     move |input| match digits(input) {
@@ -130,7 +130,7 @@ pub(crate) fn decimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a,
     }
 }
 
-/// The digits after a decimal point, at least one and at most nine, in billionths.
+/// Parses the digits after a decimal point, at least one and at most nine, in billionths.
 #[inline]
 pub(crate) fn billionths(input: &[u8]) -> Parsed<'_, u32> {
     const SCALE: [u32; 10] = [1_000_000_000, 100_000_000, 10_000_000, 1_000_000, 100_000, 10_000, 1_000, 100, 10, 1];
@@ -143,7 +143,7 @@ pub(crate) fn billionths(input: &[u8]) -> Parsed<'_, u32> {
     }
 }
 
-/// `SECONDS.FRACTION` in nanoseconds.
+/// Parses `SECONDS.FRACTION`; the value is in nanoseconds.
 #[inline]
 pub(crate) fn seconds(input: &[u8]) -> Parsed<'_, u64> {
     let (point, whole) = decimal("a time in seconds")(input)?;
@@ -181,7 +181,7 @@ pub(crate) const fn nibble(digit: u8) -> Option<u8> {
     }
 }
 
-/// A run of hexadecimal digits: the rest, their number (at most 8; a ninth is left) and value.
+/// Parses a run of at most 8 hexadecimal digits; gives the rest of the input, the number of digits and their value.
 #[inline]
 pub(crate) fn hex_run(input: &[u8]) -> (&[u8], usize, u32) {
     let mut value = 0;
@@ -197,7 +197,7 @@ pub(crate) fn hex_run(input: &[u8]) -> (&[u8], usize, u32) {
     (rest, count, value)
 }
 
-/// One to eight hexadecimal digits.
+/// Parses one to eight hexadecimal digits.
 pub(crate) fn hexadecimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u32> {
     move |input| match hex_run(input) {
         (_, 0, _) => Expected::fail(input, what),
@@ -205,7 +205,7 @@ pub(crate) fn hexadecimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed
     }
 }
 
-/// Exactly `digits` hexadecimal digits.
+/// Parses exactly `digits` hexadecimal digits.
 pub(crate) fn hex_field<'a>(digits: usize, what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u32> {
     move |input| match hex_run(input) {
         (rest, count, value) if count == digits => Ok((rest, value)),
@@ -213,7 +213,7 @@ pub(crate) fn hex_field<'a>(digits: usize, what: &'static str) -> impl Fn(&'a [u
     }
 }
 
-/// A byte as two hexadecimal digits.
+/// Parses a byte of two hexadecimal digits.
 #[inline]
 pub(crate) fn hex_byte(input: &[u8]) -> Parsed<'_, u8> {
     let [high, low, rest @ ..] = input else {
@@ -229,7 +229,7 @@ pub(crate) fn hex_byte(input: &[u8]) -> Parsed<'_, u8> {
     }
 }
 
-/// Eight bytes of two hexadecimal digits each without separators, as in nearly every line.
+/// Parses eight bytes of two hexadecimal digits each without separators, the form of nearly every line.
 #[inline]
 pub(crate) fn eight_bytes(input: &[u8]) -> Option<([u8; 8], &[u8])> {
     let (digits, rest) = input.split_first_chunk::<16>()?;

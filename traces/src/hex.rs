@@ -28,7 +28,7 @@ pub fn compact(bytes: &[u8]) -> impl fmt::Display + '_ {
     fmt::from_fn(move |f| bytes.iter().try_for_each(|&byte| write_hex(f, byte)))
 }
 
-/// The bytes of [`compact`] digits, upper or lower case; `None` for any other character or an odd number of digits.
+/// Parses the digits of [`compact`], in upper or lower case; `None` for any other character or an odd number of digits.
 ///
 /// ```
 /// assert_eq!(canvass_traces::hex::parse("017f"), Some(vec![1, 0x7F]));

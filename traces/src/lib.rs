@@ -35,7 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Each format is one file, whose module docs describe its grammar and its pitfalls.
+//! Each format has its own file, whose module docs describe the grammar and the pitfalls of the format.
 
 #![warn(clippy::disallowed_methods)]
 

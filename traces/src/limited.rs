@@ -3,20 +3,20 @@
 use crate::Source;
 use std::io::{self, BufRead, Read};
 
-/// A source's next bytes, up to an end.
+/// The next bytes of a source, up to a given length.
 pub(crate) struct Limited<'a> {
     source: &'a mut Source,
     left: u64,
     cut: bool,
 }
 
-/// The end of unpacking such a part.
+/// The reason why unpacking such a part ended.
 #[derive(Debug)]
 pub(crate) enum Unpacked {
     Whole,
     /// The source ended before the part; the bytes before its end are unpacked.
     Cut,
-    /// Everything is unpacked, but the stated length has this many more bytes, which may belong to other records.
+    /// Everything is unpacked, but the part is longer by this number of bytes, which may belong to other records.
     Overlong(u64),
     /// The unpacked bytes can't be trusted.
     Damaged {
@@ -31,12 +31,12 @@ impl<'a> Limited<'a> {
         Self { source, left: length, cut: false }
     }
 
-    /// Whether the source ended or failed before the end.
+    /// Whether the source ended or failed before the end of the part.
     pub(crate) fn is_cut(&self) -> bool {
         self.cut
     }
 
-    /// Number of bytes not read yet.
+    /// The number of bytes of the part that are not read yet.
     pub(crate) fn left(&self) -> u64 {
         self.left
     }

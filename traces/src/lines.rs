@@ -1,20 +1,20 @@
 //! Lines of a text capture, each with its number and offset.
 //!
 //! A line is returned as soon as it is complete in the source's window. A line longer than [`Lines::LONGEST`] is
-//! skipped as one damage, in bounded memory. A byte order mark (UTF-8) before the first line is not part of it.
+//! skipped as one damage, in bounded memory. A UTF-8 byte order mark is not part of the first line.
 
 use crate::grammar::Expected;
 use crate::{Channels, Damage, DamageKind, Place, Reader, Record, SkipSet, Source, SourceError, TimeBase, Timestamp};
 use memchr::memchr;
 use std::borrow::Cow;
 
-/// The UTF-8 byte order mark, which Windows editors leave.
+/// The UTF-8 byte order mark, which Windows editors write.
 const BOM: &[u8] = b"\xEF\xBB\xBF";
 
 /// The lines of a source.
 pub(crate) struct Lines {
     source: Source,
-    /// Length of the last returned line with its end; the next call consumes it.
+    /// Length of the last returned line, including its line end; the next call consumes it.
     given: usize,
     number: u64,
     done: bool,
@@ -25,19 +25,19 @@ pub(crate) struct Lines {
 /// One line.
 #[derive(Clone, Copy)]
 pub(crate) struct Line<'a> {
-    /// Its bytes without the line end.
+    /// The bytes of the line without the line end.
     pub(crate) bytes: &'a [u8],
     /// Number and offset of the line.
     pub(crate) place: Place,
-    /// Whether the line has an end; without one the source ended here, perhaps inside the line.
+    /// Whether the line has a line end; if not, the source ended here, perhaps inside the line.
     pub(crate) ended: bool,
 }
 
 /// The end of the line at the window's start.
 enum End {
-    /// A line feed after this many bytes.
+    /// The line ends in a line feed after this number of bytes.
     Feed(usize),
-    /// The end of the source after this many bytes.
+    /// The source ends after this number of bytes.
     Source(usize),
     TooLong,
 }
@@ -59,8 +59,8 @@ impl Lines {
         self.source.window()
     }
 
-    /// The next line, if `usual` recognises it in the buffered bytes: `usual` returns its content and its length with
-    /// its end.
+    /// The next line, if `usual` recognises it in the buffered bytes. `usual` returns the content of the line, and its
+    /// length including the line end.
     #[inline]
     pub(crate) fn next_usual<T>(&mut self, usual: impl FnOnce(&[u8], Place) -> Option<(T, usize)>) -> Option<T> {
         self.source.consume(std::mem::take(&mut self.given));
@@ -71,7 +71,7 @@ impl Lines {
         Some(content)
     }
 
-    /// Skips lines that `pass` skips, but only a limited number, up to a kept or unusual line.
+    /// Skips lines, up to a limited number, until `pass` keeps a line or does not recognise it.
     #[inline]
     fn pass<F>(
         &mut self,
@@ -179,7 +179,7 @@ impl Lines {
 }
 
 impl<'a> Line<'a> {
-    /// The first byte of a two-byte line end already proves that the line is complete.
+    /// The first byte of a two-byte line end is enough to know that the line is complete.
     fn new(bytes: &'a [u8], place: Place, ended: bool) -> Self {
         let bytes = if place.number == 1 { bytes.strip_prefix(BOM).unwrap_or(bytes) } else { bytes };
         match bytes.strip_suffix(b"\r") {
@@ -188,7 +188,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// The damage for missing text in this line: truncated if the source ended there, else malformed.
+    /// The damage for missing text in this line: truncated if the source ended in the line, else malformed.
     pub(crate) fn damage(&self, missing: Expected<'_>) -> Damage {
         // The position points into this line, so the difference of the addresses is the column.
         let start = self.bytes.as_ptr() as usize;
@@ -205,7 +205,7 @@ impl<'a> Line<'a> {
         damage.at_column(column + 1)
     }
 
-    /// The damage for a line in which the source ended.
+    /// The damage for a line that the end of the source cuts.
     pub(crate) fn cut(&self, what: &'static str) -> Damage {
         let what = format!("{what} before the file ends");
         Damage::new(DamageKind::Truncated, self.place, what, self.bytes).at_column(self.bytes.len() + 1)
@@ -222,7 +222,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The lines at a source's head, for detection; each with whether its end is visible.
+/// The lines at a source's head, for detection; the flag says whether the end of the line is visible.
 pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     let head = head.strip_prefix(BOM).unwrap_or(head);
     head.split_inclusive(|&b| b == b'\n').map(|line| match line.strip_suffix(b"\n") {
@@ -231,11 +231,11 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     })
 }
 
-/// The beginning of comments that canvass has written and attaches to the next frame; other comments are a person's,
-/// or the format's own.
+/// The beginning of comments that canvass writes, and that the reader attaches to the next frame. Other comments are a
+/// person's or the format's own.
 pub(crate) const NOTE: &str = "canvass: ";
 
-/// The text of such a comment.
+/// The text of a comment of canvass.
 fn note(line: &[u8]) -> Option<&str> {
     let line = line.trim_ascii();
     let text = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b";")).or_else(|| line.strip_prefix(b"//"))?;
@@ -245,13 +245,13 @@ fn note(line: &[u8]) -> Option<&str> {
 /// The result for a usual line, while some frames are skipped.
 #[derive(PartialEq, Debug)]
 pub(crate) enum Passed {
-    /// The frame is skipped; length of the line with its end.
+    /// The frame is skipped; the length of its line includes the line end.
     Skipped(usize),
-    /// The record of the line, and its length with its end.
+    /// The record of the line, and the length of the line including the line end.
     Kept(Record, usize),
 }
 
-/// The skipped lines, and the line after them.
+/// The result of skipping lines: the last skipped line, and the line after it.
 struct PassedLines {
     skipped: usize,
     /// The time of the last skipped line, if no line is kept.
@@ -265,15 +265,15 @@ pub(crate) trait LineFormat {
     /// Examines the buffered bytes, perhaps only a part of the file, before the first line is read.
     fn begin(&mut self, _head: &[u8]) {}
 
-    /// The record of the line at the window's start, and its length with its end, if it has the usual form; that
-    /// saves the search for its end and the full parser. Must agree with [`LineFormat::line`], which is called after
-    /// `None`.
+    /// The record of the line at the window's start, and its length including the line end, if the line has the usual
+    /// form. This saves the search for the line end and the full parser. The result must agree with
+    /// [`LineFormat::line`], which is called after `None`.
     #[inline]
     fn usual_line(&mut self, _window: &[u8], _place: Place) -> Option<(Record, usize)> {
         None
     }
 
-    /// As [`LineFormat::usual_line`], while some frames are skipped. A format with this method never owes damages.
+    /// Like [`LineFormat::usual_line`], while some frames are skipped. A format with this method never owes damages.
     #[inline]
     fn pass_line(&mut self, _window: &[u8], _skip: &SkipSet, _place: Place) -> Option<Passed> {
         None
@@ -287,12 +287,12 @@ pub(crate) trait LineFormat {
     /// The content of a line; `None` for a known line without frame. Any other line is a damage.
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
 
-    /// A damage that the lines so far have revealed besides their own; called after each line.
+    /// A damage that the lines so far have revealed in addition to their own damages; called after each line.
     fn owed(&mut self) -> Option<Damage> {
         None
     }
 
-    /// As [`LineFormat::owed`], at the end of the source.
+    /// Like [`LineFormat::owed`], at the end of the source.
     fn end(&mut self) -> Option<Damage> {
         None
     }
@@ -398,7 +398,7 @@ impl<F: LineFormat> Reader for TextReader<F> {
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
         let mut skipped = 0;
         while skipped < SkipSet::IN_A_ROW {
-            // A line with a comment before it is read in full, so that the comment is attached to its frame.
+            // A line with a comment before it is parsed in full, so that the comment is attached to its frame.
             if self.begun && self.notes.is_empty() && !skip.is_empty() {
                 let passed = self.lines.pass(
                     &mut self.format,

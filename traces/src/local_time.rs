@@ -1,12 +1,12 @@
 //! Dates in local time of an unknown zone.
 //!
-//! They become nanoseconds since 1970 as if they were UTC, see [`crate::TimeBase::Local`].
+//! Such a date becomes nanoseconds since 1970 as if it were UTC, see [`crate::TimeBase::Local`].
 
 use jiff::civil::{DateTime, date};
 
 const EPOCH: DateTime = date(1970, 1, 1).at(0, 0, 0, 0);
 
-/// Nanoseconds since 1970, unless the date is before it or after 2554.
+/// Nanoseconds from 1970 to the date; `None` for a date before 1970 or after 2554.
 pub(crate) fn nanos(date: DateTime) -> Option<u64> {
     u64::try_from(EPOCH.duration_until(date).as_nanos()).ok()
 }

@@ -1,10 +1,10 @@
 //! Several captures as one, by time.
 //!
-//! - It reads one record ahead in each source, and only while more than one source is left. It does not sort:
-//!   Where a source's own clock steps back, its records keep the order of their source.
-//! - Of records of the same time, those of the source named first come first.
-//! - A damage comes out as soon as it is found: after the record before it in its own source. One with a salvaged
-//!   record takes that record's place in time.
+//! - The merge reads one record ahead in each source, and only while more than one source is left. It does not sort: if
+//!   the clock of a source steps back, its records keep their order.
+//! - If records have the same time, those of the source named first come first.
+//! - A damage is returned as soon as it is found: after the record before it in its own source. A damage with a
+//!   salvaged record takes that record's place in time.
 //! - Channels of different sources are different channels, even if their names are equal: with more than one source
 //!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
 //!   rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
@@ -45,20 +45,20 @@ pub enum Naming {
 pub struct Merge {
     sources: Vec<MergedSource>,
     channels: Channels,
-    /// By merged channel: its name in its own source.
+    /// The name of each merged channel in its own source.
     own_names: Vec<Box<str>>,
     /// The times of the heads, the earliest first.
     heap: BinaryHeap<Reverse<(Timestamp, usize)>>,
     /// Sources whose next item is unknown yet, in reverse order.
     wanted: Vec<usize>,
-    /// Whether a channel has another number here than in its source.
+    /// Whether a merged channel has another number than in its source.
     renumbered: bool,
 }
 
-/// One of the captures.
+/// One of the merged captures.
 struct MergedSource {
     capture: Capture,
-    /// The prefix of its channels' names.
+    /// The prefix of the channels' names.
     prefix: Option<String>,
     /// The merged channels, by the source's own ids.
     channels: Vec<ChannelId>,
@@ -123,7 +123,7 @@ impl Merge {
         self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
     }
 
-    /// Writes the next item that is not skipped into `record`. One of many skipped records is returned all the same,
+    /// Writes the next item that is not skipped into `record`. After many skipped records one is returned all the same,
     /// so that the caller gets control from time to time.
     #[inline]
     pub fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<(usize, Result<(), Damage>)> {
@@ -197,7 +197,7 @@ impl Merge {
         known.copied().unwrap_or_else(|| self.intern(at, channel))
     }
 
-    /// Registers the channels of a source up to this one.
+    /// Registers the channels of a source up to `channel`.
     #[cold]
     fn intern(&mut self, at: usize, channel: ChannelId) -> ChannelId {
         let Some(source) = self.sources.get_mut(at) else { return channel };
@@ -243,8 +243,8 @@ impl Iterator for Merge {
     }
 }
 
-/// A unique name for each capture: the file's name; the path if others have the same file name; with a number if the
-/// same path occurred before.
+/// A unique name for each capture: the file's name, or the path if another capture has the same file name; with a
+/// number if the same path occurred before.
 fn labels(captures: &[Capture]) -> Vec<String> {
     let file_name = |capture: &Capture| match Path::new(capture.name()).file_name() {
         Some(name) => name.to_string_lossy().into_owned(),

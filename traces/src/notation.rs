@@ -1,4 +1,4 @@
-//! candump's notation of a frame, as its log, `cansend` and canvass itself use it.
+//! candump's notation of a frame, used in its log, by `cansend` and by canvass itself.
 //!
 //! ```text
 //! frame    = standard | extended | error | xl
@@ -45,11 +45,11 @@ fn after(found: &str) -> String {
     if found.is_empty() { ", but the text ends".to_owned() } else { format!(", found \"{found}\"") }
 }
 
-/// The frame in candump's notation, such as `63F#4000600000000000`, `701#R`, `123##5AABB`; as a record of
+/// Parses a frame in candump's notation, such as `63F#4000600000000000`, `701#R`, `123##5AABB`, and gives a record of
 /// channel 0 at time zero.
 ///
 /// # Errors
-/// [`FrameSyntax`] says where and what was expected.
+/// [`FrameSyntax`] with the place of the error and the expected text.
 ///
 /// ```
 /// use canvass_traces::{FrameKind, parse_frame};
@@ -71,7 +71,7 @@ pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     })
 }
 
-/// An identifier in candump's notation; the number of digits tells its kind.
+/// An identifier in candump's notation; the number of digits determines its kind.
 pub(crate) enum Identifier {
     /// Three or eight digits.
     Frame(CanId),
@@ -81,7 +81,7 @@ pub(crate) enum Identifier {
     Xl(u32),
 }
 
-/// Parses an identifier.
+/// Parses an identifier in candump's notation.
 #[inline(always)]
 pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
     let (rest, digits, id) = hex_run(input);
@@ -108,7 +108,7 @@ pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
     Ok((rest, identifier))
 }
 
-/// Parses a frame.
+/// Parses a frame in candump's notation.
 #[inline(always)]
 pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
     let (rest, id) = identifier(input)?;
@@ -145,7 +145,7 @@ fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-/// `_9` to `_F` after eight bytes.
+/// Parses the raw data length code `_9` to `_F` of a frame with eight bytes.
 #[inline]
 fn raw_dlc(frame: Frame, input: &[u8]) -> Parsed<'_, Record> {
     match input {
@@ -208,7 +208,7 @@ fn xl(id: u32, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-/// Priority and header of CAN XL; `id` has the virtual network in the bits above the 12 of the priority.
+/// Priority and header of CAN XL. The lower 12 bits of `id` are the priority, the bits above the virtual CAN network.
 pub(crate) fn xl_header(id: u32, flags: u8, sdt: u8, af: u32) -> Option<(CanId, XlHeader)> {
     let priority = CanId::standard(id & 0xFFF)?;
     let header = XlHeader { vcid: (id >> 12) as u8, sec: flags & XL_SEC != 0, rrs: flags & XL_RRS != 0, sdt, af };
@@ -252,7 +252,7 @@ impl fmt::Display for Notation<'_> {
 
 /// The notation of candump's log and of `cansend`: `63F#4000600000000000`, `701#R`, `123##5AABB`.
 ///
-/// For the [head](Frame::is_head) of a longer frame the bytes in it, then `…`; [`Record::notation`] writes the whole
+/// A [head](Frame::is_head) of a longer frame is written with its bytes and `…`; [`Record::notation`] writes the whole
 /// frame.
 impl fmt::Display for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -261,7 +261,7 @@ impl fmt::Display for Frame {
     }
 }
 
-/// Writes a frame with that payload.
+/// Writes a frame with the payload `data`.
 pub(crate) fn write_frame(out: &mut impl Write, frame: &Frame, xl: Option<XlHeader>, data: &[u8]) -> fmt::Result {
     if let Some(xl) = xl {
         let flags = XL_FLAG | if xl.sec { XL_SEC } else { 0 } | if xl.rrs { XL_RRS } else { 0 };

@@ -5,10 +5,10 @@
 //! - **Time resolution**: the largest power of ten, of at most one second, that divides all times seen. A clock of
 //!   10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
 //! - **Clock steps**: a frame that is older than the one before it in the same source.
-//! - **Gaps**: an interval of more than [`Gaps::FACTOR`] times the usual one. *Usual* is the interval that about 99
-//!   of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
-//!   1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
-//!   never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
+//! - **Gaps**: an interval of more than [`Gaps::FACTOR`] times the usual one. About 99 of 100 intervals are not longer
+//!   than the *usual* one, which adapts: a longer interval raises it by a quarter, a shorter one lowers it by 1/512. (A
+//!   median would take every pause between the bursts of a SYNC cycle for a gap.) The usual interval begins at 1 s and
+//!   counts as at least 10 ms, so an interval of 10 s is a gap at the beginning, and less than 100 ms never is.
 
 mod clock;
 mod gaps;
@@ -18,7 +18,7 @@ pub use gaps::{Gap, Gaps};
 
 use crate::{ChannelId, Damage, DamageKind, Duration, Frame, Place, Record, Timestamp};
 
-/// The quality of one source, or of all together.
+/// The quality of one source, or of all sources together.
 ///
 /// ```
 /// use canvass_traces::{Capture, Quality, ReadOptions, Reader, Source};
@@ -52,10 +52,10 @@ pub struct Quality {
     pub steps: ClockSteps,
     /// Resolution of the times.
     pub resolution: Resolution,
-    /// Times without recorded frames.
+    /// Intervals without recorded frames.
     pub gaps: Gaps,
     /// Number of frames with exactly the time of the frame before on the same channel. Frames follow each other on a
-    /// bus, so many of these show a coarse clock.
+    /// bus, so a large number shows a coarse clock.
     pub simultaneous: u64,
     /// The channel of the last frame.
     last_channel: ChannelId,
@@ -135,7 +135,7 @@ impl Quality {
         }
     }
 
-    /// Adds the counts of another source. The largest step and gap are those of both.
+    /// Adds the counts of another source. The largest step and gap are the largest of both sources.
     pub fn add(&mut self, other: &Self) {
         self.frames.add(other.frames);
         if self.channels.len() < other.channels.len() {
@@ -161,7 +161,7 @@ impl FrameCounts {
         [("standard", standard), ("extended", extended), ("remote", remote), ("error", error), ("fd", fd), ("xl", xl)]
     }
 
-    /// All frames.
+    /// The number of all frames.
     pub fn total(&self) -> u64 {
         self.by_kind().iter().map(|(_, count)| count).sum()
     }
@@ -230,12 +230,12 @@ impl DamageCounts {
     }
 }
 
-/// Time and place of an observation.
+/// The time and place of an observation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sighting {
-    /// The time of the frame there.
+    /// The time of the observed frame.
     pub time: Timestamp,
-    /// The place of that frame in its source.
+    /// The place of the frame in its source.
     pub place: Place,
 }
 

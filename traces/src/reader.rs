@@ -4,7 +4,7 @@ use crate::{Channels, Damage, Format, Record, SkipSet};
 
 /// Reads a capture, one record or damage after the other, in the order of the source.
 ///
-/// After a [fatal](crate::DamageKind::is_fatal) damage, and at the end, `next` returns `None` for ever.
+/// After the end, or after a [fatal](crate::DamageKind::is_fatal) damage, `next` always returns `None`.
 pub trait Reader: Iterator<Item = Result<Record, Damage>> {
     /// The channels seen so far; every record's channel is among them.
     fn channels(&self) -> &Channels;
@@ -17,8 +17,8 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
         None
     }
 
-    /// Writes the next item that is not skipped into `record`; this saves moving it from reader to reader. One of
-    /// many skipped records is returned all the same, so that the caller gets control from time to time.
+    /// Writes the next item that is not skipped into `record`; this saves moving it from reader to reader. After many
+    /// skipped records one is returned all the same, so that the caller gets control from time to time.
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
         for _ in 0..SkipSet::IN_A_ROW {
             match self.next()? {
@@ -33,9 +33,9 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
 /// Options for reading a capture.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// The format; `None` to recognise it by the content.
+    /// The format; `None` to recognise the format by the content.
     pub format: Option<Format>,
-    /// The topics to read, in formats with topics (MCAP); empty for all with CAN frames.
+    /// The topics to read, in formats with topics (MCAP); empty for all topics with CAN frames.
     pub topics: Vec<String>,
 }
 

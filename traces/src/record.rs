@@ -16,7 +16,7 @@ pub struct Record {
     pub direction: Direction,
     /// The place of the frame in its source.
     pub place: Place,
-    /// Boxed, because few frames have any of these.
+    /// The rare properties of the record, boxed because few frames have any.
     beside: Option<Box<Beside>>,
 }
 
@@ -33,16 +33,16 @@ pub enum Direction {
     /// The source does not say.
     #[default]
     Unknown,
-    /// Received.
+    /// The recording machine received the frame.
     Rx,
-    /// Sent.
+    /// The recording machine sent the frame.
     Tx,
 }
 
 /// A place in a source, as a person would look it up in the file.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Place {
-    /// The line of a text file, or the packet, block or message of a binary one, from 1. 0 marks a live frame, which
+    /// The line of a text file, or the packet, block or message of a binary file, from 1. 0 marks a live frame, which
     /// has no place in a file.
     pub number: u64,
     /// The offset of that line or packet in the (uncompressed) source, in bytes.
@@ -86,7 +86,7 @@ impl Clone for Record {
         Self { timestamp, frame, channel, direction, place, beside: beside.clone() }
     }
 
-    /// Few frames are long or have a comment; otherwise nothing is freed or allocated.
+    /// Neither frees nor allocates memory, unless a frame is long or has a comment, which few have.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
         (self.timestamp, self.frame, self.channel) = (other.timestamp, other.frame, other.channel);
@@ -109,7 +109,7 @@ impl Record {
         Self { channel, ..self }
     }
 
-    /// A record of a CAN FD frame of up to 64 bytes; `None` if the length is not one that CAN FD has.
+    /// A record of a CAN FD frame of up to 64 bytes; `None` if CAN FD has no such length.
     pub fn fd(timestamp: Timestamp, channel: ChannelId, id: CanId, flags: Flags, data: &[u8]) -> Option<Self> {
         let frame = Frame::fd(id, flags, data)?;
         let beside = frame.is_head().then(|| Beside::long(Long { data: data.to_vec(), xl: None }));
@@ -160,8 +160,8 @@ impl Record {
         self.beside.as_ref().and_then(|beside| beside.long.as_ref())
     }
 
-    /// The comment of the capture before this frame, such as the mark where a case of a test begins: one or several
-    /// lines.
+    /// The comment in the capture before this frame, in one or several lines. A comment marks, for example, the
+    /// beginning of a test case.
     #[inline]
     pub fn comment(&self) -> Option<&str> {
         self.beside.as_ref().and_then(|beside| beside.comment.as_deref())
@@ -174,7 +174,7 @@ impl Record {
         self
     }
 
-    /// The longest comment that is kept, in bytes.
+    /// Maximum length of a comment in bytes; longer comments are cut.
     pub const LONGEST_COMMENT: usize = 4096;
 }
 

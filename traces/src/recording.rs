@@ -35,17 +35,17 @@ impl Compression {
 
 /// A capture file that is being written.
 ///
-/// Dropped without [`Writer::finish`], the file stays incomplete, without its format's end.
+/// If the recording is dropped without [`Writer::finish`], the file lacks the end that its format requires.
 pub struct Recording {
     writer: Box<dyn Writer>,
     sink: Shared,
 }
 
 impl Recording {
-    /// Begins a capture of that format.
+    /// Begins a capture in the given format.
     ///
     /// # Errors
-    /// [`WriteError::NotWritten`] if the format is only read, or what the sink reports.
+    /// [`WriteError::NotWritten`] if the format can only be read, or the error of the sink.
     pub fn create(
         sink: Box<dyn Write>,
         format: Format,
@@ -81,8 +81,8 @@ impl Writer for Recording {
     }
 }
 
-/// The writer owns the sink, but the recording must finish it itself: a destructor would lose an error that occurs
-/// only then (a full disk).
+/// The sink, shared by the writer and the recording. The recording must finish the sink itself: a destructor would lose
+/// an error that occurs only then (a full disk).
 #[derive(Clone)]
 struct Shared(Rc<RefCell<Sink>>);
 

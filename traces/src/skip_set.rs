@@ -5,7 +5,7 @@ use crate::{ChannelId, Frame, FrameKind, Record, Timestamp};
 /// Frames of a capture to skip, by channel and CAN-ID: [`crate::Merge::next_kept`] skips them, if possible before
 /// it parses them.
 ///
-/// It skips only classical data frames without a comment, and no damages. The set may change with each frame.
+/// The set contains only classical data frames without a comment, and no damages. It may change with each frame.
 ///
 /// ```
 /// use canvass_traces::{Capture, ChannelId, Merge, Naming, ReadOptions, SkipSet, Source};
@@ -25,7 +25,7 @@ pub struct SkipSet {
     channels: Vec<Option<Box<Skipped>>>,
     /// Number of skipped CAN-IDs.
     len: usize,
-    /// Number of frames skipped since the last [`SkipSet::take`], and the time of the last one, if no kept frame
+    /// Number of frames skipped since the last [`SkipSet::take`]; and the time of the last one, if no kept frame
     /// followed.
     skipped: (usize, Option<Timestamp>),
 }
@@ -66,7 +66,8 @@ impl Which {
 impl SkipSet {
     /// Number of channels on which frames can be skipped.
     const CHANNELS: usize = 64;
-    /// After this many skipped frames in a row one is returned all the same, so that the caller gets control.
+    /// Maximum number of frames skipped in a row. The next frame is returned all the same, so that the caller gets
+    /// control.
     pub(crate) const IN_A_ROW: usize = 1 << 16;
 
     /// Skips all frames with an 11-bit CAN-ID.
@@ -110,8 +111,7 @@ impl SkipSet {
         self.len == 0
     }
 
-    /// Takes the number of frames skipped since the last call, and the time of the last one, if no kept frame
-    /// followed.
+    /// Takes the number of frames skipped since the last call; and the time of the last one, if no kept frame followed.
     #[inline]
     pub fn take(&mut self) -> (usize, Option<Timestamp>) {
         std::mem::take(&mut self.skipped)
@@ -127,7 +127,7 @@ impl SkipSet {
         skips
     }
 
-    /// Counts skipped frames; `time` is that of the last one, if no kept frame followed.
+    /// Counts skipped frames; `time` is the time of the last one, if no kept frame followed.
     #[inline]
     pub(crate) const fn skipped_at(&mut self, time: Option<Timestamp>, frames: usize) {
         self.skipped = (self.skipped.0 + frames, time);
@@ -139,7 +139,7 @@ impl SkipSet {
         is_classical_data && self.of(channel, frame.id()).has(|| frame.bytes(), frame.len())
     }
 
-    /// The skipped frames with that CAN-ID.
+    /// The frames with this CAN-ID that are skipped.
     #[inline]
     pub(crate) fn of(&self, channel: ChannelId, id: crate::CanId) -> Which {
         let Some(Some(skipped)) = self.channels.get(usize::from(channel.0)) else { return Which::None };
@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(skip.len, 1, "of so many channels none is kept");
     }
 
-    /// What is kept, and at which lines, whatever stands in a log.
+    /// For any log, skipping frames keeps the other records and their line numbers.
     #[test]
     fn a_log_without_some_frames_is_the_log_without_their_lines() {
         let mut log = String::new();

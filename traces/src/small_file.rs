@@ -1,5 +1,5 @@
-//! Files that are read into memory as a whole: descriptions, waivers, results, journals. A limit stops the reading of
-//! `/dev/zero`, or of a capture named by mistake.
+//! Files that canvass reads into memory as a whole: descriptions, waivers, results, journals. A limit stops the reading
+//! of `/dev/zero`, or of a capture named by mistake.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -29,7 +29,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Reads a whole text file.
 ///
 /// # Errors
-/// As [`read`], and [`io::ErrorKind::InvalidData`] for text that is not UTF-8.
+/// See [`read`]; [`io::ErrorKind::InvalidData`] for text that is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }

@@ -70,7 +70,7 @@ impl Source {
         self.offset
     }
 
-    /// Whether the source has ended, so that the window is all that is left.
+    /// Whether the source has ended, so that no bytes follow the window.
     pub fn ended(&self) -> bool {
         self.ended
     }
@@ -84,15 +84,16 @@ impl Source {
         self.check_window();
     }
 
-    /// The window lies inside the buffer: all slices of it rely on that.
+    /// Checks the invariant that the window lies inside the buffer: all slices of the window rely on it.
     #[inline]
     fn check_window(&self) {
         debug_assert!(self.start <= self.end && self.end <= self.buffer.len());
     }
 
-    /// Reads more bytes, at least one unless the source has ended; returns whether there were any.
+    /// Reads more bytes, at least one unless the source has ended; returns whether it read any.
     ///
-    /// It returns as soon as bytes arrive, so that a line from a pipe can be shown before the next one is complete.
+    /// The call returns as soon as bytes arrive, so that a line from a pipe can be shown before the next one is
+    /// complete.
     ///
     /// # Errors
     /// [`SourceError::Full`] if the window is at its limit, [`SourceError::Io`] if reading fails.
@@ -124,7 +125,7 @@ impl Source {
     /// Reads until the window holds at least `n` bytes; returns whether it does.
     ///
     /// # Errors
-    /// As [`Source::fill`].
+    /// See [`Source::fill`].
     #[inline]
     pub fn fill_to(&mut self, n: usize) -> Result<bool, SourceError> {
         while self.end - self.start < n {
@@ -168,7 +169,7 @@ impl Source {
     }
 }
 
-/// Reads the window's bytes, then the source's: for a decompressor on top of a source.
+/// Reads the window's bytes, then the bytes after it: for a decompressor on top of a source.
 impl Read for Source {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let held = self.fill_buf()?;

@@ -6,7 +6,8 @@ use std::io::{BufWriter, Write};
 
 /// The formatter of one text format's lines. Writing to a `String` can't fail.
 pub(crate) trait LineWriter {
-    /// Writes the lines before the first record; for an empty capture they are written at its end.
+    /// Writes the lines before the first record. An empty capture has no first record; its lines are written at its
+    /// end.
     fn header(&mut self, _first: Option<&Record>, _out: &mut String) {}
 
     /// Writes the line of one record with its line end, or nothing if the format can't hold the record.

@@ -15,7 +15,7 @@ pub struct Duration(pub u64);
 impl Timestamp {
     /// The zero of the time scale.
     pub const ZERO: Self = Self(0);
-    /// Later than any time: a wait until then has no end.
+    /// A time later than any other: a wait until then has no end.
     pub const MAX: Self = Self(u64::MAX);
 
     /// Nanoseconds since the zero of the time scale.
@@ -23,7 +23,7 @@ impl Timestamp {
         self.0
     }
 
-    /// The time `nanos` nanoseconds later; `None` if that is after the last time that fits, in the year 2554.
+    /// The time `nanos` nanoseconds later; `None` if it is after the largest time, in the year 2554.
     pub(crate) const fn after(self, nanos: u64) -> Option<Self> {
         match self.0.checked_add(nanos) {
             Some(nanos) => Some(Self(nanos)),
@@ -31,7 +31,7 @@ impl Timestamp {
         }
     }
 
-    /// The time since `earlier`, or zero where the clock stepped back.
+    /// The time since `earlier`, or zero if the clock stepped back.
     ///
     /// ```
     /// use canvass_traces::{Duration, Timestamp};

@@ -6,7 +6,7 @@ use std::io;
 
 /// Writes a capture, record by record.
 pub trait Writer {
-    /// Writes one record; its channel is named in `channels`.
+    /// Writes one record. `channels` has the name of its channel.
     ///
     /// Properties that the format can't hold are left out and [counted](Writer::losses).
     ///
@@ -54,20 +54,20 @@ pub enum WriteError {
 pub struct WriteOptions {
     /// The origin of the records' timestamps: some formats hold a date, or note that there is none.
     pub time_base: crate::TimeBase,
-    /// The compression of chunks, in formats that have them (MCAP).
+    /// The compression of chunks, in formats with chunks (MCAP).
     pub chunk_compression: ChunkCompression,
-    /// Whether every record will be flushed. Formats with chunks then write none: a chunk per record would take a row
-    /// of the index, and memory for it.
+    /// Whether the caller flushes after every record. Formats with chunks then write none: one chunk per record would
+    /// need one row of the index each, and memory for it.
     pub live: bool,
 }
 
 /// The compression of a written file's chunks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum ChunkCompression {
-    /// zstd: small files.
+    /// zstd, which makes small files.
     #[default]
     Zstd,
-    /// lz4: fast.
+    /// lz4, which is fast.
     Lz4,
     /// No compression.
     None,
@@ -90,7 +90,7 @@ pub enum Loss {
     TimeResolution,
     /// The date: the format holds only the time since the start.
     Date,
-    /// The fact that the date is unknown: times since the start of the recording become times in 1970.
+    /// The fact that the date is unknown: times since the start of the recording become dates in 1970.
     UnknownDate,
     /// The time zone: whether the date is in UTC or in local time.
     TimeZone,
@@ -107,7 +107,7 @@ pub enum Loss {
 }
 
 impl Losses {
-    /// Counts one record with this loss, if there is one.
+    /// Counts one record with this loss; does nothing for `None`.
     pub(crate) fn count_any(&mut self, loss: Option<Loss>) {
         if let Some(loss) = loss {
             self.count(loss);
@@ -131,7 +131,7 @@ impl Losses {
 }
 
 impl Loss {
-    /// The loss when times with origin `base` are written to a format whose times count from 1970 in UTC.
+    /// The loss if times with origin `base` are written to a format whose times count from 1970 in UTC.
     pub(crate) const fn of_utc(base: crate::TimeBase) -> Option<Self> {
         match base {
             crate::TimeBase::Utc => None,

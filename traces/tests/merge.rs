@@ -1,4 +1,4 @@
-//! Several captures as one.
+//! Merging several captures.
 
 use canvass_traces::{Capture, Channels, Merge, Naming, ReadOptions, Reader, Source, TimeBase};
 use proptest::prelude::*;
@@ -8,7 +8,7 @@ fn capture(name: &str, log: &str) -> Capture {
     Capture::from_source(name, Source::from_bytes(log), &ReadOptions::default()).unwrap()
 }
 
-/// `SOURCE CHANNEL ID` or `SOURCE KIND` of each item.
+/// The items of the merged captures, each as `SOURCE CHANNEL ID` or `SOURCE KIND`.
 fn merged(captures: Vec<Capture>, naming: Naming) -> Vec<String> {
     let mut merge = Merge::new(captures, naming);
     let mut items = Vec::new();
@@ -109,7 +109,7 @@ fn a_frame_is_given_before_the_next_is_waited_for() {
 }
 
 proptest! {
-    /// Whatever the files are, nothing gets lost, and each keeps its order; sorted files come out sorted.
+    /// Whatever the files are, no item is lost and each file keeps its order; sorted files give a sorted result.
     #[test]
     fn nothing_gets_lost(files in prop::collection::vec(prop::collection::vec(0_u64..50, 1..30), 1..6), sort: bool) {
         let files: Vec<Vec<u64>> = files.into_iter().map(|mut times| {

@@ -45,7 +45,7 @@ impl Annotations {
 }
 
 impl Annotation {
-    /// The name of a bit.
+    /// The named bit; `None` if the bit has no name.
     pub fn bit(&self, bit: u8) -> Option<&BitName> {
         self.bits.iter().find(|name| name.bit == bit)
     }

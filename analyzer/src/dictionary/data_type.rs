@@ -42,7 +42,7 @@ macro_rules! data_types {
             /// Every data type that CiA 301 defines.
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
-            /// The name that CiA 301 gives it.
+            /// The name of the data type in CiA 301; `None` if the type is unknown.
             pub const fn name(self) -> Option<&'static str> {
                 match self.0 {
                     $($index => Some(stringify!($name)),)*
@@ -50,7 +50,7 @@ macro_rules! data_types {
                 }
             }
 
-            /// The kind of its values.
+            /// The kind of values of the data type; `None` if the type is unknown.
             pub const fn class(self) -> Option<DataClass> {
                 match self.0 {
                     $($index => Some(DataClass::$class),)*

@@ -127,7 +127,7 @@ pub struct ObjectLists {
 /// A module of a modular device (CiA 306, `SupportedModules`).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Module {
-    /// Its number in the file, from 1.
+    /// The number of the module in the file, from 1.
     pub number: u16,
     /// `ProductName`.
     pub product_name: String,

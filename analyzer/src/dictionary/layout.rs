@@ -12,11 +12,11 @@ use crate::wire::pdo::MappingEntry;
 pub struct PdoLayout<'a> {
     /// The PDO.
     pub pdo: PdoNumber,
-    /// Its COB-ID; `None` if the description does not give it.
+    /// The COB-ID of the PDO; `None` if the description does not give it.
     pub cob_id: Option<&'a Setting>,
-    /// Its transmission type; `None` if the description does not give it.
+    /// The transmission type of the PDO; `None` if the description does not give it.
     pub transmission_type: Option<u8>,
-    /// Its fields in the order of its mapping; `None` if the description does not give it.
+    /// The fields in the order of the mapping; `None` if the description does not give the mapping.
     pub fields: Option<Vec<PdoField<'a>>>,
 }
 
@@ -25,27 +25,27 @@ pub struct PdoLayout<'a> {
 pub struct PdoField<'a> {
     /// The mapped object, or a data type that skips bits.
     pub mapped: MappingEntry,
-    /// The first bit; bit 0 is the least significant of byte 0.
+    /// The position of the field's first bit in the PDO; bit 0 is the least significant of byte 0.
     pub offset: u32,
     /// The description of the mapped object, if there is one.
     pub entry: Option<&'a Entry>,
 }
 
 impl PdoField<'_> {
-    /// The offset of the bit after the last one.
+    /// The position of the bit after the field's last one.
     pub fn end(&self) -> u32 {
         self.offset + u32::from(self.mapped.bits())
     }
 }
 
 impl PdoLayout<'_> {
-    /// Number of its bits.
+    /// The number of bits of the field.
     pub fn bits(&self) -> u32 {
         self.fields.iter().flatten().last().map_or(0, PdoField::end)
     }
 }
 
-/// The described PDOs: first the received ones, then the sent ones.
+/// The layouts of all described PDOs: first of RPDOs, then of TPDOs.
 pub fn layouts(description: &DeviceDescription) -> Vec<PdoLayout<'_>> {
     let objects = description.dictionary.objects().iter();
     let mut pdos: Vec<PdoNumber> = objects

@@ -5,7 +5,7 @@ use super::place::Place;
 use super::problem::Problems;
 use super::rules;
 
-/// The names of the fields in a format.
+/// The names of the limits' fields in one format of descriptions.
 pub(super) struct Names {
     pub low: &'static str,
     pub high: &'static str,

@@ -7,7 +7,7 @@ use std::fmt;
 /// A loss with its place. The texts come from the file and may contain any characters; [`fmt::Display`] escapes them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// The line of the original file, from 1; 0 if it concerns no single line.
+    /// The line of the original file, from 1; 0 if the loss concerns no single line.
     pub line: u32,
     /// The place: section and field, element and attribute, or object.
     pub place: String,
@@ -22,11 +22,11 @@ pub struct Loss {
 pub enum LossKind {
     /// The text could not be understood.
     Unread,
-    /// Descriptions do not keep this; the number tells how often the file has it.
+    /// A description in memory does not keep this; the number tells how often the file has it.
     Unkept(usize),
     /// The written format has no place for it.
     NoPlace,
-    /// It is written in another form, which is given.
+    /// The written file has another form of the text, which is given.
     Changed(String),
 }
 
@@ -70,12 +70,12 @@ impl Losses {
         }
     }
 
-    /// Reports a text that the file has this many times, from that line on.
+    /// Reports a text that the file has `times` times, first on `line`.
     pub fn unkept(&mut self, line: u32, place: impl Into<String>, text: &str, times: usize) {
         self.add(line, place, text, LossKind::Unkept(times));
     }
 
-    /// The text on one line without control characters, as both formats need it.
+    /// The text on one line without control characters: neither format allows them.
     pub fn line(&mut self, line: u32, place: &str, text: &str) -> String {
         let plain: String =
             text.chars().map(|character| if character.is_control() { ' ' } else { character }).collect();

@@ -12,7 +12,7 @@ use crate::wire::emcy::{Emcy, EmcyCode};
 pub struct KnownDevice {
     /// The device's description.
     pub description: DeviceDescription,
-    /// Facts from its manual; empty if nobody has given them.
+    /// Facts from the device's manual; empty if they are unknown.
     pub manual: Manual,
 }
 
@@ -50,7 +50,8 @@ impl Manual {
         of_maker().or_else(|| Acting::of_communication(at)).or_else(of_profile).or_else(is_refused)
     }
 
-    /// The manual's entry for an EMCY message: among those with its code the one with matching bytes, else the first.
+    /// The manual's entry for an EMCY message: of the entries with its error code the one with matching bytes, else the
+    /// first.
     pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
         let code = emcy.code()?;
         let same_code = || self.emergencies.iter().filter(|known| known.code == code);
@@ -66,7 +67,7 @@ pub struct KnownEmergency {
     pub code: EmcyCode,
     /// The first manufacturer-specific bytes, if they are fixed.
     pub bytes: Vec<u8>,
-    /// Its meaning.
+    /// The meaning of the message.
     pub text: String,
 }
 
@@ -86,7 +87,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Whether a frame of that TPDO, from 1, always has 8 bytes.
+    /// Whether the device always sends this TPDO, numbered from 1, with 8 bytes.
     pub fn pads(&self, tpdo: u16) -> bool {
         u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
     }

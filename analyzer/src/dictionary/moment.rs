@@ -1,7 +1,7 @@
 //! Dates and times in the forms of CiA 306 and XML.
 
-/// The date in the form of CiA 306, mm-dd-yyyy, if the day is unambiguous: with the year first, or with dots as in
-/// German.
+/// The date in the form of CiA 306, mm-dd-yyyy. The text has the year first, or dots as in German; `None` if the day is
+/// ambiguous.
 pub(super) fn eds_date(text: &str) -> Option<String> {
     let parts = |separator| -> Option<[&str; 3]> { text.split(separator).collect::<Vec<_>>().try_into().ok() };
     let is_year = |text: &str| text.len() == 4;
@@ -42,28 +42,28 @@ pub(super) fn eds_time(text: &str) -> Option<String> {
     (1..=12).contains(&hour).then(|| format!("{hour:02}:{minute:02}{half}"))
 }
 
-/// Whether it is a date in the form of CiA 306: mm-dd-yyyy.
+/// Whether the text is a date in the form of CiA 306: mm-dd-yyyy.
 pub(super) fn is_eds_date(text: &str) -> bool {
     eds_date(text).is_none() && xml_date(text).is_some()
 }
 
-/// Whether it is a time in the form of CiA 306: hh:mm(AM|PM). An hour may have one digit.
+/// Whether the text is a time in the form of CiA 306: hh:mm(AM|PM). An hour may have one digit.
 pub(super) fn is_eds_time(text: &str) -> bool {
     let upper = text.to_ascii_uppercase();
     eds_time(text).is_some_and(|time| time == upper || time.strip_prefix('0') == Some(&upper))
 }
 
-/// The date in the form of XML, yyyy-mm-dd, from either form.
+/// The date in the form of XML, yyyy-mm-dd, from the form of XML or CiA 306.
 pub(super) fn xml_date(text: &str) -> Option<String> {
     let own = eds_date(text);
     let (month_day, year) = own.as_deref().unwrap_or(text).rsplit_once('-').filter(|(_, year)| year.len() == 4)?;
     let (month, day) = month_day.split_once('-').filter(|(month, day)| month.len() == 2 && day.len() == 2)?;
     let turned = format!("{year}-{month}-{day}");
-    // Only if converting it back gives the same date.
+    // A date is accepted only if converting it back gives the same date.
     (eds_date(&turned).as_deref() == Some(own.as_deref().unwrap_or(text))).then_some(turned)
 }
 
-/// The time in the form of XML, hh:mm:ss, from either form.
+/// The time in the form of XML, hh:mm:ss, from the form of XML or CiA 306.
 pub(super) fn xml_time(text: &str) -> Option<String> {
     let own = eds_time(text)?;
     let (clock, half) = own.split_at_checked(5)?;

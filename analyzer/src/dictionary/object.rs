@@ -12,7 +12,7 @@ use crate::identity::{Index, Multiplexer, NodeId, SubIndex};
 pub struct ObjectCode(pub u8);
 
 impl ObjectCode {
-    /// No data.
+    /// An object without data.
     pub const NULL: Self = Self(0);
     /// A large amount of data.
     pub const DOMAIN: Self = Self(2);
@@ -27,7 +27,7 @@ impl ObjectCode {
     /// Entries of any types.
     pub const RECORD: Self = Self(9);
 
-    /// The name that CiA 301 gives it.
+    /// The name of the object code in CiA 301; `None` if the code is unknown.
     pub const fn name(self) -> Option<&'static str> {
         Some(match self {
             Self::NULL => "NULL",
@@ -95,22 +95,22 @@ impl Access {
         Self::ALL.into_iter().find(|access| name.eq_ignore_ascii_case(access.name()))
     }
 
-    /// Whether an SDO may read it.
+    /// Whether an SDO may read the entry.
     pub const fn is_readable(self) -> bool {
         !matches!(self, Self::Wo)
     }
 
-    /// Whether an SDO may write it.
+    /// Whether an SDO may write the entry.
     pub const fn is_writable(self) -> bool {
         !matches!(self, Self::Const | Self::Ro)
     }
 
-    /// Whether a TPDO may carry it.
+    /// Whether a TPDO may carry the entry.
     pub const fn allows_tpdo(self) -> bool {
         !matches!(self, Self::Wo | Self::Rww)
     }
 
-    /// Whether an RPDO may carry it.
+    /// Whether an RPDO may carry the entry.
     pub const fn allows_rpdo(self) -> bool {
         matches!(self, Self::Wo | Self::Rw | Self::Rww)
     }
@@ -189,7 +189,7 @@ pub struct Entry {
     pub flags: ObjectFlags,
     /// The line of the file at which the entry begins; 0 if no line describes it (`CompactSubObj`).
     pub line: u32,
-    /// Its section or element in the file.
+    /// The section or element that describes the entry.
     pub section: Option<SectionId>,
 }
 
@@ -246,7 +246,7 @@ pub struct Object {
     pub code: ObjectCode,
     /// The line of the file at which the object begins; 0 if no line describes it (`CompactPDO`).
     pub line: u32,
-    /// Its section or element in the file.
+    /// The section or element that describes the object.
     pub section: Option<SectionId>,
     entries: Vec<Entry>,
 }
@@ -359,7 +359,7 @@ impl ObjectDictionary {
 }
 
 impl FromIterator<Object> for ObjectDictionary {
-    /// Of two objects with the same index the last one stays.
+    /// If two objects have the same index, the last one stays.
     fn from_iter<T: IntoIterator<Item = Object>>(objects: T) -> Self {
         let mut dictionary = Self::default();
         for object in objects {
@@ -375,7 +375,7 @@ mod tests {
 
     fn tpdo_1() -> Object {
         let mut object = Object::new(0x1800, "TPDO 1", ObjectCode::RECORD);
-        // Sub-index 4 is reserved: the gap must not shift what follows.
+        // Sub-index 4 is reserved: the gap must not shift the entries after it.
         for sub in [5, 0, 2, 1, 3] {
             object.insert(Entry::new(sub, format!("sub {sub}"), DataType::UNSIGNED8, Access::Rw));
         }

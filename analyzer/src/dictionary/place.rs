@@ -5,9 +5,9 @@ use std::ops::Range;
 /// A part of a text, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
-    /// Its first byte.
+    /// The first byte.
     pub start: u32,
-    /// The byte after its last.
+    /// The byte after the last one.
     pub end: u32,
 }
 
@@ -28,7 +28,7 @@ impl Span {
         self.start == self.end
     }
 
-    /// Whether a place is inside or directly after it.
+    /// Whether a place is inside the part or directly after it.
     pub(super) const fn touches(self, at: usize) -> bool {
         self.start as usize <= at && at <= self.end as usize
     }
@@ -53,7 +53,7 @@ pub enum Spot {
 /// The place of a problem.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place<'a> {
-    /// The line, from 1; 0 if it concerns no single line.
+    /// The line, from 1; 0 if the problem concerns no single line.
     pub line: u32,
     pub section: &'a str,
     pub field: &'a str,

@@ -10,11 +10,11 @@ use std::fmt;
 pub struct EdsProblem {
     /// The broken rule.
     pub rule: &'static Rule,
-    /// The line, from 1; 0 if it concerns no single line.
+    /// The line, from 1; 0 if the problem concerns no single line.
     pub line: u32,
-    /// The section, or element of an XDD; empty if it concerns none.
+    /// The section, or element of an XDD; empty if the problem concerns none.
     pub section: String,
-    /// The field, or attribute of an XDD; empty if it concerns none.
+    /// The field, or attribute of an XDD; empty if the problem concerns none.
     pub field: String,
     /// The place in the source.
     pub spot: Spot,
@@ -25,12 +25,12 @@ pub struct EdsProblem {
 }
 
 impl EdsProblem {
-    /// Its severity.
+    /// The severity of a breach of the rule.
     pub const fn severity(&self) -> Severity {
         self.rule.severity
     }
 
-    /// Its kind.
+    /// The kind of the problem.
     pub const fn kind(&self) -> ProblemKind {
         self.rule.kind
     }

@@ -51,7 +51,7 @@ pub enum ValueError {
     Length {
         /// The requested data type.
         data_type: DataType,
-        /// Its length in bytes.
+        /// The length of the data type in bytes.
         expected: usize,
         /// The actual length in bytes.
         found: usize,

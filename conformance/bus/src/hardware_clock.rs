@@ -2,8 +2,8 @@
 
 use canvass_traces::Timestamp;
 
-/// Learns the difference between a controller's clock and the system's. A frame reaches the kernel some time after
-/// its end on the bus, never before; so the smallest difference seen is the true one.
+/// Learns the difference between a controller's clock and the system's. A frame reaches the kernel some time after its
+/// end on the bus, never before; so the smallest difference that was seen is the best estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HardwareClock {
     best: Option<Best>,
@@ -13,18 +13,18 @@ pub(super) struct HardwareClock {
 struct Best {
     /// System time minus hardware time, in nanoseconds.
     difference: i128,
-    /// The hardware time at which it was seen.
+    /// The hardware time of the frame with this difference.
     at: Timestamp,
 }
 
-/// Maximum drift between quartzes in parts per million; the difference may have grown by it.
+/// Maximum drift between quartzes in parts per million, by which the difference may have grown.
 const DRIFT_PPM: i128 = 100;
 
-/// A larger difference means a reset clock, or another adapter.
+/// Limit of a change of the difference, in nanoseconds: a larger change means a reset clock, or another adapter.
 const JUMP: i128 = 1_000_000_000;
 
 impl HardwareClock {
-    /// The system time at which the hardware saw the frame; the kernel received it at `software`.
+    /// The system time at which the hardware received the frame; the kernel received it at `software`.
     pub fn system_time(&mut self, hardware: Timestamp, software: Timestamp) -> Timestamp {
         let seen = i128::from(software.0) - i128::from(hardware.0);
         let difference = match self.best {
@@ -36,7 +36,7 @@ impl HardwareClock {
         };
         self.best = Some(Best { difference, at: hardware });
         let time = i128::from(hardware.0) + difference;
-        // The time is not after that of the kernel.
+        // The frame was on the bus before the kernel received it.
         Timestamp(u64::try_from(time).unwrap_or(0)).min(software)
     }
 }
@@ -47,7 +47,7 @@ mod tests {
 
     const HOUR: u64 = 3_600_000_000_000;
 
-    /// Frames every millisecond by the hardware, taken by the kernel with delays of up to 300 µs.
+    /// The hardware receives a frame every millisecond, and the kernel gets it with a delay of up to 300 µs.
     #[test]
     fn delays_of_the_kernel_do_not_show() {
         let mut clock = HardwareClock::default();
@@ -66,7 +66,7 @@ mod tests {
     fn a_clock_that_runs_off_or_is_reset_is_followed() {
         let mut clock = HardwareClock::default();
         for n in 0..10_000_u64 {
-            // 50 ppm slow: the difference grows by 50 ns each millisecond.
+            // The hardware's clock is 50 ppm slow: the difference grows by 50 ns each millisecond.
             let (hardware, system) = (n * 1_000_000, HOUR + n * 1_000_050 + 20_000);
             let time = clock.system_time(Timestamp(hardware), Timestamp(system));
             assert!(Timestamp(system).since(time).0 < 1_000, "{n}");

@@ -1,9 +1,9 @@
-//! The health of a bus and of the tester's own machine: their defects must not be blamed on a device.
+//! The health of a bus and of the tester's own machine. A device must not be blamed for their defects.
 
 use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
-/// Counters since the bus was opened. The difference of two tells the events between them.
+/// Counters since the bus was opened. The difference of two of them counts the events in between.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Health {
     /// Number of frames of the bus that did not reach the tester: the controller had no room for them, or a queue of
@@ -18,27 +18,28 @@ pub struct Health {
     /// The cause of the last interruption, with the state of the controller if known.
     pub trouble: Option<String>,
     pub error_frames: u64,
-    /// Number of waits for a full transmit queue.
+    /// Number of waits because the transmit queue was full.
     pub waits: u64,
-    /// Delay from a frame's time on the bus until the tester saw it, if the tester was waiting; and from the end of a
-    /// wait without frame until the tester noticed it.
+    /// Delay from a frame's time on the bus until the tester received it, if the tester was waiting; and from the end
+    /// of a wait without frame until the tester noticed the end.
     pub receive: Latencies,
     /// Delay from the tester's sending of a frame to its time on the bus.
     pub transmit: Latencies,
     /// Uncertainty of the time of a frame, if frames have no timestamps of their own.
     pub stamping: Latencies,
-    /// The fault of the adapter's time stamps: later ones are not used, and earlier ones may be wrong. It stays.
+    /// The fault of the adapter's time stamps, if one was found: later stamps are not used, and earlier ones may be
+    /// wrong. The fault is never cleared.
     pub stamps: Option<StampTrouble>,
 }
 
 /// A fault of an adapter's time stamps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StampTrouble {
-    /// All frames get the same time.
+    /// All frames get the same time stamp.
     Still,
-    /// The clock was set, starts again too early or too late, or runs at another speed.
+    /// The clock was set, or restarts too early or too late, or runs at another speed.
     Jump,
-    /// A time that the protocol does not have.
+    /// A time stamp has a value that the protocol does not allow.
     Range,
 }
 
@@ -60,7 +61,7 @@ impl StampTrouble {
     }
 }
 
-/// The behaviour of the time stamps: `stand still`.
+/// The behaviour of the time stamps in words, such as `stand still`.
 impl fmt::Display for StampTrouble {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -72,7 +73,7 @@ impl fmt::Display for StampTrouble {
 }
 
 impl Health {
-    /// The longest delay of this machine among those counted here.
+    /// The longest delay of this machine among the counted ones.
     pub fn latest(&self) -> Option<Duration> {
         [&self.receive, &self.transmit, &self.stamping].into_iter().filter_map(Latencies::longest).max()
     }
@@ -83,13 +84,13 @@ impl Health {
         self.interrupted_since.get_or_insert(now);
     }
 
-    /// Counts an interruption that is over already.
+    /// Counts an interruption that is already over.
     pub(crate) fn was_interrupted(&mut self, trouble: String) {
         self.interruptions += 1;
         self.trouble = Some(trouble);
     }
 
-    /// Ends the interruption.
+    /// Ends the current interruption.
     pub(crate) fn came_back(&mut self, now: Timestamp) {
         if let Some(since) = self.interrupted_since.take() {
             self.interrupted_for = self.interrupted_for + now.since(since);
@@ -107,8 +108,8 @@ impl Health {
         })
     }
 
-    /// Counts the delay of a wait that should have ended at `due` and was noticed at `now`. Every wait ends slightly
-    /// late; a longer delay shows that this machine is busy.
+    /// Counts the delay of a wait that should have ended at `due` and ended at `now`. Every wait ends slightly late; a
+    /// longer delay shows that this machine is busy.
     pub(crate) fn note_late_end(&mut self, due: Timestamp, now: Timestamp) {
         const USUAL: Duration = Duration::from_millis(1);
         let late = now.since(due);
@@ -139,9 +140,9 @@ impl Health {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Interruptions {
     pub count: u64,
-    /// Duration of all together.
+    /// Total duration of all interruptions.
     pub lasted: Duration,
-    /// The cause of the last one.
+    /// The cause of the last interruption.
     pub last: Option<String>,
     /// Whether the bus is back.
     pub is_over: bool,
@@ -182,7 +183,8 @@ impl Latencies {
         self.0.iter().sum()
     }
 
-    /// A duration that this share of all does not exceed, at most twice the exact quantile; `None` if there is none.
+    /// A duration that this share of all durations does not exceed, at most twice the exact quantile; `None` if nothing
+    /// was counted.
     pub fn quantile(&self, per_mille: u64) -> Option<Duration> {
         let total = self.count();
         let rank = (total * per_mille).div_ceil(1_000).max(1);
@@ -194,7 +196,7 @@ impl Latencies {
         Some(Duration((1 << bucket) - 1))
     }
 
-    /// A duration that none exceeds, at most twice the longest.
+    /// A duration that no counted duration exceeds, at most twice the longest one; `None` if nothing was counted.
     pub fn longest(&self) -> Option<Duration> {
         self.quantile(1_000)
     }
@@ -257,7 +259,7 @@ mod tests {
         health.came_back(at(5));
         let first = health.clone();
         health.went_away(at(6), "can0 was removed".to_owned());
-        // Another sign of the same interruption does not make it begin anew.
+        // Another sign of the same interruption does not restart it.
         health.went_away(at(7), "can0 was removed".to_owned());
         health.came_back(at(8));
         let told = health.interruptions(at(9)).map(|interruptions| interruptions.to_string());

@@ -23,14 +23,14 @@ struct InboxState {
     records: VecDeque<Record>,
     capacity: usize,
     health: Health,
-    /// The time of the last frame that was taken: times never decrease.
+    /// The time of the last frame that was taken: times of taken frames never decrease.
     last: Timestamp,
 }
 
 /// Capacity of the queue: twelve seconds of a full bus at 1 Mbit/s; 16 MiB.
 const CAPACITY: usize = 1 << 18;
 
-/// How long the end of a wait waits for the receiving thread, which the system may have suspended.
+/// Maximum time by which the end of a wait is delayed for the receiving thread, which the system may have suspended.
 const STALL: Duration = Duration::from_millis(500);
 
 impl Inbox {
@@ -50,8 +50,8 @@ impl Inbox {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds received frames. If there are too many, the oldest are dropped and counted, so that a slow reader does
-    /// not stay behind.
+    /// Adds received frames. If there are too many, the oldest are dropped and counted, so that a slow reader gets
+    /// recent frames.
     pub fn deliver(&self, records: &mut Vec<Record>) {
         let mut state = self.state();
         state.records.extend(records.drain(..));
@@ -62,7 +62,7 @@ impl Inbox {
         self.arrived.notify_all();
     }
 
-    /// Removes an own frame that could not be sent after all, unless the reader has taken it.
+    /// Removes an own frame that could not be sent, unless the reader has taken it already.
     pub fn retract(&self, record: &Record) {
         let mut state = self.state();
         if let Some(at) = state.records.iter().rposition(|delivered| delivered == record) {
@@ -70,7 +70,7 @@ impl Inbox {
         }
     }
 
-    /// Limits the queue to this number of frames.
+    /// Limits the queue to `frames` frames.
     pub fn limit(&self, frames: usize) {
         self.state().capacity = frames.clamp(1, CAPACITY);
     }
@@ -104,8 +104,8 @@ impl Inbox {
         }
     }
 
-    /// Whether the bus is interrupted now, so that sending would fail. For a full queue only a try to send tells
-    /// whether it has room again.
+    /// Whether the bus is interrupted now, so that sending would fail. While the transmit queue is full, only an
+    /// attempt to send shows whether it has room again.
     pub fn is_interrupted(&self) -> bool {
         !self.stuck.load(Ordering::SeqCst) && self.state().health.interrupted_since.is_some()
     }
@@ -119,12 +119,12 @@ impl Inbox {
         self.closed.load(Ordering::SeqCst)
     }
 
-    /// The next record, or `None` if there was none before `deadline`; later records wait for the next call, so that
-    /// every wait ends even on a bus that never falls silent. `pending` tells whether the system holds frames that
-    /// the receiving thread has not fetched yet: a frame that arrived in time must not be missed because of that
-    /// thread.
+    /// The next record, or `None` if there was none before `deadline`. Records after `deadline` wait for the next call,
+    /// so that every wait ends even on a bus that never falls silent. `pending` tells whether the system holds frames
+    /// that the receiving thread has not fetched yet: a frame that arrived in time must not be missed because that
+    /// thread is late.
     pub fn take(&self, clock: &SteadyClock, deadline: Timestamp, pending: impl Fn() -> bool) -> Option<Record> {
-        // A frame that arrived before this call did not wait for this machine.
+        // For a frame that arrived before this call, the delay counts from the call: the frame waited for the tester.
         let asked = clock.now();
         let mut state = self.state();
         let mut stalled = None;
@@ -144,8 +144,8 @@ impl Inbox {
             let wait = if now < deadline {
                 deadline.since(now).into()
             } else {
-                // The order matters: fetched frames show as being delivered, and can't be delivered while the lock is
-                // held.
+                // The order matters: a frame that is no longer pending counts as being delivered, and it can't be
+                // delivered while this thread holds the lock.
                 let behind = pending() || self.delivering.load(Ordering::SeqCst);
                 let since = *stalled.get_or_insert(now);
                 if !behind || Duration::from(now.since(since)) > STALL {
@@ -160,11 +160,11 @@ impl Inbox {
 }
 
 impl InboxState {
-    /// The time of a frame that is taken now. One of the tester's own frames may have been delivered while an older
-    /// frame was still being fetched.
+    /// The time of a frame that is taken now. It is not before the time of the last frame: a frame of the tester itself
+    /// may have been delivered while an older frame was still being fetched.
     fn in_order(&mut self, time: Timestamp, now: Timestamp) -> Timestamp {
         if time > now {
-            // The time is wrong; it must not affect later ones.
+            // The time is wrong; it must not affect the times of later frames.
             return time;
         }
         self.last = self.last.max(time);
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(inbox.health().lost, 7 + 15);
     }
 
-    /// Whoever takes what was there when it asked comes to an end, however many frames follow.
+    /// A reader that takes all frames up to the present comes to an end, even if more frames arrive.
     #[test]
     fn what_came_after_the_deadline_waits() {
         let (inbox, clock) = (Inbox::new(), SteadyClock::start());
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!([take(later), take(later), take(later)], [true, true, false]);
     }
 
-    /// The frame that was fetched late came before the tester's own, which was taken already.
+    /// A frame that was fetched late is older than the tester's own frame, which was taken already.
     #[test]
     fn time_does_not_go_back() {
         let (inbox, clock) = (Inbox::new(), SteadyClock::start());

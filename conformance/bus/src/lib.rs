@@ -1,11 +1,11 @@
-//! The bus of a test, live or simulated, which a case can't distinguish; and the tester's side of the protocols.
+//! The bus of a test, and the tester's side of the protocols. A case can't distinguish a live and a simulated bus.
 //!
 //! - [`Bus`]: the interface of every bus; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
 //! - [`PatientBus`]: a bus that waits while it is interrupted;
-//! - [`Machine`]: a participant of a bus without I/O and clock; [`participate`] connects it to a live bus;
+//! - [`Machine`]: a participant of a bus without I/O and clock; [`participate`] connects a machine to a live bus;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
-//! - [`observation`]: behaviour of a device, as data;
-//! - [`transcript`]: data for repeating a run on its recording.
+//! - [`observation`]: the behaviour of a device, as data;
+//! - [`transcript`]: the data for repeating a run from its recording.
 
 #![warn(clippy::disallowed_methods)]
 #![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]
@@ -46,11 +46,11 @@ pub trait Bus {
     /// [`BusError`] if the bus can't take the frame.
     fn send(&mut self, frame: &Frame) -> Result<(), BusError>;
 
-    /// The next frame that was on the bus, or `None` if there was none until `deadline`; on the simulated bus
-    /// the time is then `deadline`.
+    /// The next frame that was on the bus, or `None` if there was none until `deadline`; the time of a simulated bus is
+    /// then `deadline`.
     ///
-    /// Own frames come back too, with the time at which they were sent and [`canvass_traces::Direction::Tx`]: a
-    /// record of the whole traffic is what evidence is made of.
+    /// Own frames are returned too, with the time at which they were sent and [`canvass_traces::Direction::Tx`]:
+    /// evidence needs a record of the whole traffic.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -59,12 +59,12 @@ pub trait Bus {
     /// The bit rate in bit/s, if it is known.
     fn bit_rate(&self) -> Option<u32>;
 
-    /// Whether its time is real, not virtual.
+    /// Whether the time of the bus is real, not virtual.
     fn is_live(&self) -> bool {
         false
     }
 
-    /// Waits for a client, on a bus to which another program must connect; at most for `patience`.
+    /// Waits for a client, at most for `patience`, if this is a bus to which another program must connect.
     ///
     /// # Errors
     /// [`BusError`] if no client has connected.
@@ -73,8 +73,8 @@ pub trait Bus {
         Ok(())
     }
 
-    /// Fills the unused bytes of sent frames with non-zero values from now on, as programs do that don't clear
-    /// `struct can_frame`: readers must ignore these bytes. Only SocketCAN has them.
+    /// Fills the unused bytes of sent frames with non-zero values from now on, like programs that don't clear
+    /// `struct can_frame`: readers must ignore these bytes. Only SocketCAN has such bytes.
     fn dirty_padding(&mut self) {}
 
     /// The health of the bus. A simulated bus is always healthy.
@@ -82,12 +82,12 @@ pub trait Bus {
         Health::default()
     }
 
-    /// Whether the bus is interrupted now: until it is back, it neither sends nor receives.
+    /// Whether the bus is interrupted now, so that it neither sends nor receives.
     fn is_interrupted(&self) -> bool {
         false
     }
 
-    /// Waits for the end of an interruption, on a bus that waits: see [`PatientBus`].
+    /// Waits for the end of an interruption, if the bus is a [`PatientBus`].
     ///
     /// # Errors
     /// [`BusError::Interrupted`] if the bus does not come back in time.
@@ -95,13 +95,13 @@ pub trait Bus {
         Ok(())
     }
 
-    /// Limits the number of frames that wait for a slow reader: beyond it the oldest are dropped.
+    /// Limits the number of frames that wait for a slow reader; if there are more, the oldest are dropped.
     fn limit_backlog(&mut self, frames: usize) {
         let _ = frames;
     }
 
-    /// Requests only frames of 11 bits whose identifier equals one of these in the bits of its mask. The bus may
-    /// deliver other frames all the same.
+    /// Requests only frames with 11-bit identifiers that match one of these pairs of identifier and mask: both must be
+    /// equal in the bits of the mask. The bus may deliver other frames all the same.
     ///
     /// # Errors
     /// [`BusError`] if the bus does not accept the filter.
@@ -119,7 +119,7 @@ pub trait Bus {
     }
 }
 
-/// Why a bus does not work. Never the fault of the device under test.
+/// Why a bus does not work. The device under test is never the cause.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BusError {
@@ -131,14 +131,14 @@ pub enum BusError {
         /// The error, and the expected form.
         reason: String,
     },
-    /// The bus cannot carry that frame.
+    /// The bus can't carry the frame.
     #[error("{frame} cannot be sent: {reason}")]
     Unsendable {
         frame: Frame,
         /// The frames that the bus can carry.
         reason: &'static str,
     },
-    /// The bit rate can't be changed from here.
+    /// This end of the bus can't change the bit rate.
     #[error("the bit rate of this bus is set outside of the program: change it to {bit_rate} bit/s there")]
     FixedBitRate {
         /// The requested bit rate in bit/s.
@@ -179,7 +179,7 @@ pub enum BusError {
 }
 
 impl BusError {
-    /// Whether the error ends when the bus is back.
+    /// Whether the error ends when the interruption of the bus ends.
     pub const fn is_interruption(&self) -> bool {
         match self {
             #[cfg(target_os = "linux")]
@@ -191,7 +191,7 @@ impl BusError {
         }
     }
 
-    /// Whether the transmit queue stayed full: no node acknowledges, or the bus has no room.
+    /// Whether the transmit queue stayed full, because no node acknowledges or the bus is too busy.
     pub const fn is_full(&self) -> bool {
         match self {
             #[cfg(target_os = "linux")]

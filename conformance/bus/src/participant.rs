@@ -1,4 +1,4 @@
-//! A machine as a participant of a live bus: its time is that of the bus, counted from its power-on.
+//! Connects a machine to a live bus. The time of the machine is that of the bus, counted from the machine's power-on.
 
 use crate::Bus;
 use crate::Machine;
@@ -11,18 +11,18 @@ pub struct Participation {
     pub sent: u64,
     /// Number of frames that the bus did not take.
     pub unsent: u64,
-    /// The last reason.
+    /// The reason why the last of these frames was not taken, or why the bit rate could not be changed.
     pub trouble: Option<String>,
 }
 
-/// Maximum duration of a wait, after which `goes_on` is asked.
+/// Maximum duration of a wait, after which `goes_on` is called.
 const SLICE: Duration = Duration::from_millis(200);
 
-/// Connects a machine to a bus until `goes_on`, which is called about five times a second, returns false. `observe`
-/// sees every frame, including own ones.
+/// Connects a machine to a bus until `goes_on` returns false; `goes_on` is called about five times a second. `observe`
+/// gets every frame, including own ones.
 ///
-/// A frame that the bus does not take ends nothing: the interface may come back, as for a real device. When the
-/// machine changes its bit rate, the bus changes its own, if it can.
+/// If the bus does not take a frame, the participation continues: the interface may come back, as for a real device.
+/// When the machine changes its bit rate, the bus changes its own, if it can.
 ///
 /// # Errors
 /// [`super::BusError`] if the bus can't receive any more.
@@ -47,7 +47,8 @@ pub fn participate(
         if let Some(record) = bus.receive(deadline)? {
             observe(&record);
             if record.direction != Direction::Tx && !record.frame.is_error() {
-                // Reactions count from the frame's end on the bus, not from the time at which this machine saw it.
+                // Reactions count from the frame's end on the bus, not from the time at which this computer received
+                // it.
                 let at = clock.at(record.timestamp);
                 machine.handle(at, &record.frame);
                 send_all(bus, machine, at, &mut done);
@@ -71,7 +72,7 @@ fn send_all(bus: &mut dyn Bus, machine: &mut dyn Machine, now: Timestamp, done: 
 
 /// The bit rate of the machine, which the bus follows.
 struct FollowedBitRate {
-    /// The bit rate of the bus, if known, for a machine without one of its own.
+    /// The bit rate of the bus, if known; it applies to a machine without its own bit rate.
     of_bus: Option<u32>,
     now: Option<u32>,
 }
@@ -94,7 +95,7 @@ impl FollowedBitRate {
     }
 }
 
-/// Converts the time of the bus to that of the machine, which never steps back.
+/// Converts the time of the bus to the time of the machine, which never steps back.
 struct MachineClock {
     switched_on: Timestamp,
     last: Timestamp,
@@ -116,7 +117,7 @@ mod tests {
     use super::*;
     use crate::SimulatedBus;
 
-    /// A machine that takes part at 500 kbit/s from the first second on, and as the bus does from the second on.
+    /// A machine that has a bit rate of 500 kbit/s from second 1 to second 2, and before and after it that of the bus.
     #[derive(Default)]
     struct Changing(u64);
 

@@ -1,5 +1,5 @@
 //! A bus that waits while it is interrupted: an adapter is unplugged and plugged in again, a connection breaks and is
-//! made again, an interface goes down and comes up.
+//! reopened, an interface goes down and comes up.
 
 use super::{Bus, BusError, Health};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
@@ -12,27 +12,27 @@ use std::time::Instant;
 pub struct Endurance {
     /// Maximum duration of one interruption.
     pub patience: Duration,
-    /// The end of the bus's use; `None` if there is none. Actions after it, such as restoring a device, wait for five
-    /// seconds more.
+    /// The end of the bus's use; `None` if there is none. Later actions, such as restoring a device, wait for an
+    /// interrupted bus for at most five more seconds.
     pub ends: Option<Instant>,
-    /// Whether the user has ended the use, with the same consequence.
+    /// Whether the user has ended the use; the consequence is that of `ends`.
     pub cancelled: Arc<AtomicBool>,
 }
 
-/// Maximum duration of all interruptions after the end.
+/// Maximum time after the end of the use for which the bus still waits during interruptions.
 const LAST: std::time::Duration = std::time::Duration::from_secs(5);
 
-/// Interval between two checks whether the bus is back.
+/// Interval between two checks whether the interruption is over.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(10);
 
-/// A bus whose sender waits during interruptions. Frames sent before, and frames during the interruption, may be
-/// lost: [`Health`] tells of each interruption.
+/// A bus that waits during interruptions. Frames sent just before an interruption, and frames during it, may be lost:
+/// [`Health`] counts each interruption.
 pub struct PatientBus<'a> {
     bus: &'a mut dyn Bus,
     endurance: Endurance,
     /// Time of the first attempt to send during the current interruption.
     waits_since: Option<Instant>,
-    /// Time at which the user's end was noticed.
+    /// Time at which the bus noticed that the user had ended the use.
     cancelled_at: Option<Instant>,
     /// Whether any other node has sent a frame.
     has_heard: bool,
@@ -43,12 +43,12 @@ impl<'a> PatientBus<'a> {
         Self { bus, endurance, waits_since: None, cancelled_at: None, has_heard: false }
     }
 
-    /// Whether waiting may help: if no node was ever heard and none acknowledges, there is none.
+    /// Whether waiting may help: if no other node was ever heard and none acknowledges, there is probably none.
     const fn may_end(&self, refused: &BusError) -> bool {
         refused.is_interruption() && (self.has_heard || !refused.is_full())
     }
 
-    /// Waits a moment. `refused` is the error of the refused frame.
+    /// Waits a moment. `refused` is the error with which the bus refused a frame.
     fn wait(&mut self, refused: Option<&BusError>) -> Result<(), BusError> {
         let since = *self.waits_since.get_or_insert_with(Instant::now);
         if self.is_over(since) {
@@ -58,7 +58,7 @@ impl<'a> PatientBus<'a> {
         Ok(())
     }
 
-    /// Whether an interruption in which waiting began at `since` is given up.
+    /// Whether the bus no longer waits, in an interruption in which waiting began at `since`.
     fn is_over(&mut self, since: Instant) -> bool {
         let now = Instant::now();
         if self.endurance.cancelled.load(Ordering::Relaxed) {
@@ -68,7 +68,7 @@ impl<'a> PatientBus<'a> {
         ends.is_some_and(|ends| now >= ends + LAST) || now.duration_since(since) >= self.endurance.patience.into()
     }
 
-    /// The begin of waiting in the interruption that was given up, if there is one.
+    /// The time at which waiting began, if the bus no longer waits in the current interruption.
     fn given_up(&mut self) -> Option<Instant> {
         let since = self.waits_since.filter(|_| self.bus.is_interrupted())?;
         self.is_over(since).then_some(since)
@@ -88,8 +88,8 @@ impl Bus for PatientBus<'_> {
     }
 
     /// # Errors
-    /// [`BusError::Interrupted`] if the bus does not come back in time; further frames are then refused at once until it
-    /// does.
+    /// [`BusError::Interrupted`] if the bus does not come back in time; further frames are then refused at once until
+    /// it is back.
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let mut refused = None;
         loop {
@@ -107,7 +107,7 @@ impl Bus for PatientBus<'_> {
     }
 
     /// # Errors
-    /// [`BusError::Interrupted`] once the bus has not come back in time, until it does: nothing can come.
+    /// [`BusError::Interrupted`] once the bus has not come back in time, until it is back: no frame can arrive.
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
         let given_up = self.given_up();
         let until = if given_up.is_some() { deadline.min(self.bus.now()) } else { deadline };
@@ -171,7 +171,8 @@ mod tests {
     use canvass_traces::{CanId, ChannelId};
     use std::time;
 
-    /// A bus that takes frames except during an interruption, of which it tells at once or only when it refuses a frame.
+    /// A bus that takes frames except during an interruption. It reports the interruption at once, or only by refusing
+    /// a frame.
     struct Broken {
         back: Instant,
         tells: bool,
@@ -260,7 +261,7 @@ mod tests {
         assert!(begun.elapsed() < time::Duration::from_secs(1));
     }
 
-    /// An adapter whose transmit queue is full, and stays so.
+    /// An adapter whose transmit queue stays full.
     struct Full {
         hears: bool,
     }
@@ -285,7 +286,8 @@ mod tests {
         }
     }
 
-    /// At the wrong bit rate nobody acknowledges; a device that has answered may be switched on again.
+    /// At the wrong bit rate no node acknowledges, and waiting is useless; a device that has answered before may come
+    /// back.
     #[test]
     fn who_was_never_heard_is_not_waited_for() {
         for hears in [false, true] {

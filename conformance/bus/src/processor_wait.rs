@@ -1,14 +1,14 @@
 //! The time for which a ready thread had to wait for a processor.
 //!
-//! A frame without a time stamp gets the time at which the reading thread woke. On a busy machine that is late by the
-//! wait for a processor, which the kernel counts: the second number of `schedstat`, in nanoseconds
-//! (Documentation/scheduler/sched-stats.rst of Linux).
+//! A frame without a time stamp gets the time at which the reading thread woke. On a busy machine the thread wakes
+//! late, because it waits for a processor. The kernel counts this wait: it is the second number of `schedstat`, in
+//! nanoseconds (Documentation/scheduler/sched-stats.rst of Linux).
 
 use canvass_traces::Duration;
 #[cfg(target_os = "linux")]
 use std::{fs::File, os::unix::fs::FileExt};
 
-/// The wait of the thread that created it. Always zero on other systems, which do not report it.
+/// The wait of the thread that created this value. Always zero on systems other than Linux, which do not report it.
 #[derive(Debug)]
 pub(crate) struct ProcessorWait {
     #[cfg(target_os = "linux")]
@@ -48,7 +48,7 @@ impl ProcessorWait {
     }
 }
 
-/// The second of the three numbers.
+/// The second of the three numbers in `schedstat`.
 #[cfg(target_os = "linux")]
 fn waited(line: &[u8]) -> Option<u64> {
     std::str::from_utf8(line).ok()?.split_ascii_whitespace().nth(1)?.parse().ok()
@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(waited(b"1 -1 1"), None);
     }
 
-    /// More threads than processors that all want to go on: each of them has to wait.
+    /// If more threads than processors are ready, each thread has to wait.
     #[test]
     fn a_thread_among_many_waits() {
         let threads = 4 * std::thread::available_parallelism().unwrap().get();

@@ -1,7 +1,7 @@
 //! A bus in memory with a clock of its own.
 //!
-//! Time is virtual: it advances from one event to the next, so a wait of five seconds takes only the computing time
-//! of its events, and every run is the same. Frames last as long as their bits take. When the bus is free, the lowest
+//! Time is virtual: it advances from one event to the next, so a wait of five seconds takes only the computing time of
+//! its events, and every run is the same. A frame lasts as long as its bits take. When the bus is free, the lowest
 //! identifier among the participants' next frames is sent; each participant has one frame in arbitration at a time,
 //! like a CAN controller with a FIFO. A participant does not understand frames of another bit rate.
 
@@ -25,19 +25,19 @@ pub struct SimulatedBus {
     on_wire: Option<OnWire>,
     /// The earliest timeout of all participants.
     next_timeout: Timestamp,
-    /// Whether a participant has a frame in arbitration.
+    /// Whether any participant has a frame in arbitration.
     contended: bool,
 }
 
 struct Participant {
     machine: Box<dyn Machine>,
-    /// The frame in arbitration.
+    /// The participant's frame in arbitration.
     pending: Option<Frame>,
     /// The next timeout; [`Timestamp::MAX`] if there is none.
     timeout: Timestamp,
     /// The participant's own bit rate in bit/s, if it has one.
     own_bit_rate: Option<u32>,
-    /// The bit rate of the bus before the tester changed it.
+    /// The bit rate that the bus had before the tester changed it.
     adopted: Option<u32>,
 }
 
@@ -57,7 +57,7 @@ enum Sender {
 }
 
 impl SimulatedBus {
-    /// An empty bus with this bit rate in bit/s (at least 1), switched on at time 0.
+    /// An empty bus with a bit rate in bit/s (at least 1), switched on at time 0.
     pub fn new(bit_rate: u32) -> Self {
         Self {
             now: Timestamp::ZERO,
@@ -71,14 +71,14 @@ impl SimulatedBus {
         }
     }
 
-    /// A copy in the same state, if each participant can be copied ([`Machine::duplicate`]).
+    /// A copy of the bus in the same state, if each participant can be copied ([`Machine::duplicate`]).
     pub fn duplicate(&self) -> Option<Self> {
         let participants = self.participants.iter().map(Participant::duplicate).collect::<Option<_>>()?;
         let (outgoing, on_wire) = (self.outgoing.clone(), self.on_wire);
         Some(Self { participants, outgoing, on_wire, ..*self })
     }
 
-    /// Connects a participant. Of equal identifiers in arbitration, that of the earlier participant wins.
+    /// Connects a participant. If identifiers in arbitration are equal, the earlier participant wins.
     pub fn attach(&mut self, machine: Box<dyn Machine>) {
         let timeout = machine.poll_timeout().unwrap_or(Timestamp::MAX);
         let bit_rate = machine.bit_rate();
@@ -86,7 +86,7 @@ impl SimulatedBus {
         self.next_timeout = self.next_timeout.min(timeout);
     }
 
-    /// Switches a participant off and on, by its index; a frame that it is sending is completed.
+    /// Switches a participant off and on, by its index. A frame that it is already sending is completed.
     pub fn power_cycle(&mut self, participant: usize) {
         if let Some(participant) = self.participants.get_mut(participant) {
             participant.machine.power_cycle(self.now);
@@ -95,7 +95,7 @@ impl SimulatedBus {
         self.survey();
     }
 
-    /// The duration of this number of bits.
+    /// The duration of `n` bits.
     fn bits(n: u32, bit_rate: u32) -> Duration {
         Duration(u64::from(n) * 1_000_000_000 / u64::from(bit_rate.max(1)))
     }
@@ -106,14 +106,14 @@ impl SimulatedBus {
             if participant.timeout <= self.now {
                 participant.machine.handle_timeout(self.now);
                 participant.settle(self.now);
-                // Time must advance even if a machine always wants to be called at once.
+                // Time must advance even if a machine always requests a call at once.
                 participant.timeout = participant.timeout.max(self.now + SOONEST);
             }
         }
         self.survey();
     }
 
-    /// Updates the cached timeouts and pending frames, so that not every step has to check all participants.
+    /// Updates the cached timeouts and pending frames, so that a step need not check all participants.
     fn survey(&mut self) {
         (self.next_timeout, self.contended) = (Timestamp::MAX, false);
         for participant in &self.participants {
@@ -156,7 +156,7 @@ impl SimulatedBus {
         }
     }
 
-    /// Delivers a completed frame to everyone but its sender.
+    /// Delivers a completed frame to all participants but its sender.
     fn deliver(&mut self, sent: OnWire) -> Option<Record> {
         debug_assert!(self.now <= sent.end, "a frame ends before later events");
         self.now = sent.end;
@@ -251,12 +251,12 @@ impl Participant {
         Some(Self { machine: self.machine.duplicate()?, ..*self })
     }
 
-    /// The bit rate in bit/s; `None` for that of the bus.
+    /// The participant's bit rate in bit/s; `None` if it has that of the bus.
     fn bit_rate(&self) -> Option<u32> {
         self.own_bit_rate.or(self.adopted)
     }
 
-    /// Takes the machine's next frame and timeout; to be called after every call of the machine.
+    /// Takes the machine's next frame and timeout; must follow every call of the machine.
     fn settle(&mut self, now: Timestamp) {
         if self.pending.is_some_and(|frame| self.machine.withdraws(&frame)) {
             self.pending = None;
@@ -268,7 +268,7 @@ impl Participant {
         self.own_bit_rate = self.machine.bit_rate();
     }
 
-    /// Returns the frame in arbitration, and takes the machine's next one.
+    /// Returns the frame in arbitration, and takes the machine's next frame.
     fn take_pending(&mut self, now: Timestamp) -> Option<Frame> {
         let frame = self.pending.take();
         self.settle(now);
@@ -301,7 +301,7 @@ impl Bus for SimulatedBus {
                 BusStep::Frame(record) => return Ok(Some(record)),
                 BusStep::Quiet => {}
                 BusStep::Idle => {
-                    // A wait without end on a bus without events must not advance time to its end.
+                    // A wait without end must not advance time to its end, if the bus has no events.
                     if deadline < Timestamp::MAX {
                         self.now = self.now.max(deadline);
                     }
@@ -315,7 +315,7 @@ impl Bus for SimulatedBus {
         Some(self.bit_rate)
     }
 
-    /// Changes the tester's bit rate; participants without one of their own keep the old one.
+    /// Changes the tester's bit rate; participants without their own bit rate keep the old one.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         for participant in &mut self.participants {
             participant.adopted.get_or_insert(self.bit_rate);

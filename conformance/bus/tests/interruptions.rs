@@ -1,4 +1,4 @@
-//! Ways to an SLCAN adapter that are interrupted, each in its own way, and are used again when they are back.
+//! Connections to an SLCAN adapter that are interrupted, each in another way, and are used again afterwards.
 
 use canvass_bus::slcan::SlCan;
 use canvass_bus::{Bus, BusError};
@@ -13,7 +13,7 @@ fn frame() -> Frame {
 
 const LINE: &str = "t12380101010101010101";
 
-/// Waits until something is the case.
+/// Waits until a condition holds.
 fn until(bus: &mut SlCan, what: &str, mut is_so: impl FnMut(&mut SlCan) -> bool) {
     let begun = time::Instant::now();
     while !is_so(bus) {
@@ -22,7 +22,8 @@ fn until(bus: &mut SlCan, what: &str, mut is_so: impl FnMut(&mut SlCan) -> bool)
     }
 }
 
-/// Answers commands as an adapter does, until a line that `ends` recognises, or the end of the connection; gives the frames.
+/// Answers commands like an adapter, until a line that `ends` recognises or the end of the connection; returns the
+/// frames.
 fn serve(line: &mut (impl Read + Write), mut ends: impl FnMut(&str) -> bool) -> Vec<String> {
     let (mut text, mut byte, mut frames) = (String::new(), [0], Vec::new());
     while line.read(&mut byte).is_ok_and(|n| n == 1) {
@@ -54,7 +55,7 @@ fn listener() -> std::io::Result<(TcpListener, String)> {
 fn a_frame_is_refused_until_the_channel_is_open_again() {
     let (listener, place) = listener().unwrap();
     let adapter = std::thread::spawn(move || {
-        // It hangs up, and takes its time before it opens its channel again.
+        // The adapter closes the connection, and opens its channel again only after a while.
         serve(&mut listener.accept().unwrap().0, |line| line == LINE);
         let mut again = listener.accept().unwrap().0;
         let mut is_slow = true;
@@ -79,14 +80,14 @@ fn a_frame_is_refused_until_the_channel_is_open_again() {
     assert_eq!(adapter.join().unwrap(), [LINE], "none went to the closed channel");
 }
 
-/// The other end of a connection loses its supply: no more bytes come, and no end.
+/// The other end of a connection loses its supply: no more bytes come, and the connection does not end.
 #[test]
 fn a_connection_without_a_sign_of_life_is_made_anew() {
     let (listener, place) = listener().unwrap();
     let adapter = std::thread::spawn(move || {
         let mut dead = listener.accept().unwrap().0;
         let mut asked = 0;
-        // The question for the status flags is answered once, and then nothing is.
+        // The adapter answers the query of the status flags once, and then nothing any more.
         serve(&mut dead, |line| {
             asked += u32::from(line == "F");
             asked == 2
@@ -105,7 +106,7 @@ fn a_connection_without_a_sign_of_life_is_made_anew() {
     assert_eq!(adapter.join().unwrap(), [LINE]);
 }
 
-/// An adapter that sends and does not read: what is written to it is not taken any more.
+/// An adapter that sends and does not read: the connection takes no more bytes.
 #[test]
 fn a_connection_that_takes_nothing_is_made_anew() {
     let (listener, place) = listener().unwrap();
@@ -130,14 +131,14 @@ fn a_connection_that_takes_nothing_is_made_anew() {
     adapter.join().unwrap();
 }
 
-/// Frames as from a bus, until nobody takes them.
+/// Sends frames as from a bus until the connection ends.
 fn chatter(mut stream: TcpStream) {
     while stream.write_all(b"t7011\x30\x35\r").is_ok() {
         std::thread::sleep(time::Duration::from_millis(20));
     }
 }
 
-/// A serial adapter is unplugged and plugged in again: its port goes and comes.
+/// A serial adapter is unplugged and plugged in again: its port disappears and comes back.
 #[cfg(all(target_os = "linux", feature = "serial"))]
 #[test]
 fn a_serial_port_is_opened_again() {
@@ -152,7 +153,7 @@ fn a_serial_port_is_opened_again() {
         std::os::unix::fs::symlink(ptsname_r(&adapter).unwrap(), &port).unwrap();
         adapter
     };
-    // It is unplugged when it is asked for its status after its first frame.
+    // The adapter is unplugged when it gets the query of its status after its first frame.
     let serve_one = |mut adapter: PtyMaster| {
         std::thread::spawn(move || {
             let mut got = false;

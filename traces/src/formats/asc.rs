@@ -1,4 +1,4 @@
-//! Vector ASC: what CANoe and CANalyzer log as text.
+//! Vector ASC: the text format of CANoe and CANalyzer.
 //!
 //! ```text
 //! date Sat Sep 30 15:06:13.191 2017
@@ -13,23 +13,23 @@
 //! End TriggerBlock
 //! ```
 //!
-//! What is easily got wrong:
+//! Pitfalls:
 //!
-//! - The date is in the recorder's local time, in English or German, with 24 hours or AM and PM. That of the first
-//!   trigger block counts, as the times do from there. Without one times count from the start.
-//! - Times have 4, 5, 6 or 9 decimals. **Relative times are the difference to the event before, of any kind**,
-//!   so that also the rows that are no frames move the clock.
-//! - **The DLC is one hex digit**, even with `base dec`, which is about ids and data.
+//! - The date is in the recorder's local time, in English or German, with 24 hours or AM and PM. The date of the first
+//!   trigger block counts, because times count from there. Without a date, times count from the start.
+//! - Times have 4, 5, 6 or 9 decimals. **A relative time is the difference to the event before, of any kind**, so rows
+//!   without frames move the clock, too.
+//! - **The DLC is one hex digit**, even with `base dec`, which applies to ids and data only.
 //! - Rows of kind `CANFD`: the symbolic name may be absent, the DLC is hex and the length decimal. **Such a row may
-//!   carry a classical frame**: then bit 1000h of the flags (FDF) is clear; bit 10h is a remote frame. Flags of 0
-//!   beside a length, BRS or ESI that only CAN FD has come from other tools: then it is CAN FD.
-//! - `TxRq` is the request to send, not a frame on the bus; its `Tx` row follows when it was sent. It is passed
-//!   over like the other events that are known (`Statistic:`, `J1939TP`, `Status:`). A row of any other kind is
-//!   reported as unsupported: it may be a frame whose first word is damaged.
-//! - `ErrorFrame` tells no class that is the same in all versions; it is read as a bus error without detail.
+//!   carry a classical frame**: then bit 1000h of the flags (FDF) is clear; bit 10h marks a remote frame. Other tools
+//!   write flags of 0 for CAN FD frames: a length that only CAN FD has, BRS or ESI then show that the frame is CAN FD.
+//! - `TxRq` is the request to send, not a frame on the bus; the `Tx` row follows when the frame was sent. `TxRq` is
+//!   ignored like other known events (`Statistic:`, `J1939TP`, `Status:`). A row of any other kind is reported as
+//!   unsupported: it may be a frame whose first word is damaged.
+//! - `ErrorFrame` gives no class that is the same in all versions; it is read as a bus error without detail.
 //!
-//! A last line without line end is read if all that its DLC promises is there and can't be a part of a longer
-//! number; a `CANFD` row must go on after its flags.
+//! A last line without line end is read if it has all bytes that its DLC promises, and its last number can't continue;
+//! a `CANFD` row must go on after its flags.
 
 use crate::formats::asc_row::{self, AscRow, Radix};
 use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
@@ -52,7 +52,7 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
     })
 }
 
-/// Whether the text is a row of an excerpt without header.
+/// Whether the text is a row of a capture without header.
 fn is_frame(rest: &[u8]) -> bool {
     matches!(asc_row::row(rest, Radix::Hexadecimal), Ok((_, AscRow::Frame { .. } | AscRow::Request)))
 }
@@ -65,14 +65,14 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 struct Asc {
     radix: Radix,
     relative: bool,
-    /// Start of the recording, in local time.
+    /// The start of the recording, in local time.
     start: Option<u64>,
     block_seen: bool,
     /// The time of the last event since the start.
     now: Timestamp,
 }
 
-/// The expected text for a time that records can't hold.
+/// The expected text for a time that a record can't hold.
 pub(crate) const LATEST: &str = "a time before the year 2554";
 
 impl LineFormat for Asc {
@@ -146,13 +146,13 @@ fn may_become_a_frame(text: &[u8]) -> bool {
     kind || text.first().is_some_and(u8::is_ascii_digit)
 }
 
-/// The lines other than rows.
+/// A line other than a row.
 #[derive(Clone, Copy)]
 enum Header {
     Nothing,
-    /// A date; `None` if it could not be read.
+    /// A date; `None` if it can't be read.
     Date(Option<u64>),
-    /// Whether ids and data are hexadecimal, and times relative.
+    /// The base of ids and data, and whether times are relative.
     Base(Radix, bool),
     Block(Option<u64>),
 }
@@ -182,13 +182,14 @@ fn header(line: &[u8]) -> Option<Header> {
     }
 }
 
-/// Whether the text after the first byte of a line begins with a time or the rest of one. Then the first byte is
-/// damaged, and begins no comment.
+/// Whether the text after the first byte of a line begins with a time, or with the rest of a time. Then the first byte
+/// is damaged and does not begin a comment.
 fn begins_with_time(behind: &[u8]) -> bool {
     [skip_blanks(behind), &[b"0", behind].concat()].into_iter().any(|text| seconds(text).is_ok())
 }
 
-/// `Sat Sep 30 15:06:13.191 2017`, with or without AM or PM, in nanoseconds since 1970 as if it were UTC.
+/// Parses a date such as `Sat Sep 30 15:06:13.191 2017`, with or without AM or PM; gives nanoseconds since 1970 as if
+/// it were UTC.
 fn date(text: &[u8]) -> Option<u64> {
     let mut words = text.split(|&b| b == b' ' || b == b'\t').filter(|word| !word.is_empty());
     let (_weekday, month, day, time) = (words.next()?, words.next()?, words.next()?, words.next()?);
@@ -209,7 +210,8 @@ fn date(text: &[u8]) -> Option<u64> {
     let (rest, second_number) = decimal("seconds")(second).ok()?;
     let fraction = match rest {
         [] => 0,
-        // Some versions write the milliseconds without leading zeros; the two forms can't be told apart.
+        // Some versions write the milliseconds without leading zeros, which is indistinguishable from a decimal
+        // fraction.
         [b'.', digits @ ..] => crate::grammar::billionths(digits).ok()?.1,
         _ => return None,
     };
@@ -219,7 +221,8 @@ fn date(text: &[u8]) -> Option<u64> {
     crate::local_time::nanos(date.to_datetime(time))
 }
 
-/// English and German names, by their first three letters; an umlaut may be in Latin-1 or UTF-8.
+/// The number of a month by the first three letters of its English or German name; an umlaut may be in Latin-1 or
+/// UTF-8.
 fn month_number(name: &[u8]) -> Option<i8> {
     let head: Vec<u8> = name.iter().take(3).map(u8::to_ascii_lowercase).collect();
     let number = match head.as_slice() {

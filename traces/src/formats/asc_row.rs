@@ -16,18 +16,18 @@ pub(crate) enum AscRow<'a> {
     Frame {
         channel: &'a [u8],
         record: Record,
-        /// Whether the frame may continue if the file was cut after this line.
+        /// Whether the file may have been cut inside the data, if this line is the last one.
         in_doubt: bool,
     },
-    /// A request to send.
+    /// A request to send a frame.
     Request,
-    /// Another event than a frame.
+    /// An event that is no frame.
     Event,
-    /// Neither a supported frame nor a known event.
+    /// A row that is neither a supported frame nor a known event.
     Unknown,
 }
 
-/// The first words of rows without frames: other events that CANoe and CANalyzer log.
+/// The first words of rows without frames: the other events that CANoe and CANalyzer log.
 const EVENTS: &[&[u8]] = &[
     b"Start", // of measurement
     b"Begin", // Triggerblock
@@ -64,7 +64,7 @@ pub(crate) const FLAG_BRS: u32 = 0x2000;
 /// Flag of `CANFD` rows: the sender is error passive.
 pub(crate) const FLAG_ESI: u32 = 0x4000;
 
-/// A row after its time.
+/// Parses a row after its time.
 pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     let (rest, first) = next_word(input, "an event")?;
     match first {
@@ -80,11 +80,11 @@ fn is_event(first: &[u8], rest: &[u8]) -> bool {
     let mut words = rest.split(|&b| b == b' ' || b == b'\t').filter(|word| !word.is_empty());
     let (second, third) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     match first {
-        // `CAN 1 Status:chip status error active`
+        // A row such as `CAN 1 Status:chip status error active`.
         b"CAN" => second.iter().all(u8::is_ascii_digit) && third.starts_with(b"Status:"),
         // LIN channels are L1, L2 and so on.
         [b'L', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => true,
-        // `EnvSpeed := 12`: an environment variable.
+        // A row such as `EnvSpeed := 12` sets an environment variable.
         _ => second == b":=" || EVENTS.contains(&first),
     }
 }
@@ -123,7 +123,7 @@ fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed
             let (rest, data) = bytes(rest, usize::from(dlc.min(8)), radix)?;
             no_more_bytes(rest)?;
             let Some(frame) = Frame::new(id, &data) else { return Expected::fail(rest, "at most 8 bytes") };
-            // A decimal number may continue.
+            // The decimal number at the end of the line may have more digits.
             let in_doubt = rest.is_empty() && radix == Radix::Decimal && !data.is_empty();
             Ok((rest, frame_row(channel, frame.with_raw_dlc(dlc), direction, in_doubt)))
         }
@@ -150,7 +150,7 @@ fn error_frame(channel: &[u8], direction: Direction) -> AscRow<'_> {
     }
 }
 
-/// `CANFD 1 Rx 7d Name 1 0 9 12 …`.
+/// Parses a row such as `CANFD 1 Rx 7d Name 1 0 9 12 …`.
 fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     let (rest, channel) = next_word(input, "a channel")?;
     let (at, word) = next_word(rest, "Rx or Tx")?;
@@ -208,7 +208,7 @@ fn row_flags(input: &[u8]) -> (&[u8], Option<u32>) {
     third().map_or((input, None), |(rest, flags)| (rest, Some(flags)))
 }
 
-/// An id, with `x` if it has 29 bits.
+/// Parses an id, which ends in `x` if it has 29 bits.
 fn identifier(word: &[u8], radix: Radix) -> Result<CanId, nom::Err<Expected<'_>>> {
     let wrong = |what| Err(nom::Err::Error(Expected::new(word, what)));
     let (digits, extended) = match word {
@@ -232,7 +232,7 @@ fn number(digits: &[u8], radix: Radix) -> Option<u32> {
     u32::from_str_radix(std::str::from_utf8(digits).ok()?, radix).ok()
 }
 
-/// One hex digit.
+/// Parses the DLC, one hex digit.
 fn dlc(input: &[u8]) -> Parsed<'_, u8> {
     let (rest, word) = next_word(input, "a DLC of one hex digit")?;
     let code = if let [digit] = word { nibble(*digit) } else { None };

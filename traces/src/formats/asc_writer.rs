@@ -14,10 +14,11 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
     Ok(Box::new(TextWriter::new(sink, rows)))
 }
 
-/// Writes times as absolute, with 6 decimals, or 9 if needed.
+/// The writer of rows: times are absolute, with 6 decimals, or 9 if needed.
 struct AscRows {
     time_base: TimeBase,
-    /// The origin of the rows' times: the first record's time in whole milliseconds, the resolution of the date.
+    /// The origin of the rows' times: the first record's time in whole milliseconds, which is the resolution of the
+    /// date.
     start: u64,
     numbers: ChannelNumbers,
 }
@@ -78,7 +79,7 @@ impl AscRows {
     }
 }
 
-/// The date in the form of English versions of CANalyzer, which all readers know.
+/// The date in the form of the English versions of CANalyzer, which all readers know.
 fn header_date(nanos: u64) -> String {
     let date = date_of(nanos);
     let half = if date.hour() < 12 { "am" } else { "pm" };
@@ -102,7 +103,7 @@ fn write_row(out: &mut String, record: &Record, channel: u16) -> fmt::Result {
     }
     let mark = if frame.id().is_extended() { "x" } else { "" };
     let id = format!("{:X}{mark}", frame.id().raw());
-    // A frame of unknown direction counts as received.
+    // A frame of unknown direction is written as received.
     let direction = if record.direction == Direction::Tx { "Tx" } else { "Rx" };
     if frame.is_fd() {
         return write_fd_row(out, record, channel, &id, direction);
@@ -120,7 +121,7 @@ fn write_fd_row(out: &mut String, record: &Record, channel: u16, id: &str, direc
     write!(out, "CANFD {channel:>3} {direction:<4} {id:>8}  {:>32} ", "")?;
     write!(out, "{} {} {dlc:x} {len:>2}", u8::from(brs), u8::from(esi))?;
     write_bytes(out, record.data())?;
-    // Duration, bit count, flags, CRC and bit timings; only the flags are known.
+    // The columns are duration, bit count, flags, CRC and bit timings; only the flags are known.
     writeln!(out, " {:>8} {:>4} {flags:>8X} {:>8} {:>8} {:>8} {:>8} {:>8}", 0, 0, 0, 0, 0, 0, 0)
 }
 

@@ -1,4 +1,4 @@
-//! What candump prints on a console, and `log2long` writes.
+//! The output of candump on a console, which `log2long` writes too.
 //!
 //! ```text
 //! line  = [stamp] IFACE [("RX" | "TX") ("B" | "-") ("E" | "-")] ID body [text]
@@ -7,18 +7,18 @@
 //! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | "#" whatever somebody wrote beside it
 //! ```
 //!
-//! What is easily got wrong:
+//! Pitfalls:
 //!
-//! - **One digit in the brackets is classical CAN, two are CAN FD, four are CAN XL.** Braces (`-8`) hold the raw
-//!   data length code. Of a remote frame the number is the length that it asks for.
-//! - Without `-x` nothing tells the BRS and ESI flags of CAN FD; they are read as clear.
-//! - With `-S` the bytes are in reverse order with backticks between, with `-i` they are bits, with `-c` there
-//!   are colours. The text of `-a` may hold quotes itself; it says nothing new and is ignored.
-//! - Dates (`-tA`) are in the recorder's local time. Small numbers count from the first frame (`-tz`) or from
-//!   the frame before (`-td`), and nothing tells which: differences go down again and again, so the lines at hand
-//!   when reading begins decide, and if they are few, the first number that is less than the one before.
-//! - A comment (`#`, `;`) that is a frame but for its first byte is reported: that byte, a space, may be damaged.
-//! - More than 64 bytes of CAN XL are cut by candump itself (`...`): the frame is reported as truncated.
+//! - **One digit in the brackets is classical CAN, two are CAN FD, four are CAN XL.** Braces (`-8`) hold the raw data
+//!   length code. The number of a remote frame is the requested length.
+//! - Without `-x` the output lacks the flags BRS and ESI of CAN FD; they are read as clear.
+//! - With `-S` the bytes are in reverse order, separated by backticks; with `-i` they are bits; with `-c` the output
+//!   has colours. The text of `-a` may hold quotes itself; it only repeats the data and is ignored.
+//! - Dates (`-tA`) are in the recorder's local time. Small numbers count from the first frame (`-tz`) or from the frame
+//!   before (`-td`), and the output does not say which. Differences decrease again and again, so the lines buffered at
+//!   the beginning decide; if they are few, the first number that is less than the one before decides.
+//! - A comment (`#`, `;`) that is a frame except for its first byte is reported: the byte may be a damaged space.
+//! - candump itself cuts more than 64 bytes of CAN XL (`...`): the frame is reported as truncated.
 //!
 //! In a last line without line end the number in the brackets tells whether all bytes are there. Two doubts
 //! remain: `[0]` may be cut before `remote request`, and a single byte `10` may be the beginning of bits; such
@@ -55,9 +55,9 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct Console {
     clock: Clock,
-    /// Whether the last frame was an error frame, which an explanation may follow.
+    /// Whether the last frame was an error frame: candump may print its explanation after it.
     explained: bool,
-    /// Whether the bytes are known to be hexadecimal.
+    /// Whether an earlier line has proved that the bytes are hexadecimal.
     hexadecimal: bool,
 }
 
@@ -80,7 +80,7 @@ impl LineFormat for Console {
     }
 }
 
-/// Whether the bytes after the first one of a line, a space, are those of a frame.
+/// Whether the bytes after the first byte of a line are those of a frame. The first byte should be a space.
 fn is_frame(behind: &[u8]) -> bool {
     let whole = |line: &[u8]| start(line).is_ok_and(|(rest, start)| body(rest, start.id, start.flags).is_ok());
     // In a line with a time, the damaged first byte is the parenthesis.
@@ -108,7 +108,7 @@ impl Console {
         record.place = line.place;
         self.explained = record.frame.is_error();
         match body.surplus {
-            // Controllers follow the length code: if the line is right at all, that many bytes were on the bus.
+            // A controller obeys the length code: if the line is right at all, the bus carried this number of bytes.
             Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
             None => Ok(record),
         }
@@ -132,7 +132,7 @@ fn without_colours(line: &[u8]) -> Cow<'_, [u8]> {
     plain.into()
 }
 
-/// A line up to its brackets.
+/// The part of a line before the brackets.
 struct Start<'a> {
     stamp: Option<Stamp>,
     name: &'a [u8],
@@ -145,7 +145,7 @@ struct Start<'a> {
 #[derive(Clone, Copy)]
 enum Stamp {
     Seconds(u64),
-    /// Nanoseconds since 1970 in local time.
+    /// A date: nanoseconds since 1970 in local time.
     Date(u64),
 }
 
@@ -167,7 +167,7 @@ fn stamp(input: &[u8]) -> Parsed<'_, Stamp> {
         .parse(input)
 }
 
-/// `2025-01-28 10:47:15.123456` in nanoseconds since 1970, as if it were UTC.
+/// Parses a date such as `2025-01-28 10:47:15.123456`; gives nanoseconds since 1970 as if it were UTC.
 fn date(input: &[u8]) -> Parsed<'_, u64> {
     let number = |what| decimal(what);
     let (rest, (year, month, day)) =
@@ -193,7 +193,7 @@ fn date(input: &[u8]) -> Parsed<'_, u64> {
     }
 }
 
-/// `TX B E`: direction and CAN FD flags, of which a missing one is a dash.
+/// Parses the direction and the CAN FD flags, such as `TX B E`; a missing flag is a dash.
 fn message_info(input: &[u8]) -> Parsed<'_, (Direction, Flags)> {
     let direction = alt((value(Direction::Rx, tag(b"RX ", "RX")), value(Direction::Tx, tag(b"TX ", "TX"))));
     let flag = |letter, flag| alt((value(flag, letter), value(Flags::NONE, tag(b"-", "'-'"))));
@@ -201,11 +201,11 @@ fn message_info(input: &[u8]) -> Parsed<'_, (Direction, Flags)> {
     (direction, flags.map(|(brs, esi)| brs.with(esi))).parse(input)
 }
 
-/// The doubt about a line without end.
+/// The reason why a line without line end may be incomplete.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Doubt {
     None,
-    /// `remote request` may have been cut.
+    /// The line may have been cut before `remote request`.
     Remote,
     /// A single byte may be the beginning of eight bits.
     Bits,
@@ -220,7 +220,7 @@ struct Body<'a> {
     surplus: Option<&'a [u8]>,
 }
 
-/// The content of the brackets, which tells the kind of frame.
+/// The content of the brackets, which determines the kind of frame.
 #[derive(Clone, Copy)]
 enum Length {
     Classical { len: u8, raw_dlc: u8 },
@@ -285,7 +285,7 @@ fn at_zero(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// `len` bytes and the end of the line.
+/// Parses `len` bytes and the end of the line.
 fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) -> Parsed<'_, Body<'_>> {
     let mut data = Vec::with_capacity(len);
     let mut rest = input;
@@ -358,7 +358,7 @@ fn bit_byte(input: &[u8]) -> Option<(&[u8], u8)> {
 struct Clock {
     base: Option<TimeBase>,
     now: u64,
-    /// The time in the line before.
+    /// The small time in the line before.
     last: u64,
     differences: bool,
     /// Number of small times seen.
@@ -366,7 +366,7 @@ struct Clock {
 }
 
 impl Clock {
-    /// After this many small times without a step back, later steps back are steps of the clock.
+    /// Number of small times without a step back, after which a step back is one of the clock.
     const ENOUGH: usize = 20;
 
     /// Guesses the origin from the buffered lines, before the first one is read.

@@ -1,28 +1,28 @@
-//! candump's log, as `candump -l`, `-f` and `-L` write it and `canplayer` reads it.
+//! The log of candump: `candump -l`, `-f` and `-L` write it, and `canplayer` reads it.
 //!
 //! ```text
 //! line = "(" SECONDS "." FRACTION ")" IFACE FRAME [" R" | " T"] [token]
 //! ```
 //!
-//! FRAME is described in [`crate::notation`]. What is easily got wrong:
+//! FRAME is described in [`crate::notation`]. Pitfalls:
 //!
-//! - The fraction has 6 or 9 digits. Times count from 1970, or with `-tz` from the first frame: a log that begins
-//!   before 1973 is taken to be of that kind.
+//! - The fraction has 6 or 9 digits. Times count from 1970, or with `-tz` from the first frame; the reader assumes
+//!   `-tz` for a log that begins before 1973.
 //! - The interface name is padded on its left to the longest name so far, so several spaces are normal.
-//! - `R` or `T` is the direction (`-x`). Another single word after the frame is ignored, unless it is two hex
-//!   digits: then the bytes were written apart, and cutting them off would invent a shorter frame.
-//! - `DROPCOUNT: dropped N CAN frames on …` tells that the recorder lost frames; it is given as
+//! - `R` or `T` is the direction (`-x`). Another single word after the frame is ignored, unless it is two hex digits:
+//!   then the bytes were written apart, and ignoring them would invent a shorter frame.
+//! - `DROPCOUNT: dropped N CAN frames on …` means that the recorder lost frames; it becomes
 //!   [`crate::DamageKind::Dropped`]. Lines that begin with a tab after an error frame are its explanation (`-e`).
-//! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark are from people's editors. A line that would
-//!   be a frame if its first byte were another is no comment, but a damaged frame.
+//! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark come from editors. A line that would be a frame
+//!   with another first byte is no comment, but a damaged frame.
 //!
 //! # The last line without line end
 //!
-//! Candump ends every line. A last line without end is either a file cut short or the work of an editor, and
-//! `123#11` may be the beginning of `123#1122`. Such a line is read only where its frame can't go on: it has all
-//! 8 data bytes (64 for CAN FD), a remote frame's length, a raw DLC, or a direction after it. If lines before
-//! it had a direction, it needs one too, and likewise the raw DLC, for which 8 bytes alone are then not enough.
-//! Otherwise it is reported as truncated: better to miss a frame aloud than to invent one.
+//! candump ends every line. A last line without line end was cut or comes from an editor, and `123#11` may be the
+//! beginning of `123#1122`. Such a line is read only if its frame can't continue: it has all 8 data bytes (64 for CAN
+//! FD), a remote frame's length, a raw DLC, or a direction after it. If the lines before it had a direction, it needs a
+//! direction, too; if they had a raw DLC, 8 bytes alone are not enough. Otherwise it is reported as truncated: a
+//! reported loss is better than an invented frame.
 
 use crate::formats::candump_usual::{self, Names};
 use crate::grammar::{Expected, Parsed, blanks1, decimal, seconds, skip_blanks, tag, word};
@@ -60,14 +60,14 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct CandumpLog {
     base: Option<TimeBase>,
-    /// Whether the last frame was an error frame, which an explanation may follow.
+    /// Whether the last frame was an error frame: candump may print its explanation after it.
     explained: bool,
     habits: Habits,
-    /// The names for the quick way; empty until the first frame was read.
+    /// The names that the quick parser knows; empty until the first frame was read.
     names: Names,
 }
 
-/// The texts after the data of the frames so far: a last line without end must have them too.
+/// The properties of the frames so far that follow the data: a last line without end must have them too.
 #[derive(Default)]
 struct Habits {
     direction: bool,
@@ -144,9 +144,9 @@ fn is_frame(after: &[u8]) -> bool {
     stamp_and_interface(&line).is_ok_and(|(rest, _)| frame(rest).is_ok())
 }
 
-/// Recognises a line without frame, of candump or from an editor, and returns the loss that it reports. `explained`
-/// tells that the frame before it was an error frame; `is_frame` tells whether the line without its first byte, which
-/// may be damaged, holds a frame.
+/// Recognises a line without frame, of candump or from an editor, and returns the loss that it reports. `explained`:
+/// the frame before the line was an error frame. `is_frame`: whether the line without its first byte, which may be
+/// damaged, holds a frame.
 pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8]) -> bool) -> Option<Option<Damage>> {
     let text = skip_blanks(line.bytes);
     let passed_over = match text {
@@ -173,7 +173,7 @@ pub(crate) fn intern<'a>(name: &'a [u8], channels: &mut Channels) -> Result<Chan
     }
 }
 
-/// Time and interface, with the spaces after them.
+/// Parses time and interface, and the spaces after them.
 #[inline]
 fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
     let (rest, ()) = tag(b"(", "'('")(skip_blanks(input))?;
@@ -185,9 +185,9 @@ fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
     Ok((rest, (nanos, name)))
 }
 
-/// `DROPCOUNT: dropped 5 CAN frames on 'can0' socket (total drops 7)`.
+/// Parses `DROPCOUNT: dropped 5 CAN frames on 'can0' socket (total drops 7)`.
 ///
-/// Candump prints the number with a sign, so that more than 2^31 come out negative.
+/// candump prints the number with a sign, so a number from 2^31 on is negative.
 fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
     let (rest, ()) = tag(b"DROPCOUNT: dropped ", "DROPCOUNT")(input)?;
     match rest {
@@ -203,7 +203,7 @@ struct Tail {
     direction: Direction,
     /// Whether a word has ended the frame.
     closed: bool,
-    /// Whether a space without a word follows.
+    /// Whether the text ends in a space, which a word may follow.
     open: bool,
 }
 
@@ -234,7 +234,7 @@ fn tail(input: &[u8]) -> Result<Tail, Expected<'_>> {
     Ok(Tail { closed: true, open: false, ..none })
 }
 
-/// A single word, or a comment.
+/// Parses a single word, or a comment, which is ignored.
 fn ignore(input: &[u8]) -> Result<(), Expected<'_>> {
     let Ok((rest, token)) = word("a word")(input) else { return Ok(()) };
     let is_comment = matches!(token, [b'#' | b';', ..] | [b'/', b'/', ..]);
@@ -275,7 +275,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
     Ok(Box::new(TextWriter::new(sink, LogLines { time_base: options.time_base })))
 }
 
-/// Writes lines as `candump -L` does, with the direction if it is known (`-x`).
+/// Writes lines like `candump -L`, with the direction if it is known (`-x`).
 struct LogLines {
     time_base: TimeBase,
 }

@@ -1,31 +1,31 @@
-//! A quick way for the usual lines of a candump log.
+//! A quick parser for the usual lines of a candump log.
 //!
 //! ```text
 //! "(" 10 digits "." 6 or 9 digits ") " name " " (3 or 8 digits) "#" up to 16 digits [" R" | " T"] [CR] LF
 //! ```
 //!
-//! The name was met before, with the same padding. All other lines, and all wrong ones, are left to the grammar;
-//! the quick way only ever gives the same result faster.
+//! The name occurred before, with the same padding. The grammar parses all other lines and all wrong ones; the quick
+//! parser only gives the same result faster.
 
 use crate::digits::{all_decimal, eight_decimal, hex_count, hex_prefix, three_hex};
 use crate::lines::Passed;
 use crate::{CanId, ChannelId, Direction, Frame, Place, Record, SkipSet, Timestamp};
 
-/// The names met so far, each in the form that it has between time and id.
+/// The names that have occurred, each in the form between time and id.
 #[derive(Default)]
 pub(crate) struct Names(Vec<Name>);
 
 struct Name {
     /// The padding, the name and the space after it, filled up with zeros.
     word: u64,
-    /// The bytes of the word that are used.
+    /// The mask of the used bytes of the word.
     mask: u64,
     len: usize,
     channel: ChannelId,
 }
 
 impl Names {
-    /// Maximum number of names: a log has one width at a time, so more names mean an unusual bus.
+    /// Maximum number of names. A log has one padded width at a time, so more names mean an unusual bus.
     const MOST: usize = 8;
 
     /// Remembers the form of a channel's name in a line, if it fits into a word; `frame` is the end of that line.
@@ -59,8 +59,8 @@ pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record
     frame(window, at, id, name.channel, Timestamp(nanos), place)
 }
 
-/// As [`line`], but skips the line, with its direction, if its frame is in `skip`. Values of a skipped frame are not
-/// computed.
+/// Like [`line`], but skips the line if its frame is in `skip`, and gives the direction. Values of a skipped frame are
+/// not computed.
 #[inline]
 pub(crate) fn pass(window: &[u8], names: &Names, skip: &SkipSet, place: Place) -> Option<(Direction, Passed)> {
     let at = after_time(window)?;
@@ -123,7 +123,7 @@ fn time(window: &[u8]) -> Option<(u64, usize)> {
     } else {
         return None;
     };
-    // Ten digits of seconds are below 2^64 nanoseconds.
+    // Seconds of ten digits are below 2^64 nanoseconds.
     Some((seconds * 1_000_000_000 + fraction, at))
 }
 
@@ -199,14 +199,14 @@ mod tests {
         names
     }
 
-    /// What a reader says of a line that it does not take for a usual one, because a space stands before it.
+    /// The records that the grammar reads from a line. The space before the line makes it unusual.
     fn by_grammar(line: &str) -> Vec<Option<Record>> {
         let source = Source::from_bytes(format!("{FIRST} {line}"));
         let reader = Format::Candump.open(source, &ReadOptions::default());
         reader.skip(2).map(|item| item.ok().map(|record| record.at(0, 0))).collect()
     }
 
-    /// A usual line, in which one byte may be another.
+    /// A usual line, in which one byte may be changed.
     fn nearly_usual() -> impl Strategy<Value = Vec<u8>> {
         let usual = "\\([0-9]{10}\\.([0-9]{6}|[0-9]{9})\\) (  can0|can0|vcan10) [0-7][0-9A-Fa-f]{2}#([0-9A-Fa-f]{2}){0,8}( R| T)?\r?\n";
         let other = proptest::option::of((any::<proptest::sample::Index>(), any::<u8>()));

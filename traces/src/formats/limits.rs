@@ -6,8 +6,8 @@ use crate::Loss;
 impl Format {
     /// The properties of records that this format can't hold; empty for a read-only format.
     ///
-    /// [`Loss::TimeZone`] concerns only captures in local time or only captures in UTC: those whose time base is not
-    /// the format's own.
+    /// [`Loss::TimeZone`] concerns only captures whose time base is not that of the format: captures in local time for
+    /// a format in UTC, and vice versa.
     pub fn losses(self) -> &'static [Loss] {
         match self {
             Self::Candump => &[Loss::ChannelName, Loss::TimeZone],

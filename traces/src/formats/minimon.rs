@@ -12,12 +12,12 @@
 //! ```
 //!
 //! - Separators are semicolons or, with English settings, commas; quotes may be absent. Dates are `28.01.2025`,
-//!   `1/28/2025` or `2025-01-28`, times may have AM or PM, all local.
-//! - Ids have no leading zeros, so `Std` and `Ext` alone tell their kind. The data ends with a blank.
-//! - Times have two or three decimals. They are times of the day if the first is not before the header's start
-//!   time; otherwise they count from it. A time of the day that falls by more than half a day is past midnight.
-//! - `Baudrate` is the bit rate of the bus, in kbit/s or Mbit/s; one that is not a number of the kind is passed over.
-//! - `Overruns` above 0 are frames that the recorder lost.
+//!   `1/28/2025` or `2025-01-28`; times may have AM or PM. All are in local time.
+//! - Ids have no leading zeros, so only `Std` and `Ext` distinguish 11 and 29 bits. The data ends with a blank.
+//! - Times have two or three decimals. They are times of the day if the first time is not before the header's start
+//!   time; otherwise they count from it. A time of the day that decreases by more than half a day is past midnight.
+//! - `Baudrate` is the bit rate of the bus, in kbit/s or Mbit/s; any other text is ignored.
+//! - `Overruns` is the number of frames that the recorder lost.
 //! - A remote frame has `Rtr` in its flags, a frame that the recorder sent itself has `Self`.
 //!
 //! The data's closing quote shows that a last line without line end is whole.
@@ -53,9 +53,9 @@ struct MiniMon {
     date: Option<u64>,
     /// The start time in the header, in nanoseconds of the day.
     start: Option<u64>,
-    /// Offset that is added to the rows' times.
+    /// The offset that is added to the rows' times.
     zero: Option<u64>,
-    /// Whether rows have times of the day.
+    /// Whether the times in rows are times of the day.
     of_day: bool,
     last: u64,
     /// Bit rate of the bus in bit/s.
@@ -187,7 +187,7 @@ fn row(input: &[u8]) -> Parsed<'_, MinimonRow> {
     }
 }
 
-/// A remote frame may have its length in the place of the data.
+/// Parses a remote frame. The data column may hold its length.
 fn remote(id: CanId, text: &[u8]) -> Option<Frame> {
     let digit = text.iter().find(|b| b.is_ascii_digit()).map_or(0, |b| b - b'0');
     Frame::remote(id, digit)
@@ -207,7 +207,7 @@ fn data_frame(id: CanId, text: &[u8]) -> Result<Option<Frame>, nom::Err<Expected
     Ok(Frame::new(id, &data))
 }
 
-/// A field without its quotes, and whether they are closed.
+/// Parses a field; gives the text without quotes, and whether the quotes are closed.
 fn field(input: &[u8]) -> Parsed<'_, (&[u8], bool)> {
     if let [b'"', inside @ ..] = input {
         let end = inside.iter().position(|&b| b == b'"');
@@ -232,7 +232,7 @@ fn end_of_field(rest: &[u8]) -> Result<(), nom::Err<Expected<'_>>> {
     if rest.is_empty() { Ok(()) } else { Err(nom::Err::Error(Expected::new(rest, "the end of the field"))) }
 }
 
-/// `hh:mm:ss.cc`, in nanoseconds.
+/// Parses `hh:mm:ss.cc`; the value is in nanoseconds.
 fn time_of_day(input: &[u8]) -> Parsed<'_, u64> {
     let (rest, hour) = decimal("hours")(input)?;
     let (rest, ()) = tag(b":", "':'")(rest)?;
@@ -250,7 +250,7 @@ fn time_of_day(input: &[u8]) -> Parsed<'_, u64> {
     Ok((rest, (hour * 3600 + minute * 60 + second) * SECOND + u64::from(fraction)))
 }
 
-/// A time of the day with or without AM or PM.
+/// Parses a time of the day with or without AM or PM.
 fn start_time(text: &[u8]) -> Option<u64> {
     let (rest, time) = time_of_day(text.trim_ascii()).ok()?;
     let half_day = 12 * 3600 * SECOND;
@@ -262,7 +262,7 @@ fn start_time(text: &[u8]) -> Option<u64> {
     }
 }
 
-/// A date in the order that its separator and size suggest, in nanoseconds since 1970.
+/// Parses a date in the order that its separator and the sizes of its numbers suggest; gives nanoseconds since 1970.
 fn parse_date(text: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(text).ok()?.trim();
     let mut parts = text.splitn(3, ['.', '/', '-', ':']).map(|part| part.trim().parse::<i16>().ok());

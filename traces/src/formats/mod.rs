@@ -25,7 +25,7 @@ use std::io::Write;
 /// A format: its detection, reader and writer.
 pub(crate) struct FormatEntry {
     format: Format,
-    /// Whether a source with this beginning has the format; gets up to [`Format::SNIFF`] bytes.
+    /// Whether a source that begins with these bytes has the format. Gets at most [`Format::SNIFF`] bytes.
     sniff: fn(&[u8]) -> bool,
     open: fn(Source, &ReadOptions) -> Box<dyn Reader>,
     create: Option<Create>,
@@ -33,7 +33,7 @@ pub(crate) struct FormatEntry {
 
 type Create = fn(Box<dyn Write>, &WriteOptions) -> Result<Box<dyn Writer>, WriteError>;
 
-/// In the order of detection: formats with a magic number first, free text last.
+/// The formats in the order of detection: those with a magic number first, free text last.
 const FORMATS: &[FormatEntry] = &[
     FormatEntry { format: Format::Pcapng, sniff: pcapng::sniff, open: pcapng::open, create: Some(pcapng::create) },
     FormatEntry { format: Format::Pcap, sniff: pcap::sniff, open: pcap::open, create: Some(pcap::create) },
@@ -63,7 +63,7 @@ const FORMATS: &[FormatEntry] = &[
 ];
 
 impl Format {
-    /// Number of bytes that the detection looks at.
+    /// Number of bytes that the detection examines.
     pub const SNIFF: usize = 64 * 1024;
 
     /// All formats.
@@ -71,7 +71,7 @@ impl Format {
         FORMATS.iter().map(|row| row.format)
     }
 
-    /// The format with that id, such as `candump`.
+    /// The format with this id, such as `candump`.
     pub fn by_id(id: &str) -> Option<Self> {
         Self::all().find(|format| format.id() == id)
     }
@@ -84,7 +84,7 @@ impl Format {
         FORMATS.iter().find(writes).map(|row| row.format)
     }
 
-    /// The format of a source with this beginning.
+    /// The format of a source that begins with these bytes.
     pub fn sniff(head: &[u8]) -> Option<Self> {
         FORMATS.iter().find(|row| (row.sniff)(head)).map(|row| row.format)
     }
@@ -108,7 +108,7 @@ impl Format {
     /// A writer of this format.
     ///
     /// # Errors
-    /// [`WriteError::NotWritten`] if the format is only read, or what the sink reports.
+    /// [`WriteError::NotWritten`] if the format can only be read, or the error of the sink.
     pub fn create(self, sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
         let create = self.row().create.ok_or(WriteError::NotWritten(self))?;
         create(sink, options)

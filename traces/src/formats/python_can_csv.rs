@@ -5,13 +5,13 @@
 //! 1700000000.123456,0x63f,0,0,0,8,QABgAAAAAAA=
 //! ```
 //!
-//! - Times are Python's shortest decimal of a double: of any number of digits, perhaps with an exponent. They count
-//!   from 1970 or, below 1973, from the start.
-//! - `dlc` is the length in bytes, the data is Base64. More than 8 bytes are CAN FD; **nothing tells CAN FD frames
-//!   of up to 8 bytes from classical ones**, nor BRS and ESI.
-//! - There is no channel and no direction; all frames are of one channel, named `1`.
+//! - Times are Python's shortest decimal form of a double: they have any number of digits, and may have an exponent.
+//!   They count from 1970 or, if below 1973, from the start.
+//! - `dlc` is the length in bytes, the data is Base64. More than 8 bytes are CAN FD; **the file does not distinguish
+//!   CAN FD frames of up to 8 bytes from classical ones**, and lacks BRS and ESI.
+//! - The file has no channel and no direction; all frames are on one channel, named `1`.
 //!
-//! A last line without line end is read if its data is as long as `dlc` says.
+//! A last line without line end is read if its data has the length in `dlc`.
 
 use crate::formats::candump_log::EPOCH_FROM;
 use crate::grammar::{Expected, Parsed, decimal, hex_run, tag};
@@ -118,7 +118,7 @@ fn switch(input: &[u8]) -> Parsed<'_, bool> {
     }
 }
 
-/// Seconds as Python writes a double, rounded to nanoseconds.
+/// Parses seconds as Python writes a double; gives nanoseconds, rounded.
 fn time(input: &[u8]) -> Parsed<'_, u64> {
     const WHAT: &str = "a time in seconds";
     let len = input.iter().take_while(|b| b.is_ascii_digit() || b".eE+-".contains(b)).count();
@@ -127,7 +127,7 @@ fn time(input: &[u8]) -> Parsed<'_, u64> {
     let nanos = match behind {
         [] => whole.checked_mul(1_000_000_000),
         [b'.', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => {
-            // A double would not be exact, so the digits are read: nine of them, rounded by the tenth.
+            // A double would not be exact, so the decimal digits are read: nine of them, rounded by the tenth.
             let digit = |n: usize| digits.get(n).map_or(0, |d| u64::from(d - b'0'));
             let fraction = (0..9).fold(0, |value, n| 10 * value + digit(n)) + digit(9) / 5;
             whole.checked_mul(1_000_000_000).and_then(|nanos| nanos.checked_add(fraction))
@@ -142,7 +142,7 @@ fn time(input: &[u8]) -> Parsed<'_, u64> {
 
 const BASE64: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// Base64 with padding (RFC 4648), up to the end of the line; at most the 64 bytes of CAN FD.
+/// Parses Base64 with padding (RFC 4648) up to the end of the line; at most the 64 bytes of CAN FD.
 fn base64(input: &[u8]) -> Parsed<'_, Vec<u8>> {
     let mut data = Vec::new();
     let mut rest = input.trim_ascii_end();
@@ -162,7 +162,7 @@ fn base64(input: &[u8]) -> Parsed<'_, Vec<u8>> {
     }
     match rest {
         [] => Ok((&input[input.len()..], data)),
-        // Missing characters are missing at the end.
+        // The error is at the end, where characters are missing.
         _ => Expected::fail(&input[input.len()..], "the rest of a group of four Base64 letters"),
     }
 }
@@ -226,7 +226,7 @@ impl CsvRows {
             (self.time_base == TimeBase::Local, Loss::TimeZone),
             (channel != CHANNEL, Loss::ChannelName),
             (record.direction != Direction::Unknown, Loss::Direction),
-            // For short frames, even the fact that they are CAN FD is lost: only the length shows it.
+            // Only the length shows that a frame is CAN FD: for a short frame, this fact is lost too.
             (flags.bits() & 3 != 0 || frame.is_fd() && frame.len() <= 8, Loss::FdFlags),
             (flags == Flags::NONE && frame.dlc() > 8, Loss::RawDlc),
         ];

@@ -14,20 +14,20 @@
 //! 8  payload, filled up to 8 (classical) or 64 bytes (CAN FD); the filling may be absent
 //! ```
 //!
-//! A CAN XL frame (`struct canxl_frame`), told by 80h in byte 4:
+//! A CAN XL frame (`struct canxl_frame`), recognised by bit 80h in byte 4:
 //!
 //! ```text
 //! 0  reserved, VCID, priority (32 bits: 00vv 0pppb)   4  flags: XLF 80h, SEC 1, RRS 2   5  SDT
 //! 6  length, little-endian                            8  acceptance field, little-endian    12  payload
 //! ```
 //!
-//! Whether a frame is classical or CAN FD is told by the protocol in a cooked capture (000Ch CAN, 000Dh CAN FD, 000Eh
-//! CAN XL), else by the length of the packet: the kernel gives 16 or 72 bytes. **The byte of the flags does not tell it:**
-//! in a classical frame it is filling, which programs that don't clear their `struct can_frame` send as garbage, and older
-//! kernels did not set FDF. Only in a packet that leaves out the filling, which no kernel writes, FDF can be believed.
+//! In a cooked capture the protocol distinguishes classical and CAN FD frames (000Ch CAN, 000Dh CAN FD, 000Eh CAN XL),
+//! otherwise the length of the packet does: the kernel gives 16 or 72 bytes. **The byte of the flags does not:** in a
+//! classical frame it is filling, which contains garbage if a program does not clear its `struct can_frame`, and older
+//! kernels did not set FDF. FDF is reliable only in a packet without filling, which no kernel writes.
 //!
-//! The raw DLC and the flags BRS and ESI are read where the bytes beside them are zero, as they are in a frame that
-//! somebody has filled in.
+//! The raw DLC and the flags BRS and ESI count only if the bytes beside them are zero: then a program has set the bytes
+//! on purpose.
 
 use crate::damage::{Damage, Flaw};
 use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Place, Record, Timestamp, XlHeader};
@@ -35,7 +35,7 @@ use nom::number::Endianness;
 use nom::number::complete::{be_u16, be_u32, u8, u16, u32};
 use nom::{IResult, Parser};
 
-/// This machine's byte order.
+/// The byte order of this machine.
 const NATIVE: Endianness = if cfg!(target_endian = "big") { Endianness::Big } else { Endianness::Little };
 const EXTENDED: u32 = 0x8000_0000;
 const REMOTE: u32 = 0x4000_0000;
@@ -57,11 +57,11 @@ pub(crate) enum LinkType {
     Sll2,
 }
 
-/// The expected text for a link type without CAN.
+/// The expected text if a link type does not carry CAN frames.
 pub(crate) const LINK_TYPES: &str = "link type 227 (SocketCAN), 113 (Linux SLL) or 276 (Linux SLL2)";
 
 impl LinkType {
-    /// The length of a packet with a frame that has no payload.
+    /// The length of a packet whose frame has no payload.
     pub(crate) const fn shortest_packet(self) -> usize {
         match self {
             Self::SocketCan => HEADER,
@@ -80,7 +80,7 @@ impl LinkType {
     }
 }
 
-/// The structure of a frame, which its own bytes don't tell.
+/// The structure of a frame, which the frame's own bytes do not show.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Protocol {
     Classical,
@@ -115,12 +115,12 @@ impl Protocol {
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) record: Record,
-    /// The index of the network interface, where the header has it (SLL2).
+    /// The index of the network interface, if the header has it (SLL2).
     pub(crate) interface: Option<u32>,
 }
 
-/// The quick way for a classical data frame in a packet of link type 227, without filling or with all eight bytes;
-/// most packets are of this form. Gives the same as [`decode`].
+/// A quick decoder for a classical data frame in a packet of link type 227, without filling or with all eight bytes;
+/// most packets have this form. Gives the same frame as [`decode`].
 #[inline(always)]
 pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
     let &[a, b, c, d, len @ 0..=8, 0, 0, 0, ref data @ ..] = packet else { return None };
@@ -131,7 +131,8 @@ pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
     let Some(filled) = data.first_chunk::<8>().filter(|_| data.len() == 8) else {
         return if data.len() == len { Frame::new(can_id(id), data) } else { None };
     };
-    // The bytes are masked as one number: copying a variable number of bytes would take longer than everything else.
+    // The bytes are masked as one number: copying a variable number of bytes would take longer than the rest of the
+    // decoder.
     let payload = u64::from_le_bytes(*filled) & u64::MAX.checked_shr(64 - 8 * len as u32).unwrap_or(0);
     Some(Frame::short(can_id(id), payload.to_le_bytes(), len))
 }
@@ -163,19 +164,20 @@ pub(crate) fn decode(link: LinkType, order: Endianness, packet: &[u8]) -> Result
 
 type Sll = (u16, u16, u16, u64, u16);
 
-/// Packet type, ARPHRD type, address length, address, protocol.
+/// Parses the SLL header: packet type, ARPHRD type, address length, address, protocol.
 fn sll(i: &[u8]) -> IResult<&[u8], Sll> {
     (be_u16, be_u16, be_u16, nom::number::complete::be_u64, be_u16).parse(i)
 }
 
 type Sll2 = (u16, u16, u32, u16, u8, u8, u64);
 
-/// Protocol, reserved, interface index, ARPHRD type, packet type, address length, address.
+/// Parses the SLL2 header: protocol, reserved, interface index, ARPHRD type, packet type, address length, address.
 fn sll2(i: &[u8]) -> IResult<&[u8], Sll2> {
     (be_u16, be_u16, be_u32, be_u16, u8, u8, nom::number::complete::be_u64).parse(i)
 }
 
-/// 280 is `ARPHRD_CAN`: a capture of `any` also has packets of other network interfaces.
+/// Checks that the packet is of a CAN interface, `ARPHRD_CAN` = 280: a capture of `any` also has packets of other
+/// interfaces.
 fn check_hardware(hardware: u16) -> Result<(), Flaw> {
     if hardware == 280 {
         return Ok(());
@@ -183,7 +185,7 @@ fn check_hardware(hardware: u16) -> Result<(), Flaw> {
     Err(Flaw::unsupported("a packet of a CAN interface (ARPHRD 280)", format!("ARPHRD {hardware}")))
 }
 
-/// `PACKET_OUTGOING` is 4.
+/// The direction by the packet type; `PACKET_OUTGOING` is 4.
 const fn direction(packet_type: u16) -> Direction {
     if packet_type == 4 { Direction::Tx } else { Direction::Rx }
 }
@@ -192,7 +194,7 @@ fn short(what: &str, len: usize, found: &[u8]) -> Flaw {
     Flaw::malformed(format!("{what} of {len} bytes"), format!("{} bytes", found.len()))
 }
 
-/// Identifier, length or XL flags, flags, reserved, reserved or raw DLC.
+/// Parses identifier, length or XL flags, flags, reserved, reserved or raw DLC.
 fn header(order: Endianness, i: &[u8]) -> IResult<&[u8], (u32, u8, u8, u8, u8)> {
     (u32(order), u8, u8, u8, u8).parse(i)
 }
@@ -221,7 +223,7 @@ fn classical(id: u32, len: u8, raw_dlc: u8, payload: &[u8]) -> Result<Record, Fl
     Ok(untimed(frame.with_raw_dlc(raw_dlc)))
 }
 
-/// Bits beyond the identifier are ignored, as in the kernel.
+/// The identifier of the frame. Bits beyond it are ignored, as in the kernel.
 const fn can_id(id: u32) -> CanId {
     if id & EXTENDED != 0 { CanId::extended_masked(id) } else { CanId::standard_masked(id) }
 }
@@ -266,7 +268,7 @@ pub fn from_socket(packet: &[u8]) -> Result<Record, Damage> {
     frame(NATIVE, NATIVE, None, packet).map_err(|flaw| flaw.damage(Place::default()))
 }
 
-/// Appends a frame in the form that a `CAN_RAW` socket takes, in this machine's byte order. CAN XL is not supported.
+/// Appends a frame in the form of a `CAN_RAW` socket, in this machine's byte order. CAN XL is not supported.
 pub fn to_socket(record: &Record, packet: &mut Vec<u8>) {
     let start = packet.len();
     encode(record, packet);
@@ -294,7 +296,7 @@ pub(crate) fn encode(record: &Record, packet: &mut Vec<u8>) {
     packet.resize(packet.len() + size - HEADER - data.len(), 0);
 }
 
-/// The identifier with its flags.
+/// The identifier with its flags, as SocketCAN has it.
 fn number(frame: &Frame) -> u32 {
     if let Some(class) = frame.error_class() {
         return class.0 | ERROR;

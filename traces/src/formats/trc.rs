@@ -1,4 +1,4 @@
-//! PEAK TRC 1.0 to 2.1: what PCAN-View and PCAN-Explorer record.
+//! PEAK TRC 1.0 to 2.1: the recordings of PCAN-View and PCAN-Explorer.
 //!
 //! ```text
 //! ;$FILEVERSION=2.1
@@ -7,7 +7,7 @@
 //!       1     17535.400 DT 1  00000100 Tx -  8    00 00 00 00 00 00 00 00
 //! ```
 //!
-//! A version is the order of its columns:
+//! The version determines the order of the columns:
 //!
 //! | version | columns |
 //! |---|---|
@@ -15,22 +15,22 @@
 //! | 1.1 | number, offset, direction or kind, id, DLC, data |
 //! | 1.2 | number, offset, bus, direction or kind, id, DLC, data |
 //! | 1.3 | number, offset, bus, direction or kind, id, reserved, DLC, data |
-//! | 2.0, 2.1 | as `$COLUMNS` says: N number, O offset, T kind, B bus, I id, d direction, R reserved, L DLC, l length, D data |
+//! | 2.x | by `$COLUMNS`: N number, O offset, T kind, B bus, I id, d direction, R reserved, L DLC, l length, D data |
 //!
-//! What is easily got wrong:
+//! Pitfalls:
 //!
 //! - `$STARTTIME` is in days since 1899-12-30 in the recorder's **local** time; 1.0 has it as text in a comment.
 //! - Offsets are in milliseconds, with 0, 1 or 3 decimals.
-//! - Four id digits are 11 bits, eight are 29; some tools leave out leading zeros of the eight.
-//! - 1.x writes `RTR` in place of the data, and 1.0 `ERROR` before it. A row of 1.0 with id FFFFFFFF, or of kind `Warng`, is a bus status.
-//! - Kinds of 2.x: DT data, RR remote, FD, FB (BRS), FE (ESI), BI (both), ER error frame; ST, EC and EV are status,
-//!   error counters and events. The latter four have no id: the column is empty or `-`. A row of another kind is
-//!   reported.
-//! - All rows are numbered, so that a missing one shows (see [`trc_numbers`](super::trc_numbers)).
+//! - Four id digits are 11 bits, eight are 29; some tools leave out leading zeros of 29-bit ids.
+//! - 1.x writes `RTR` in place of the data, and 1.0 `ERROR` before it. A row of 1.0 with id FFFFFFFF, or of kind
+//!   `Warng`, is a bus status.
+//! - Kinds of 2.x: DT data, RR remote, FD, FB (BRS), FE (ESI), BI (both), ER error frame; ST status, EC error counters,
+//!   EV event. Rows of the last four kinds have no id: the column is empty or `-`. A row of another kind is reported.
+//! - All rows are numbered, so a missing row is noticed (see [`trc_numbers`](super::trc_numbers)).
 //! - L is the DLC, l the length. A classical DLC of 9 to 15 has eight bytes; anything else is malformed.
 //!
-//! Error frames tell no class as Linux does, and are read as a bus error without detail. A last line without line
-//! end is read if all that its length promises is there.
+//! Error frames give no class as Linux has it, and are read as a bus error without detail. A last line without line end
+//! is read if it has all bytes that its length promises.
 
 use crate::formats::asc::LATEST;
 use crate::formats::candump_log::intern;
@@ -73,7 +73,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct Trc {
     columns: Vec<Column>,
-    /// The start, in local time.
+    /// The start of the recording, in local time.
     start: Option<u64>,
     /// The start from a comment, the only form in version 1.0.
     start_in_text: Option<u64>,
@@ -169,11 +169,11 @@ impl Trc {
         let row = row(line.bytes, &self.columns).map(|(_, row)| row);
         match row.as_ref().map(|row| row.number) {
             Ok(Some(number)) => self.numbers.see(number, line.place),
-            // A malformed row had a number too.
+            // A malformed row has a number too.
             _ => self.numbers.pass(),
         }
         match row.map_err(|error| line.damage(error.into()))?.content {
-            // The kind of the cut row can't be known.
+            // The kind of a cut row is unknown.
             Content::Event | Content::Unsupported if !line.ended => Err(line.cut("the end of this row")),
             Content::Event => Ok(None),
             Content::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
@@ -191,7 +191,7 @@ impl Trc {
     }
 }
 
-/// Days since 1899-12-30 in nanoseconds since 1970.
+/// Parses a start in days since 1899-12-30; gives nanoseconds since 1970.
 fn start_time(days: &[u8]) -> Option<u64> {
     let (rest, whole) = decimal("days")(days).ok()?;
     let fraction = match rest {
@@ -208,7 +208,7 @@ fn start_time(days: &[u8]) -> Option<u64> {
     whole.checked_sub(DAYS_TO_1970)?.checked_mul(DAY)?.checked_add(fraction)
 }
 
-/// Parses `18.12.2021 14:28:07.062`; more digits may follow after another point.
+/// Parses a start such as `18.12.2021 14:28:07.062`; more digits may follow after another point.
 fn start_in_text(text: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(text).ok()?;
     let (date, time) = text.split_once(' ')?;

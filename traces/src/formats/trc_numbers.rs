@@ -1,7 +1,7 @@
 //! The message numbers of PEAK TRC: rows are numbered consecutively, so a missing row leaves a gap.
 //!
-//! Where the numbers jump, the next row decides: numbering continues from the new number if rows are missing, and
-//! from the old one if only the number is damaged.
+//! If the numbers jump, the next row decides: numbering continues from the new number if rows are missing, and from the
+//! old number if only one number is damaged.
 
 use crate::{Damage, DamageKind, Place};
 
@@ -21,7 +21,7 @@ struct Jump {
 }
 
 impl Numbers {
-    /// Begins a recording, whose first number may be any.
+    /// Begins a recording, which may begin with any number.
     pub(crate) fn restart(&mut self) {
         self.settle();
         self.expected = None;
@@ -57,7 +57,7 @@ impl Numbers {
     /// The damage that the rows so far have revealed.
     #[inline]
     pub(crate) fn owed(&mut self) -> Option<Damage> {
-        // Nearly always there is none; then nothing is moved.
+        // Nearly always there is no damage; then nothing is moved.
         if self.owed.is_some() { self.owed.take() } else { None }
     }
 

@@ -9,12 +9,12 @@ use crate::{CanId, ChannelId, Direction, Flags, Frame, Record, Timestamp};
 pub(crate) enum Column {
     Number,
     Offset,
-    /// The kind of row: two letters of 2.x.
+    /// The kind of row in 2.x: two letters.
     Kind,
     Bus,
     Id,
     Direction,
-    /// In 1.x: `Rx`, `Tx`, or a word for a row without frame.
+    /// The direction or kind in 1.x: `Rx`, `Tx`, or a word for a row without frame.
     DirectionOrKind,
     Reserved,
     Dlc,
@@ -46,16 +46,16 @@ pub(crate) struct TrcRow<'a> {
     pub(crate) content: Content<'a>,
 }
 
-/// The content of a row.
+/// The content of a row: a frame, an event, or an unsupported kind.
 pub(crate) enum Content<'a> {
     Frame {
         offset: u64,
         bus: &'a [u8],
         record: Record,
-        /// Whether the row may continue if the file was cut after it.
+        /// Whether the file may have been cut inside the row, if it is the last one.
         in_doubt: bool,
     },
-    /// Status, error counters and the like.
+    /// A status, error counters or another event.
     Event,
     Unsupported,
 }
@@ -74,7 +74,7 @@ struct Fields<'a> {
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// Version 1: data or, if the data column says so, a remote frame.
+    /// A data frame of version 1, or a remote frame, if the data column says so.
     Classical,
     Data,
     Remote,
@@ -87,7 +87,7 @@ pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, TrcRow<'
         number: None,
         offset: 0,
         kind: Kind::Classical,
-        // The channel in files without channels.
+        // The channel of a file without a column for channels.
         bus: b"1",
         id: None,
         direction: Direction::Unknown,
@@ -147,7 +147,7 @@ fn content<'a>(line: &'a [u8], all: &[Column], fields: &mut Fields<'a>) -> Parse
     data(rest, fields)
 }
 
-/// The id of a bus status in version 1.0; only this id tells it from a frame.
+/// The id of a bus status in version 1.0, which distinguishes it from a frame.
 const STATUS_ID: &[u8] = b"FFFFFFFF";
 
 fn is_status(rest: &[u8], columns: &[Column]) -> bool {
@@ -176,7 +176,7 @@ fn kind(word: &[u8]) -> Option<Kind> {
     })
 }
 
-/// A row of 2.x other than a data or remote frame: an error frame, a status, error counters or an event. None of
+/// Parses a row of 2.x other than a data or remote frame: an error frame, a status, error counters or an event. None of
 /// these has an id; a row with an id is a frame with a damaged kind.
 fn status<'a>(kind: &[u8], input: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
     if !matches!(kind, b"ER" | b"ST" | b"EC" | b"EV") {
@@ -226,7 +226,7 @@ fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
     if is_remote {
         let frame = Frame::remote(id, length.min(8) as u8).map(|frame| frame.with_raw_dlc(dlc));
         let most = if column == Column::Dlc { 15 } else { 8 };
-        // `RTR` ends the row. Without it, the number may get a second digit, if that fits.
+        // `RTR` ends the row. Without `RTR`, a cut length may have had a second digit, if the longer number is allowed.
         let in_doubt = fields.kind == Kind::Remote && input.is_empty() && 10 * length <= most && length > 0;
         return match frame {
             Some(frame) if length <= most => Ok((at, frame_row(fields, at_zero(frame), in_doubt))),
@@ -249,7 +249,7 @@ fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
         _ => Frame::new(id, &bytes).map(|frame| at_zero(frame.with_raw_dlc(dlc))),
     };
     match record {
-        // Without bytes, a length of 0 may continue as RTR or as a number of two digits.
+        // Without bytes, a cut length of 0 may have been followed by `RTR` or a second digit.
         Some(record) => Ok((rest, frame_row(fields, record, bytes.is_empty()))),
         None => Expected::fail(at, "a length that this kind of frame has"),
     }
@@ -279,7 +279,7 @@ pub(crate) fn message_number(input: &[u8]) -> Parsed<'_, (u64, bool)> {
     }
 }
 
-/// Milliseconds, with or without decimals, in nanoseconds.
+/// Parses milliseconds, with or without decimals; the value is in nanoseconds.
 pub(crate) fn millis(input: &[u8]) -> Parsed<'_, u64> {
     let (rest, whole) = decimal("an offset in milliseconds")(input)?;
     let (rest, fraction) = match rest {

@@ -52,7 +52,7 @@ impl LineWriter for TrcRows {
     }
 }
 
-/// The digits of the days suffice to read back the millisecond exactly.
+/// Writes the start in days, with enough digits to read back the exact millisecond.
 fn write_start(out: &mut String, start: u64) -> fmt::Result {
     const SCALE: u128 = 1_000_000_000_000_000;
     let days = start / DAY + DAYS_TO_1970;

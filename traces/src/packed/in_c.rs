@@ -1,4 +1,4 @@
-//! zstd and lz4 by their usual libraries in C.
+//! zstd and lz4 by the usual C libraries.
 
 use crate::ChunkCompression;
 use std::io::{self, BufRead, Read, Write};

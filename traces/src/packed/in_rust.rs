@@ -1,4 +1,5 @@
-//! zstd and lz4 by libraries in Rust. They read the same data; writing is uncompressed or refused.
+//! zstd and lz4 by libraries in Rust. They read the same data as the C libraries; written data stays uncompressed or is
+//! refused.
 
 use crate::ChunkCompression;
 use ruzstd::decoding::FrameDecoder;
@@ -29,7 +30,7 @@ pub(crate) fn mcap_options(_: ChunkCompression) -> mcap::WriteOptions {
     mcap::WriteOptions::new().compression(None)
 }
 
-/// One zstd frame after the other.
+/// Decodes one zstd frame after the other.
 struct Frames<S> {
     source: S,
     decoder: FrameDecoder,
@@ -60,7 +61,7 @@ impl<S: BufRead> Frames<S> {
                     self.within = true;
                     return Ok(true);
                 }
-                // A skippable frame, with another program's data.
+                // A skippable frame holds data of another program.
                 Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. })) => {
                     io::copy(&mut (&mut self.source).take(u64::from(length)), &mut io::sink())?;
                 }
@@ -79,7 +80,7 @@ impl<S: BufRead> Frames<S> {
         }
     }
 
-    /// Whether the frame has a checksum that differs from that of the decoded bytes.
+    /// Whether the frame has a checksum that differs from the checksum of the decoded bytes.
     fn is_changed(&self) -> bool {
         let stated = self.decoder.get_checksum_from_data();
         stated.is_some() && self.decoder.can_collect() == 0 && stated != self.decoder.get_calculated_checksum()

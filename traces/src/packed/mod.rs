@@ -1,4 +1,4 @@
-//! zstd and lz4: the usual libraries in C, or in WebAssembly, which has no C, libraries in Rust that only read.
+//! zstd and lz4: by the usual C libraries or, in WebAssembly, which has no C, by Rust libraries that only read.
 
 #[cfg(not(target_family = "wasm"))]
 mod in_c;

@@ -10,7 +10,7 @@ pub struct ClockSteps {
     pub count: u64,
     /// The largest step.
     pub largest: Duration,
-    /// The first frame that is older than the one before it.
+    /// The first frame that is older than the frame before it.
     pub first: Option<Sighting>,
 }
 
@@ -32,7 +32,7 @@ impl ClockSteps {
 /// The largest power of ten that divides all times seen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Resolution {
-    /// The exponent, in nanoseconds: at most 9.
+    /// The exponent of the power of ten, in nanoseconds: at most 9.
     digits: u8,
     /// The first time.
     first: Option<Timestamp>,
@@ -47,7 +47,7 @@ impl Default for Resolution {
 }
 
 impl Resolution {
-    /// From this resolution on, coarse times get a warning: CANopen's own times are in milliseconds.
+    /// The resolution from which times get a warning as too coarse: CANopen's own times are in milliseconds.
     pub const COARSE: Duration = Duration::from_millis(1);
 
     /// The resolution, if at least two different times were seen.
@@ -78,7 +78,7 @@ impl Resolution {
     }
 }
 
-/// By number of digits: the inverse of that power of five modulo 2^64, and the largest quotient by that power of ten.
+/// For each number of digits n: the inverse of 5^n modulo 2^64, and the largest quotient of a 64-bit number by 10^n.
 const DIVISORS: [(u64, u64); 10] = {
     let mut divisors = [(1, u64::MAX); 10];
     let mut digits = 1;
@@ -91,8 +91,8 @@ const DIVISORS: [(u64, u64); 10] = {
     divisors
 };
 
-/// Whether that power of ten divides `nanos`, without a division: multiplying a multiple of 5^n by the inverse of 5^n
-/// gives a small number, and rotating by n makes a number that is no multiple of 2^n large.
+/// Whether 10^`digits` divides `nanos`, computed without a division: multiplying a multiple of 5^n by the inverse of
+/// 5^n gives a small number, and rotating by n makes a number that is no multiple of 2^n large.
 #[inline]
 fn divides(digits: u8, nanos: u64) -> bool {
     let (inverse, most) = DIVISORS[usize::from(digits)];

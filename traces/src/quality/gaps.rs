@@ -1,4 +1,4 @@
-//! Times without recorded frames.
+//! Intervals without recorded frames.
 
 use super::Sighting;
 use crate::{Duration, Place, Timestamp};
@@ -19,9 +19,9 @@ pub struct Gaps {
 pub struct Gap {
     /// Length of the gap.
     pub length: Duration,
-    /// The usual interval before it.
+    /// The usual interval before the gap.
     pub usual: Duration,
-    /// The frame after it.
+    /// The frame after the gap.
     pub end: Sighting,
 }
 
@@ -32,9 +32,9 @@ impl Default for Gaps {
 }
 
 impl Gaps {
-    /// A gap is at least this many times longer than the usual interval.
+    /// A gap is at least this factor longer than the usual interval.
     pub const FACTOR: u64 = 10;
-    /// The usual interval before any was measured.
+    /// The usual interval before any interval was measured.
     pub const BEGIN: Duration = Duration::from_secs(1);
     /// Lower limit of the usual interval: shorter pauses come from the recorder's own scheduling.
     pub const LEAST: Duration = Duration::from_millis(10);

@@ -1,4 +1,4 @@
-//! What the samples of other programs do not show: rare blocks, losses that recorders tell, topics.
+//! Details that the samples of other programs lack: rare blocks, losses reported by recorders, topics.
 
 use crate::shown::{self, read};
 use canvass_traces::{Capture, DamageKind, ReadOptions, Reader, Source, TimeBase};
@@ -34,10 +34,10 @@ fn simple_packets_have_no_time() {
     let record = capture.next().unwrap().unwrap();
     assert_eq!(shown::shown(&record, capture.channels()), "0.000000000 can0 181#ABCD");
     assert_eq!(capture.time_base(), TimeBase::None);
-    // Cut to the snapshot length, which is all that tells the captured length.
+    // The packet was cut to the snapshot length, from which alone the captured length follows.
     let (frames, damages) = read(&[section(16), simple(17)].concat());
     assert_eq!((frames.len(), damages[0].kind), (0, DamageKind::Truncated));
-    // Among packets that have times, it is not earlier than they are.
+    // Among packets with times, a packet without time gets the time before it.
     let (frames, _) = read(&[section(0), enhanced(&[]), simple(16)].concat());
     assert_eq!(frames, ["0.000005000 can0 181#ABCD"; 2]);
 }
@@ -116,7 +116,7 @@ fn topics_can_be_named() {
 #[test]
 fn an_mcap_without_can_frames_says_so() {
     let mut plain = shown::bytes("ros2-unchunked.mcap");
-    // Without these names no schema is one of a CAN frame.
+    // Without a field named `data` no schema is that of a CAN frame.
     for name in [&b"uint8[8] data"[..], b"uint8[<=64] data"] {
         while let Some(at) = memchr::memmem::find(&plain, name) {
             plain[at + name.len() - 1] = b'x';
@@ -125,7 +125,7 @@ fn an_mcap_without_can_frames_says_so() {
     let (frames, damages) = read(&plain);
     assert_eq!(frames.len(), 0);
     assert!(damages[0].to_string().contains("an identifier and data, found \"schema can_msgs/msg/Frame\""));
-    // By that name it would be one; without it, nothing tells.
+    // With its usual name the message would be a CAN frame; another name proves nothing.
     for (name, other) in [("can_msgs/msg/Frame", "cat_pics/msg/Image"), ("/msg/FdFrame", "/msg/Picture")] {
         while let Some(at) = memchr::memmem::find(&plain, name.as_bytes()) {
             plain[at..at + name.len()].copy_from_slice(other.as_bytes());
@@ -139,7 +139,7 @@ fn an_mcap_without_can_frames_says_so() {
 #[test]
 fn a_message_of_an_unknown_channel_is_a_damage() {
     let whole = shown::bytes("ros2-unchunked.mcap");
-    // A message record: 22 bytes of header, and a frame of 36.
+    // The message record has 22 bytes of header and a frame of 36 bytes.
     let at = memchr::memmem::find(&whole, b"\x05\x3A\0\0\0\0\0\0\0").unwrap();
     let mut changed = whole;
     changed[at + 9] = 99;
@@ -153,7 +153,7 @@ fn a_message_of_an_unknown_channel_is_a_damage() {
 fn a_damaged_container_does_not_join_its_neighbours() {
     let mut changed = shown::bytes("python-can-small-containers.blf");
     let (all, _) = read(&changed);
-    // The third container's deflated bytes.
+    // The deflated bytes of the third container.
     let mut containers = memchr::memmem::find_iter(&changed[..], b"LOBJ\x10\0\x01\0").collect::<Vec<_>>().into_iter();
     let at = containers.nth(2).unwrap();
     changed[at + 40] ^= 0x55;

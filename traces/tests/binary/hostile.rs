@@ -1,4 +1,4 @@
-//! Captures that are cut, changed or made to hurt: no panic, no hang, bounded memory, no frame that was not there.
+//! Captures that are cut, changed or hostile: no panic, no hang, bounded memory, no invented frame.
 
 use crate::shown::{self, SAMPLES, read};
 use canvass_traces::{Capture, DamageKind, ReadOptions, Source};
@@ -13,7 +13,7 @@ fn a_sample_cut_at_any_byte_gives_its_first_frames_and_says_so() {
         for end in 0..whole.len() {
             let (some, damages) = read(&whole[..end]);
             assert!(frames.starts_with(&some), "{name} cut at {end}: {some:#?}");
-            // pcap and pcapng have no end: cut between two packets they are whole.
+            // pcap and pcapng files have no end mark: a file that is cut between two packets is complete.
             let endless = name.contains(".pcap");
             assert!(endless || !damages.is_empty() || shown::open(&whole[..end]).is_err(), "{name} cut at {end}");
         }
@@ -33,7 +33,7 @@ fn a_pcap_cut_in_a_packet_is_truncated() {
 #[test]
 fn an_mcap_without_footer_is_unfinished() {
     let whole = shown::bytes("ros2-unchunked.mcap");
-    // Behind the last message comes the end-of-data record.
+    // The end-of-data record follows the last message.
     let end = memchr::memmem::rfind(&whole, b"\x0F\x04\0\0\0\0\0\0\0").unwrap();
     let (frames, damages) = read(&whole[..end]);
     assert_eq!(frames.len(), 24);
@@ -86,7 +86,7 @@ fn read_hostile(head: Vec<u8>, tail: impl Read + Send + 'static) -> (usize, Vec<
     (frames, damages)
 }
 
-/// Zeros, more than a source may hold at once.
+/// Zeros, more than the window of a source may hold.
 fn zeros() -> io::Take<io::Repeat> {
     io::repeat(0).take(5_000_000)
 }
@@ -114,7 +114,7 @@ fn mcap_chunks_of_any_claimed_size_take_no_memory() {
             assert!(!damages.is_empty() && damages.len() < 10, "{damages:?}");
         }
     }
-    // A chunk that unpacks to more than it says.
+    // A chunk whose unpacked content is longer than stated.
     let bomb = zstd::encode_all(io::repeat(0).take(5_000_000), 1).unwrap();
     let mut file = chunk(44 + bomb.len() as u64, 1000, bomb.len() as u64, b"zstd");
     file.extend(bomb);
@@ -184,7 +184,7 @@ fn compression_bombs_are_streamed() {
 
 proptest! {
 
-    /// Changed bytes change or lose frames near them, but make no more of them, and are never a panic or a hang.
+    /// Changed bytes may change or lose frames near them, but add none and cause neither panic nor hang.
     #[test]
     fn a_changed_sample_is_read_somehow(
         name in prop::sample::select(SAMPLES),
@@ -201,7 +201,7 @@ proptest! {
         read(&bytes[..cut.index(bytes.len())]);
     }
 
-    /// Anything after a magic number.
+    /// Any bytes after a magic number.
     #[test]
     fn noise_is_no_capture(
         name in prop::sample::select(SAMPLES),

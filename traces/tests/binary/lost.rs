@@ -1,4 +1,4 @@
-//! What once was lost without a word: each is told now, and the frames beside it are read.
+//! Losses that earlier versions did not report: each is reported, and the frames beside it are read.
 
 use crate::shown::{self, read};
 use canvass_traces::{Damage, DamageKind};
@@ -7,7 +7,7 @@ fn kinds(damages: &[Damage]) -> Vec<DamageKind> {
     damages.iter().map(|damage| damage.kind).collect()
 }
 
-/// All `.pcap` samples of 24 packets with the length of their packets' link header.
+/// All `.pcap` samples of 24 packets; the flag tells their byte order.
 const PCAPS: [(&str, bool); 4] =
     [("tcpdump-us.pcap", false), ("tcpdump-ns.pcap", false), ("cooked.pcap", false), ("big-endian.pcap", true)];
 
@@ -15,7 +15,7 @@ fn number(big: bool, number: u32) -> [u8; 4] {
     if big { number.to_be_bytes() } else { number.to_le_bytes() }
 }
 
-/// Offset of the packet with that number, from 0.
+/// The offset of the packet with this number, from 0.
 fn packet(bytes: &[u8], big: bool, wanted: usize) -> usize {
     (0..wanted).fold(24, |at, _| {
         let length = bytes[at + 8..at + 12].try_into().unwrap();
@@ -101,7 +101,7 @@ fn a_damaged_pcapng_block_costs_that_block_alone() {
 
 #[test]
 fn a_time_that_no_record_can_hold_is_told() {
-    // The nanoseconds of the first interface are said to be microseconds.
+    // The first interface counts nanoseconds, but its resolution says microseconds.
     let mut bytes = shown::bytes("two-interfaces.pcapng");
     let resolution = memchr::memmem::find(&bytes, b"\x09\0\x01\0\x09").unwrap() + 4;
     bytes[resolution] = 6;
@@ -109,7 +109,7 @@ fn a_time_that_no_record_can_hold_is_told() {
     assert_eq!(frames.len() + damages.len(), 24);
     assert!(damages.len() > 5 && damages.iter().all(|damage| damage.salvaged.is_some()), "{damages:?}");
     assert!(damages[0].to_string().contains("expected a time from 1970 to 2554, found \"1700000000000000000 units"));
-    // The third section counts from a date that lies before 1970 now.
+    // The offset of the third section's times is changed to a date before 1970.
     let mut bytes = shown::bytes("three-sections.pcapng");
     let offset = memchr::memmem::rfind(&bytes, b"\x0E\0\x08\0").unwrap() + 4;
     bytes[offset..offset + 8].copy_from_slice(&(-1_000_000_000_000_i64).to_le_bytes());
@@ -133,7 +133,7 @@ fn a_section_that_ends_early_is_told() {
     }
 }
 
-/// The containers of a BLF file.
+/// The offsets of a BLF file's containers.
 fn containers(bytes: &[u8]) -> Vec<usize> {
     memchr::memmem::find_iter(bytes, b"LOBJ\x10\0\x01\0").collect()
 }
@@ -161,7 +161,7 @@ fn a_container_that_is_said_to_be_longer_does_not_swallow_the_next() {
     let (all, _) = read(&whole);
     let places = containers(&whole);
     let mut bytes = whole;
-    // As if it reached to the end of the next one.
+    // The stated size reaches to the end of the next container.
     let longer = (places[3] - places[1]) as u32;
     bytes[places[1] + 8..places[1] + 12].copy_from_slice(&longer.to_le_bytes());
     let (frames, damages) = read(&bytes);
@@ -172,7 +172,7 @@ fn a_container_that_is_said_to_be_longer_does_not_swallow_the_next() {
 fn an_object_that_is_said_to_be_longer_does_not_swallow_the_next() {
     let whole = shown::bytes("python-can-plain.blf");
     let (all, _) = read(&whole);
-    // The second object: a CAN message of 48 bytes.
+    // The second object is a CAN message of 48 bytes.
     let at = memchr::memmem::find_iter(&whole, b"LOBJ\x20\0\x01\0").nth(1).unwrap();
     for size in [96_u32, 144, 10_000, 60_000] {
         let mut bytes = whole.clone();

@@ -1,4 +1,4 @@
-//! The binary formats: samples of other programs, damaged and hostile captures, and what canvass writes itself.
+//! The binary formats: samples of other programs, damaged and hostile captures, and the files that canvass writes.
 
 #[cfg(test)]
 mod details;

@@ -1,4 +1,4 @@
-//! Captures that other programs wrote, compared with what other programs read in them.
+//! Captures that other programs wrote, compared with the frames that other programs read in them.
 
 use crate::shown::{self, read, reads_as_others_do};
 use canvass_traces::{DamageKind, TimeBase};
@@ -17,7 +17,7 @@ fn pcap_cooked() {
     reads_as_others_do("cooked-v2.pcap");
 }
 
-/// The filling of `struct can_frame` is garbage; the protocol tells that these are classical frames.
+/// The filling of `struct can_frame` is garbage; the protocol field shows that these are classical frames.
 #[test]
 fn pcap_of_a_program_that_does_not_clear_its_frames() {
     reads_as_others_do("unclean-filling.pcap");
@@ -65,7 +65,7 @@ fn link_types_that_carry_no_frames_are_named() {
     assert_eq!(damages.len(), 1);
     assert!(damages[0].to_string().contains("found \"link type 1\""));
     assert_eq!(damages[0].kind, DamageKind::Fatal);
-    // The upper half of the field is not the link type.
+    // The upper half of the field is not part of the link type.
     let mut upper = shown::bytes("tcpdump-ns.pcap");
     upper[23] = 0xF0;
     assert_eq!(read(&upper).0.len(), 24);

@@ -3,7 +3,7 @@
 use canvass_traces::{Capture, Channels, Damage, OpenError, ReadOptions, Reader, Record, Source};
 use std::path::PathBuf;
 
-/// A file in `samples/`.
+/// The path of a file in `samples/`.
 pub fn sample(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
 }
@@ -13,12 +13,12 @@ pub fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(sample(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Opens bytes, whatever their format.
+/// Opens a capture in memory, of any format.
 pub fn open(bytes: impl Into<Vec<u8>>) -> Result<Capture, OpenError> {
     Capture::from_source("test", Source::from_bytes(bytes), &ReadOptions::default())
 }
 
-/// All frames, shown, and all damages.
+/// The texts of all frames, and all damages.
 pub fn read(bytes: &[u8]) -> (Vec<String>, Vec<Damage>) {
     let Ok(mut capture) = open(bytes) else { return (Vec::new(), Vec::new()) };
     let (mut frames, mut damages) = (Vec::new(), Vec::new());
@@ -37,7 +37,7 @@ pub fn read_file(name: &str) -> (Vec<String>, Vec<Damage>) {
     read(&bytes(name))
 }
 
-/// The sample is read as its `.frames` say, without any damage.
+/// Checks that a sample gives the frames of its `.frames` file, without any damage.
 pub fn reads_as_others_do(name: &str) {
     let (frames, damages) = read_file(name);
     let expected = std::fs::read_to_string(sample(&format!("{name}.frames"))).unwrap();
@@ -48,7 +48,7 @@ pub fn reads_as_others_do(name: &str) {
     assert_eq!(frames.len(), expected.lines().count(), "{name}");
 }
 
-/// `SECONDS.NANOS CHANNEL FRAME[ DIRECTION]`, with the whole payload.
+/// A record as `SECONDS.NANOS CHANNEL FRAME[ DIRECTION]`, with the whole payload.
 pub fn shown(record: &Record, channels: &Channels) -> String {
     use std::fmt::Write;
     let frame = record.frame.to_string();

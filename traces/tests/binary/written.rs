@@ -1,4 +1,4 @@
-//! What is written is read back the same; what a format can't hold is counted.
+//! Written captures are read back the same, and properties that a format can't hold are counted.
 
 use crate::shown;
 use canvass_traces::{
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-/// A sink whose bytes can be looked at while a writer has it.
+/// A sink whose bytes a test can read while a writer owns it.
 #[derive(Clone, Default)]
 struct Sink(Arc<Mutex<Vec<u8>>>);
 
@@ -89,7 +89,7 @@ fn record() -> impl Strategy<Value = Record> {
         .prop_map(|(record, direction)| record.with_direction(direction))
 }
 
-/// The records as a format that holds nothing but these keeps them.
+/// The texts of the records after a round trip; `keeps` gives the part of a record that the format can hold.
 fn expected(records: &[Record], keeps: impl Fn(&Record) -> Option<Record>) -> Vec<String> {
     records.iter().filter_map(keeps).map(|record| shown::shown(&record, &channels())).collect()
 }
@@ -168,7 +168,7 @@ fn the_crate_mcap_reads_what_is_written() {
     assert_eq!(messages[0].log_time, 1_700_000_000_000_000_001);
 }
 
-/// A record that is flushed is on its way at once, and costs no more than itself: no chunk, no place in an index.
+/// A flushed record is written at once, and needs only its own bytes: no chunk, no row of an index.
 #[test]
 fn mcap_that_is_written_live_holds_nothing_back() {
     let sink = Sink::default();
@@ -185,6 +185,6 @@ fn mcap_that_is_written_live_holds_nothing_back() {
     let sizes: Vec<usize> = (1..1_000).map(record).collect();
     assert!(sizes.iter().zip(1..).all(|(size, n)| *size == first + n * (9 + 22 + 36)), "{sizes:?}");
     writer.finish().unwrap();
-    // The end repeats the schemas and channels.
+    // The end of the file repeats the schemas and channels.
     assert!(size() < sizes[998] + 4_000);
 }

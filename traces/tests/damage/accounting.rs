@@ -1,14 +1,14 @@
-//! A capture of which one byte is damaged: whatever no longer comes out as a frame is reported.
+//! Captures with one damaged byte: each frame that is lost is reported.
 
 use crate::corpus::{Sample, Xorshift, read, samples};
 use canvass_traces::{Damage, DamageKind, Format};
 
-/// Number of values that replace each byte, beside those that make comments and line ends.
+/// Number of random values that replace each byte, in addition to values that make comments and line ends.
 const TRIED: usize = 4;
-/// Maximum number of damaged bytes in a sample, evenly over the whole sample.
+/// Maximum number of damaged bytes in a sample, evenly distributed.
 const PLACES: usize = 1_200;
 
-/// How many frames a damage stands for: the rest of the file, if it ends there or tells how many there should be.
+/// The number of lost frames that a damage explains: any number if the file ends there, or the damage compares counts.
 fn told(damage: &Damage) -> u64 {
     match damage.kind {
         DamageKind::Dropped(frames) => frames,
@@ -18,19 +18,19 @@ fn told(damage: &Damage) -> u64 {
     }
 }
 
-/// The bytes after the first frame's place: what is before it is reported as a whole.
+/// The bytes from the first frame on: damage before it is reported for the whole file.
 fn rows(sample: &Sample) -> std::ops::Range<usize> {
     let first = sample.frames.iter().map(|frame| frame.place.offset).min().unwrap_or_default();
     first as usize..sample.bytes.len()
 }
 
-/// What no reader can see: the type of an object in a plain container of BLF, which has no checksum, becomes another that
-/// is known.
+/// A damage that no reader can detect: the type of an object in a plain container of BLF, which has no checksum,
+/// becomes another known type.
 fn becomes_another(sample: &Sample, at: usize) -> bool {
     sample.name == "python-can-plain.blf" && sample.bytes[at - 12..].starts_with(b"LOBJ")
 }
 
-/// A line end that is gone joins two lines, which are one damage.
+/// Whether the damaged byte was a line end: then two lines are joined into one damage.
 fn joins(sample: &Sample, at: usize) -> bool {
     let text = !matches!(sample.format, Format::Pcap | Format::Pcapng | Format::Mcap | Format::Blf);
     text && sample.bytes[at] == b'\n'

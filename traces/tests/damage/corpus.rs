@@ -1,21 +1,21 @@
-//! A capture of every format and variant: the samples that other tools wrote, shapes that they have written elsewhere, and
-//! compressed ones.
+//! Captures of every format and variant: the samples of other tools, further forms that other tools write, and
+//! compressed captures.
 
 use canvass_traces::{Capture, Damage, Format, ReadOptions, Record, Source};
 use std::io::Write;
 use std::path::Path;
 
-/// A capture, as it is before it is damaged.
+/// A capture before it is damaged.
 pub struct Sample {
     pub name: String,
     pub bytes: Vec<u8>,
     pub format: Format,
     pub frames: Vec<Record>,
-    /// Compressed as a whole.
+    /// Whether the file is compressed as a whole.
     pub compressed: bool,
 }
 
-/// Rows that no sample file has.
+/// Rows in forms that no sample file has.
 const ROWS: &[(&str, &str)] = &[
     (
         "minimon.csv",
@@ -58,10 +58,10 @@ const ROWS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Samples that are compressed as a whole too.
+/// Samples that also get a variant compressed as a whole.
 const COMPRESSED: [&str; 3] = ["python-can.log", "tcpdump-ns.pcap", "ros2-plain.mcap"];
 
-/// All samples whose name or format `chosen` wants.
+/// All samples that `chosen` accepts.
 pub fn samples(chosen: impl Fn(&Sample) -> bool) -> Vec<Sample> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
@@ -97,7 +97,7 @@ fn gzip(plain: &[u8]) -> Vec<u8> {
     gzip.finish().unwrap()
 }
 
-/// Xorshift: the same changes everywhere.
+/// The random generator Xorshift, which makes the same changes everywhere.
 pub struct Xorshift(pub u64);
 
 impl Xorshift {
@@ -113,12 +113,12 @@ impl Xorshift {
     }
 }
 
-/// A capture of these bytes, if they are of a known format.
+/// A capture of these bytes; `None` if their format is unknown.
 pub fn open(bytes: &[u8]) -> Option<Capture> {
     Capture::from_source("test", Source::from_bytes(bytes), &ReadOptions::default()).ok()
 }
 
-/// All that is read; `None` if the bytes are of no known format.
+/// All records and damages; `None` if the format of the bytes is unknown.
 pub fn read(bytes: &[u8]) -> Option<(Vec<Record>, Vec<Damage>)> {
     let mut capture = open(bytes)?;
     let (mut frames, mut damages) = (Vec::new(), Vec::new());
@@ -132,7 +132,7 @@ pub fn read(bytes: &[u8]) -> Option<(Vec<Record>, Vec<Damage>)> {
     Some((frames, damages))
 }
 
-/// Every format has a sample: none is forgotten.
+/// Checks that no format lacks a sample.
 #[test]
 fn every_format_has_a_sample() {
     let samples = samples(|_| true);

@@ -1,8 +1,9 @@
-//! A capture that ends at any byte: its frames are the first ones of the whole, and what began and is not there is said.
+//! Captures that end at any byte: the frames are the first ones of the whole capture, and each frame that is cut is
+//! reported.
 
 use crate::corpus::{Sample, read, samples};
 
-/// Whether something that became a frame had begun before the cut and did not come out.
+/// Whether a frame of the whole capture began before the cut and is missing.
 fn loses(sample: &Sample, end: usize, read: usize) -> bool {
     if sample.compressed {
         return end > 0;
@@ -11,7 +12,7 @@ fn loses(sample: &Sample, end: usize, read: usize) -> bool {
     sample.frames[read..].iter().any(|frame| (frame.place.offset as usize) < end && begun(frame.place.offset as usize))
 }
 
-/// The manual prints a frame with length 4 and six bytes: cut after the fourth, it is a good one.
+/// The manual prints a frame with length 4 and six bytes: if it is cut after the fourth byte, the line is right.
 const CONTRADICTS_ITSELF: &str = "kuebler-5.7.7.txt";
 
 #[test]
@@ -20,7 +21,7 @@ fn a_cut_capture_gives_its_first_frames_and_says_what_is_lost() {
     for sample in samples(|sample| sample.name != CONTRADICTS_ITSELF) {
         for end in 0..sample.bytes.len() {
             let name = &sample.name;
-            // Of no known format any more: that is said when it is opened.
+            // The format is no longer recognised, which is reported when the capture is opened.
             let Some((frames, damages)) = read(&sample.bytes[..end]) else { continue };
             assert!(sample.frames.starts_with(&frames), "{name} cut at {end}: {frames:#?}");
             if damages.is_empty() && loses(&sample, end, frames.len()) {

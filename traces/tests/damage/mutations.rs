@@ -1,18 +1,19 @@
-//! 10 000 random changes of every capture: whatever it has become, reading it ends, with no more frames than bytes can
-//! make, and without a panic.
+//! 10 000 random changes of every capture: reading always ends, without a panic, and with no more frames than the bytes
+//! can hold.
 
 use crate::corpus::{Sample, Xorshift, read, samples};
 use canvass_traces::{Format, ReadOptions, Source};
 
 const MUTATIONS: u64 = 10_000;
-/// What reading a small capture may take of the memory at once: a container or chunk that says that it has 32 MiB, twice
-/// while the buffer grows, and the window of zstd.
+/// Maximum memory for reading a small capture: a container or chunk that states 32 MiB, twice while the buffer grows,
+/// and the window of zstd.
 const MOST_BYTES: u64 = 160 << 20;
 
-/// Numbers that lengths and counts go wrong with.
+/// Values that often cause errors in lengths and counts.
 const ODD: [u32; 8] = [0, 1, 0x7F, 0xFF, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
 
-/// Changes bytes in one of the ways that files go wrong; gives how many more frames that may make.
+/// Changes bytes in one of the ways in which files are damaged; returns the number of additional frames that this may
+/// make.
 fn mutate(bytes: &mut Vec<u8>, random: &mut Xorshift) -> usize {
     let at = random.below(bytes.len());
     let length = random.below(64).min(bytes.len() - at);
@@ -47,7 +48,7 @@ fn survive(sample: &Sample) {
                 more += mutate(&mut bytes, &mut random);
             }
         }
-        // Now and then also as the format that it no longer looks like.
+        // Some captures are also read as their original format, even if it is no longer recognised.
         let mut counts = None;
         let taken = allocation_counter::measure(|| {
             counts = match n % 8 {

@@ -3,7 +3,7 @@ use canvass_traces::*;
 
 const CONSOLE: Format = Format::CandumpConsole;
 
-/// The log and what `log2long` of can-utils 2020.11 makes of it.
+/// A log; the other text is the output of `log2long` of can-utils 2020.11 for it.
 const LOG: &str = "(1700000000.123456) can0 123#DEADBEEF
 (1700000000.123456) can0 12345678#DEADBEEF
 (1700000000.123456) can0 20000088#0000080200000000
@@ -35,7 +35,7 @@ fn says_the_same_as_the_log() {
     assert_eq!((names, base), (vec!["can0".to_owned()], TimeBase::Utc));
 }
 
-/// The frame in the log's notation.
+/// The frame of a line in the notation of the log.
 fn shown(line: &str) -> String {
     one(CONSOLE, &format!("{line}\n")).notation().to_string()
 }
@@ -67,7 +67,7 @@ fn every_way_to_print_a_frame() {
     }
 }
 
-/// Logs in documents and reports have remarks beside the frames.
+/// Logs in documents and reports may have remarks beside the frames.
 #[test]
 fn a_remark_beside_a_frame_is_passed_over() {
     assert_eq!(shown("  can0  703   [1]  05       # the gateway's heartbeat"), "703#05");

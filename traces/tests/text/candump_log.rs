@@ -132,7 +132,7 @@ fn the_last_line_needs_what_the_others_had() {
 
 #[test]
 fn a_frame_comes_out_as_soon_as_its_line_is_complete() {
-    /// Gives two lines, and fails if it is asked for more before the first record is out.
+    /// Gives two lines, and panics if more is read before the first record is returned.
     struct Pipe(Vec<&'static [u8]>);
     impl Read for Pipe {
         fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {

@@ -1,4 +1,4 @@
-//! Frames for the tests: short ways to make them, and arbitrary ones.
+//! Frames for the tests: short functions to make them, and arbitrary frames.
 
 use canvass_traces::*;
 use proptest::collection::vec;
@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 pub type Items = Vec<Result<Record, Damage>>;
 
-/// All that a reader gives, with its channel names and time base.
+/// All items of a reader, its channel names and its time base.
 pub fn read(format: Format, bytes: &[u8]) -> (Items, Vec<String>, TimeBase) {
     let mut reader = format.open(Source::from_bytes(bytes), &ReadOptions::default());
     let items = reader.by_ref().collect();
@@ -20,14 +20,14 @@ pub fn items(format: Format, text: &str) -> Items {
     read(format, text.as_bytes()).0
 }
 
-/// The only record of a capture that has one line.
+/// The only record of a capture of one line.
 pub fn one(format: Format, text: &str) -> Record {
     let mut items = items(format, text);
     assert_eq!(items.len(), 1, "{text}: {items:?}");
     items.remove(0).unwrap_or_else(|damage| panic!("{text}: {damage}"))
 }
 
-/// The only damage of a capture that has one line.
+/// The only damage of a capture of one line.
 pub fn damage(format: Format, text: &str) -> Damage {
     let mut items = items(format, text);
     assert_eq!(items.len(), 1, "{text}: {items:?}");
@@ -47,7 +47,7 @@ impl Write for Shared {
     }
 }
 
-/// What a writer makes of records, and what it could not hold.
+/// The bytes that a writer makes of records, and its losses.
 pub fn written(format: Format, records: &[Record], channels: &Channels, time_base: TimeBase) -> (Vec<u8>, Losses) {
     let sink = Shared::default();
     let mut writer =

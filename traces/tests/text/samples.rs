@@ -1,11 +1,11 @@
-//! The samples that other tools wrote: read whole, cut at every byte, and damaged at random.
+//! The samples of other tools: read completely, cut at every byte, and damaged at random.
 
 use crate::frames::*;
 use canvass_traces::*;
 use proptest::prelude::*;
 use std::path::PathBuf;
 
-/// File, format, number of frames.
+/// The samples: file, format, number of frames.
 const SAMPLES: [(&str, Format, usize); 6] = [
     ("python-can.log", Format::Candump, 40),
     ("python-can.asc", Format::Asc, 40),
@@ -43,7 +43,7 @@ fn the_same_frames_in_every_format() {
     let (trc, csv) = (frames("python-can.trc", Format::Trc), frames("python-can.csv", Format::PythonCanCsv));
     let classical = |frames: &[String]| plain(frames).into_iter().filter(|f| !f.contains("##")).collect::<Vec<_>>();
     assert_eq!(trc, classical(&log));
-    // CSV does not tell CAN FD of up to 8 bytes.
+    // CSV does not distinguish CAN FD frames of up to 8 bytes from classical ones.
     assert_eq!(plain(&csv)[..25], plain(&log)[..25]);
 }
 
@@ -76,7 +76,7 @@ fn line_ends_of_windows_and_a_byte_order_mark_change_nothing() {
     }
 }
 
-/// The lines before the cut are read, and the file is unfinished, not unreadable.
+/// A compressed log that ends early gives the lines before the end, and is unfinished, not unreadable.
 #[test]
 fn a_compressed_log_that_ends_early_is_unfinished() {
     let plain = sample("python-can.log");

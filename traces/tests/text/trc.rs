@@ -3,7 +3,7 @@ use canvass_traces::*;
 use proptest::prelude::*;
 
 const TRC: Format = Format::Trc;
-/// 2021-12-18 14:28:07.062000960, as `$STARTTIME=44548.6028595139` says.
+/// 2021-12-18 14:28:07.062000960, the date of `$STARTTIME=44548.6028595139`.
 const START: u64 = 1_639_837_687_062_000_960;
 
 fn seen(text: &str) -> Vec<String> {
@@ -188,7 +188,7 @@ proptest! {
             prop_oneof![Just(Direction::Rx), Just(Direction::Tx)])
     ) {
         for record in &mut records {
-            // Microseconds are what the format holds.
+            // The format has a resolution of microseconds.
             record.timestamp = Timestamp(1_639_837_687_062_000_000 + record.timestamp.nanos() * 1_000);
             record.channel = ChannelId(0);
         }

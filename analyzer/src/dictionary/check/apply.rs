@@ -4,8 +4,8 @@ use super::{Finding, check};
 use crate::dictionary::rules::{Rule, text as rules};
 use crate::dictionary::source::{DescriptionError, Encoding};
 
-/// Limit of the passes. Each pass applies fixes that do not overlap; a list with many missing objects takes a pass
-/// for each.
+/// Limit of the passes. One pass applies fixes that do not overlap; a list with many missing objects takes one pass for
+/// each object.
 const MOST_PASSES: usize = 1000;
 
 /// A fixed file.
@@ -20,7 +20,7 @@ pub struct FixedFile {
 /// Applies all fixes that need no guessing, for findings that are `wanted`.
 ///
 /// # Errors
-/// As [`check`].
+/// See [`check`].
 pub fn apply_fixes(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<FixedFile, DescriptionError> {
     let mut fixed = FixedFile { bytes: bytes.to_vec(), rules: Vec::new() };
     for _ in 0..MOST_PASSES {
@@ -45,7 +45,7 @@ fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<FixedF
                 .iter()
                 .any(|other: &super::Edit| edit.range.start <= other.range.end && other.range.start <= edit.range.end)
         };
-        // An edit that cuts a character would cost the text behind it.
+        // An edit whose range cuts a character would damage the text.
         if fix.edits.iter().any(overlaps) || !fix.edits.iter().all(|edit| old.get(edit.range.clone()).is_some()) {
             continue;
         }

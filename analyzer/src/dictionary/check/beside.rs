@@ -11,7 +11,7 @@ use crate::dictionary::source::{FieldName, Section, Source};
 pub trait Folder {
     /// Whether the folder has a file of that name.
     fn has(&self, name: &str) -> bool;
-    /// The bytes of that file; `None` if it is absent, unreadable or too large.
+    /// The bytes of the file of that name; `None` if it is absent, unreadable or too large.
     fn read(&self, name: &str) -> Option<Vec<u8>>;
 }
 
@@ -25,7 +25,7 @@ pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder
     problems.into_sorted()
 }
 
-/// Whether it is a name without a folder: files in other folders, or on another machine, are not looked for.
+/// Whether it is a file name without a folder. The check ignores files in other folders or on another machine.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && !name.contains(['/', '\\', ':', '\0']) && !matches!(name, "." | "..")
 }
@@ -52,8 +52,8 @@ fn other_eds(description: &DeviceDescription, folder: &dyn Folder, problems: &mu
     problems.report(place, &rules::OTHER_EDS, "a DCF that describes the device as its EDS does", &found);
 }
 
-/// Whether a DCF must not make this change. The configured values, the data about the file, and the resulting PDOs
-/// are its own.
+/// Whether a difference from the EDS is an error. A DCF may differ in the configured values, the data about the file,
+/// and the resulting PDOs.
 fn matters(difference: &Difference) -> bool {
     const OWN: [&str; 7] =
         ["configured/", "commissioning/", "file/", "pdo/", "module/connected", "entry/denotation", "device/untold"];

@@ -1,7 +1,7 @@
 //! Checks a device description as a text: every breach of a rule has its place in the file, and its fix.
 //!
-//! This serves programs that show the file: the command line prints the places, an editor underlines them and offers
-//! the edits.
+//! Programs that show the file use it: the command line prints the places, an editor underlines them and offers the
+//! edits.
 
 mod apply;
 mod beside;
@@ -36,20 +36,20 @@ pub struct Checked<'a> {
 pub struct Finding {
     /// The problem. Its texts come from the file and may contain any characters.
     pub problem: EdsProblem,
-    /// The line, from 1; 0 if it concerns no single line.
+    /// The line, from 1; 0 if the finding concerns no single line.
     pub line: u32,
     /// The column in characters, from 1; 0 without a line.
     pub column: u32,
     /// The place in the text, in bytes; empty without a line.
     pub span: Range<usize>,
-    /// The fix without guessing, if there is one.
+    /// The fix, if the finding has one that needs no guessing.
     pub fix: Option<Fix>,
-    /// The reason in the file's own waiver.
+    /// The reason given by a waiver in the file.
     pub waived: Option<String>,
 }
 
 impl Finding {
-    /// Its severity.
+    /// The severity of the problem.
     pub const fn severity(&self) -> Severity {
         self.problem.rule.severity
     }
@@ -70,10 +70,10 @@ pub fn check<'a>(bytes: &'a [u8], name: Option<&str>) -> Result<Checked<'a>, Des
     check_in(bytes, name, None)
 }
 
-/// As [`check`], and checks the files beside a DCF, if its folder is given.
+/// Checks a description like [`check`], and a DCF also against the files in its folder, if given.
 ///
 /// # Errors
-/// As [`check`].
+/// See [`check`].
 pub fn check_in<'a>(
     bytes: &'a [u8],
     name: Option<&str>,
@@ -98,7 +98,7 @@ pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&
     let waivers = waiver::read(&source);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
-        // A file that can't be written back exactly is not fixed.
+        // A changed text is offered only if all other bytes can be written back exactly.
         if source.is_exact()
             && let Ok(read) = &description
         {
@@ -115,14 +115,14 @@ fn located(problem: EdsProblem, source: &Source<'_>) -> Finding {
     Finding { problem, line, column, span: span.unwrap_or(0..0), fix: None, waived: None }
 }
 
-/// The problem that `FileName` differs from the name of the file, ignoring case.
+/// The problem if `FileName` differs from the name of the file, ignoring case.
 fn other_name(description: &DeviceDescription, name: &str) -> Option<EdsProblem> {
     let said = &description.file.name;
     if said.is_empty() || said.eq_ignore_ascii_case(name) {
         return None;
     }
     let mut problems = Problems::default();
-    // Section and field give the line.
+    // Section and field determine the line.
     let place = Place { section: "FileInfo", field: "FileName", ..Place::default() };
     problems.report(place, &rules::file::NAME, "the name of the file", said);
     problems.into_sorted().pop()

@@ -1,7 +1,7 @@
 //! Waivers in the file itself: a comment `; canvass: allow RULE[, RULE...] reason`.
 //!
-//! Before the first section it holds for the whole file, in a section for that section only. In XML the comment has a
-//! line of its own and holds for the whole file.
+//! A waiver before the first section holds for the whole file, a waiver in a section only for that section. In XML the
+//! comment has a line of its own and holds for the whole file.
 
 use super::Finding;
 use crate::dictionary::place::Span;
@@ -16,7 +16,7 @@ pub(super) struct Waiver<'a> {
 }
 
 impl Waiver<'_> {
-    /// Whether it covers the finding.
+    /// Whether the waiver covers the finding.
     pub fn covers(&self, finding: &Finding) -> bool {
         self.lines.contains(&finding.line) && self.rules.iter().any(|prefix| finding.problem.rule.is_in(prefix))
     }

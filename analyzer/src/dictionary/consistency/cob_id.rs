@@ -43,7 +43,7 @@ fn predefined(check: &mut Check<'_>) {
     }
 }
 
-/// Reports a default for which `differs` holds: it gets the COB-ID, and whether the node-ID is added.
+/// Reports a default for which `differs` holds. `differs` gets the COB-ID, and whether the node-ID is added.
 fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, bool) -> bool) {
     let Some((cob_id, plus_node_id)) = default(check, at) else { return };
     if differs(cob_id, plus_node_id) {
@@ -52,7 +52,7 @@ fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, 
     }
 }
 
-/// The default COB-ID, and whether the node-ID is added; `None` if it is 0, which means nothing.
+/// The default COB-ID, and whether the node-ID is added; `None` if it is 0, which stands for no default.
 fn default(check: &Check<'_>, at: Multiplexer) -> Option<(CobId, bool)> {
     let entry = check.description.dictionary.entry(at).ok()?;
     match entry.default.as_ref()? {
@@ -61,7 +61,7 @@ fn default(check: &Check<'_>, at: Multiplexer) -> Option<(CobId, bool)> {
     }
 }
 
-/// Whether it is the base plus the node-ID, or plus some node-ID.
+/// Whether the CAN-ID is the base plus the node-ID; a fixed CAN-ID may be the base plus any node-ID.
 fn is_of_node(cob_id: CobId, plus_node_id: bool, base: u32) -> bool {
     if plus_node_id { cob_id.can_id() == base } else { (base + 1..=base + 127).contains(&cob_id.can_id()) }
 }
@@ -98,8 +98,8 @@ struct Used {
 }
 
 impl Used {
-    /// The key that two equal COB-IDs share. Without a node-ID, a fixed COB-ID and one to which the node-ID is added
-    /// are equal only for one of many devices.
+    /// The key that equal COB-IDs share. In an EDS, a fixed COB-ID and a formula with the node-ID have different keys:
+    /// they are equal for one node-ID only.
     fn key(&self) -> (u32, bool, bool) {
         (self.cob_id.can_id(), self.cob_id.is_extended(), self.plus_node_id)
     }
@@ -110,7 +110,7 @@ fn own(check: &mut Check<'_>) {
     let mut all: HashMap<(u32, bool, bool), Used> = HashMap::new();
     for (at, is_sent) in of_device(check) {
         let Some(used) = used(check, at, is_sent) else { continue };
-        // The restrictions hold for all nodes: a CAN-ID restricted for the first node is restricted for most.
+        // The check takes node-ID 1: a CAN-ID restricted for the first node is restricted for most.
         let least = if used.plus_node_id { CobId(used.cob_id.0.wrapping_add(1)) } else { used.cob_id };
         if least.is_restricted() {
             let (expected, found) = ("a CAN-ID that is not restricted", format!("{:X}h", least.can_id()));
@@ -125,14 +125,14 @@ fn own(check: &mut Check<'_>) {
     }
 }
 
-/// Two senders disturb each other; a receiver would take messages for another node.
+/// Reports two equal COB-IDs: two senders disturb each other, and a receiver would take messages for another node.
 fn twice(check: &mut Check<'_>, used: &Used, other: &Used) {
     let found = format!("{} as in {}", shown(CobId(used.cob_id.can_id()), used.plus_node_id), other.at);
     let rule = if used.is_sent && other.is_sent { &rules::COB_ID_TWICE } else { &rules::COB_ID_SHARED };
     check.report(used.at, used.field, rule, "a CAN-ID of its own", &found);
 }
 
-/// The COB-ID in use there; `None` if it is switched off or unknown.
+/// The COB-ID at that address as the device uses it; `None` if it is switched off or unknown.
 fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Used> {
     let (setting, field) = check.effective(at)?;
     let node = check.description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
@@ -148,8 +148,8 @@ fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Use
     (is_of_network || cob_id.is_valid()).then_some(Used { at, field, cob_id, plus_node_id, is_sent })
 }
 
-/// The objects with the device's COB-IDs, and whether it sends the message: SYNC, TIME, EMCY, PDOs, and all SDO
-/// servers but the first, whose CAN-IDs are restricted for all others.
+/// The objects with the device's COB-IDs, and whether the device sends the message: SYNC, TIME, EMCY, PDOs, and all SDO
+/// servers but the first, whose CAN-IDs are restricted for all other messages.
 fn of_device(check: &Check<'_>) -> Vec<(Multiplexer, Option<bool>)> {
     let single = [(object::COB_ID_SYNC, None), (object::COB_ID_TIME, None), (object::COB_ID_EMCY, Some(true))];
     let single = single.map(|(index, is_sent)| (Multiplexer::new(index, 0), is_sent));

@@ -63,7 +63,7 @@ fn entries(check: &mut Check<'_>) {
     let profile = check.description.device_profile();
     for (at, entry) in check.description.dictionary.entries() {
         let counts = at.sub.0 == 0 && check.object(at.index).is_some_and(|object| !object.code.is_single());
-        // Objects of a standard are compared with the standard elsewhere.
+        // Objects of a standard are compared with the standard in `consistency::standard`.
         let is_standard = || object_name(at, profile).is_some_and(|name| name.entry.is_some());
         if counts && entry.data_type != DataType::UNSIGNED8 && !is_standard() {
             let found = entry.data_type.to_string();

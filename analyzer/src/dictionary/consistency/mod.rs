@@ -1,6 +1,6 @@
 //! Consistency of a device description with itself and with the standards, beyond single fields.
 //!
-//! It works on the parsed description, independently of the file's format. Problems of reading are in
+//! The checks work on the parsed description, independently of the file's format. Problems of reading are in
 //! [`DeviceDescription::problems`].
 
 mod cob_id;

@@ -1,4 +1,4 @@
-//! Names: unique, and not those of other standard objects.
+//! Names: each is unique, and no standard object has the name of another one.
 
 use super::Check;
 use crate::dictionary::names::{StandardObject, in_area, standard_object};

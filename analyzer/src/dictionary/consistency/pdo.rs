@@ -7,7 +7,7 @@ use crate::dictionary::rules::{Rule, pdo as rules};
 use crate::identity::{Index, Multiplexer, SubIndex};
 use crate::object;
 
-/// The two directions: first communication parameter, first mapping parameter.
+/// The first communication parameter and the first mapping parameter of each direction.
 const RPDO: (u16, u16) = (object::RPDO_COMMUNICATION_PARAMETER, object::RPDO_MAPPING_PARAMETER);
 const TPDO: (u16, u16) = (object::TPDO_COMMUNICATION_PARAMETER, object::TPDO_MAPPING_PARAMETER);
 
@@ -63,7 +63,7 @@ fn pair(check: &mut Check<'_>, object: &Object, other: u16) {
     }
 }
 
-/// 241 to 251 are reserved; 252 and 253 are for TPDOs only.
+/// Transmission types 241 to 251 are reserved; 252 and 253 are for TPDOs only.
 fn transmission_type(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
     let at = Multiplexer::new(object.index.0, 2);
     let Some((kind, field)) = check.effective_number(at) else { return };
@@ -106,8 +106,8 @@ impl Mapping<'_> {
         }
     }
 
-    /// Whether `CompactSubObj` describes it: sub-index 0 then counts the existing entries, and `[xxxxValue]` lists
-    /// the mapped ones.
+    /// Whether `CompactSubObj` describes the mapping: sub-index 0 then counts the existing entries, and `[xxxxValue]`
+    /// lists the mapped ones.
     fn is_compact(&self) -> bool {
         self.object.line != 0 && self.object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)
     }
@@ -148,7 +148,7 @@ impl Mapping<'_> {
         }
     }
 
-    /// Indexes of data types skip bits of an RPDO.
+    /// The broken rule of a dummy entry: the index of a data type, which skips bits of an RPDO.
     fn wrong_with_dummy(&self, check: &Check<'_>, target: Multiplexer, bits: u8) -> Option<Wrong> {
         if target.index.0 > 0x1F {
             return Some((&rules::TARGET, "a mapped object that exists"));

@@ -12,7 +12,7 @@ pub(super) fn check(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects() {
         code(check, object, profile);
         for entry in object.entries() {
-            // In the short form one entry stands for all.
+            // In the short form (`CompactSubObj`) one entry stands for all.
             if entry.sub.0 > 1 && entry.line == object.line {
                 continue;
             }

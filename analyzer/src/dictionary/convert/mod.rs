@@ -15,13 +15,13 @@ use std::fmt;
 /// A format of device descriptions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Form {
-    /// CiA 306, a type of device.
+    /// EDS: CiA 306, a type of device.
     Eds,
-    /// CiA 306, a configured device.
+    /// DCF: CiA 306, a configured device.
     Dcf,
-    /// CiA 311, a type of device.
+    /// XDD: CiA 311, a type of device.
     Xdd,
-    /// CiA 311, a configured device.
+    /// XDC: CiA 311, a configured device.
     Xdc,
 }
 
@@ -29,7 +29,7 @@ impl Form {
     /// All formats.
     pub const ALL: [Self; 4] = [Self::Eds, Self::Dcf, Self::Xdd, Self::Xdc];
 
-    /// The name, which is also the extension of its files.
+    /// The name of the format, which is also the extension of its files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Eds => "eds",
@@ -44,7 +44,7 @@ impl Form {
         Self::ALL.into_iter().find(|form| name.eq_ignore_ascii_case(form.name()))
     }
 
-    /// Whether it describes one configured device.
+    /// Whether the format describes one configured device.
     pub const fn is_configuration(self) -> bool {
         matches!(self, Self::Dcf | Self::Xdc)
     }
@@ -72,12 +72,12 @@ pub enum ConvertError {
     NotConfigured(Form),
 }
 
-/// A file in the other format.
+/// A converted description.
 #[derive(Clone, Debug)]
 pub struct Converted {
     /// The text; the file is UTF-8.
     pub text: String,
-    /// The parts of the first file that it can't hold.
+    /// The parts of the original file that the new format can't hold.
     pub losses: Vec<Loss>,
 }
 

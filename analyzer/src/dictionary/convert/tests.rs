@@ -1,4 +1,4 @@
-//! What is written reads as what was read, in the same format and through the other one.
+//! A written description reads as the original one, in the same format and through the other one.
 
 use super::{ConvertError, Form, convert, prepare, write};
 use crate::dictionary::check::check;
@@ -38,7 +38,7 @@ fn files() -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// What a description means: without lines, problems and what a writer makes anew.
+/// The meaning of a description: without lines, problems and the parts that a writer generates.
 fn meaning(mut description: DeviceDescription) -> DeviceDescription {
     prepare::expand(&mut description);
     description.problems.clear();
@@ -48,7 +48,7 @@ fn meaning(mut description: DeviceDescription) -> DeviceDescription {
         *date = eds_date(date).unwrap_or_else(|| date.clone());
         *time = eds_time(time).unwrap_or_else(|| time.clone());
     }
-    // CiA 306: they are the same.
+    // CiA 306: these numbers of `DeviceInfo` are the defaults of 1018h.
     let identity = |sub| {
         let entry = description.dictionary.entry(Multiplexer::new(0x1018, sub)).ok()?;
         u32::try_from(entry.default.as_ref()?.fixed()?.to_raw()?).ok()
@@ -78,7 +78,7 @@ fn without_lines(object: &Object) -> Object {
     plain
 }
 
-/// What of a meaning an XDD can say.
+/// The part of a meaning that an XDD can express.
 fn in_xdd(mut description: DeviceDescription) -> DeviceDescription {
     let file = &mut description.file;
     (file.revision, file.description, file.last_eds) = (String::new(), String::new(), None);
@@ -102,14 +102,14 @@ fn in_xdd(mut description: DeviceDescription) -> DeviceDescription {
     meaning(description)
 }
 
-/// Descriptions are large: a failure shows what differs.
+/// Descriptions are large: a failure shows only the first difference.
 #[track_caller]
 fn assert_same(name: &str, old: &DeviceDescription, new: &DeviceDescription) {
     let text = |description: &DeviceDescription| {
-        // A data type that is not told is none that can be used.
+        // A data type that `DummyUsage` does not list is not usable.
         let dummies: Vec<u16> =
             description.dummy_usage.iter().filter(|(_, usable)| **usable).map(|(&index, _)| index).collect();
-        // NaN is not equal to itself, but its name is.
+        // NaN is not equal to itself, but its text is.
         format!(
             "{:#?}",
             (
@@ -144,7 +144,7 @@ fn form_of(description: &DeviceDescription, xml: bool) -> Form {
     }
 }
 
-/// Whether something is written otherwise than it is.
+/// Whether writing the description changes a value.
 fn is_changed(description: &DeviceDescription, form: Form) -> bool {
     let (_, losses) = write(description.clone(), form).unwrap();
     losses.iter().any(|loss| matches!(loss.kind, LossKind::Changed(_)))
@@ -158,7 +158,7 @@ fn files_keep_their_meaning_in_cia_306_and_through_cia_311() {
         let (eds, xdd) = (form_of(&description, false), form_of(&description, true));
         let written = read(&write(description.clone(), eds).unwrap().0);
         let before = meaning(description.clone());
-        // Control characters are written in neither format; an object of a code that nobody knows is a VAR in an XDD.
+        // Neither format can hold control characters; an object with an unknown object code becomes a VAR in an XDD.
         if ["escape-sequence.eds", "unknown-object-type.eds"].iter().any(|file| name.ends_with(file)) {
             assert!(is_changed(&description, xdd), "{name}");
             continue;
@@ -179,7 +179,8 @@ fn what_is_written_has_no_errors_that_were_not_there() {
             for finding in check(bytes, None).unwrap().findings {
                 if finding.severity() == Severity::Error {
                     let kind = finding.problem.rule.kind;
-                    // What is missing in CiA 306 is a field, in CiA 311 an attribute.
+                    // A missing part is a field in CiA 306 and an attribute in CiA 311, so kinds of problems are
+                    // compared, not rules.
                     assert_ne!(kind, ProblemKind::TooMuch);
                     *errors.entry(format!("{kind:?}")).or_default() += 1;
                 }

@@ -8,14 +8,14 @@ use crate::identity::{CobId, Index, Multiplexer};
 use crate::wire::pdo::MappingEntry;
 use std::fmt;
 
-/// The subject of a difference.
+/// The part of a description that differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Data about the file or the device: a field of a section.
     Field(&'static str),
     /// A whole object.
     Object(Index),
-    /// A sub-index of an object with sub-indexes, or the value of one without.
+    /// An entry: a sub-index of an object, or the value of an object without sub-indexes.
     Entry(Multiplexer),
     /// A PDO.
     Pdo(PdoNumber),
@@ -66,7 +66,7 @@ impl fmt::Display for Fact {
                 Some(raw) => write!(f, "{}", CobId(raw)),
                 None => write!(f, "{value}"),
             },
-            // Large numbers consist of parts, which hexadecimal digits show.
+            // Large numbers, such as an identity or device type, consist of parts, which hexadecimal digits show.
             Self::Setting(Setting::Fixed(Value::Unsigned(number @ 0x1_0000..))) => write!(f, "{number} ({number:X}h)"),
             Self::Setting(setting) | Self::CobId(setting) => write!(f, "{setting}"),
             Self::Mapping(entries) if entries.is_empty() => f.write_str("nothing"),

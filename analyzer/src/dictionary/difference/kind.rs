@@ -48,12 +48,12 @@ impl ChangeKind {
         Self { id, class, doc }
     }
 
-    /// The change in one line, without full stop.
+    /// The title: the change in one line, without full stop.
     pub fn title(&self) -> &'static str {
         self.doc.split("\n\n").next().unwrap_or_default().trim()
     }
 
-    /// Its consequence in the field.
+    /// The consequence of the change in the field.
     pub fn why(&self) -> String {
         let why = self.doc.split_once("\n\n").map_or("", |(_, why)| why);
         why.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -29,9 +29,9 @@ use std::collections::BTreeSet;
 pub struct Difference {
     /// The kind of change.
     pub kind: &'static ChangeKind,
-    /// What has changed.
+    /// The part of the description that has changed.
     pub subject: Subject,
-    /// The name of the object or entry, from the new description if it has one. The text comes from a file and may
+    /// The name of the object or entry, in the new description if it has one. The text comes from a file and may
     /// contain any characters.
     pub name: String,
     /// The value in the old description, if it has one.
@@ -48,7 +48,7 @@ pub fn kinds() -> impl Iterator<Item = &'static ChangeKind> {
         .copied()
 }
 
-/// All differences: of the device, its modules, its PDOs, then of the objects by index.
+/// All differences: of the device, its modules and PDOs, then of the objects by index.
 pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Difference> {
     let mut comparison = Comparison { old, new, told: BTreeSet::new(), found: Vec::new() };
     device::compare(&mut comparison);
@@ -63,7 +63,7 @@ pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Differen
 struct Comparison<'a> {
     old: &'a DeviceDescription,
     new: &'a DeviceDescription,
-    /// Entries whose start value is reported with their PDO.
+    /// Entries whose start value is reported with their PDO, and so not again.
     told: BTreeSet<Multiplexer>,
     found: Vec<Difference>,
 }

@@ -1,4 +1,4 @@
-//! Modules of a modular device, and those that a DCF plugs in.
+//! Differences of a modular device's modules, and of the modules that a DCF plugs in.
 
 use super::kind::kinds;
 use super::{Comparison, Fact, Subject};

@@ -44,7 +44,7 @@ kinds! {
     SUB_ADDED: Harmless "sub-index/added";
 }
 
-/// Compares all objects of both.
+/// Compares the objects of both descriptions.
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let (old, new) = (&comparison.old.dictionary, &comparison.new.dictionary);
     let both = old.objects().iter().chain(new.objects());
@@ -77,7 +77,7 @@ fn object(comparison: &mut Comparison<'_>, old: &Object, new: &Object) {
         let at = Multiplexer { index: old.index, sub };
         let subject = Subject::Entry(at);
         match (old.entry(sub), new.entry(sub)) {
-            // Sub-index 0 of a single value and of a structure are no counterparts.
+            // Sub-index 0 of a single value is the value, that of a structure a count: they are no counterparts.
             (Some(_), Some(_)) if old.code.is_single() != new.code.is_single() => {}
             (Some(before), Some(after)) => {
                 entries::compare(comparison, at, before, after, old.code.is_single());

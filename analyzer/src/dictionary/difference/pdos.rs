@@ -43,7 +43,7 @@ kinds! {
     TRANSMISSION: Notable "pdo/transmission";
 }
 
-/// Compares the PDOs of both. A removed PDO is reported as removed objects.
+/// Compares the PDOs of both descriptions. A removed PDO is reported as removed objects.
 pub(super) fn compare(comparison: &mut Comparison<'_>) {
     let objects = comparison.old.dictionary.objects().iter();
     let of = |index| PdoNumber::of_mapping_index(index).or(PdoNumber::of_communication_index(index));
@@ -95,7 +95,7 @@ fn cob_id(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
     comparison.report(kind, Subject::Pdo(pdo), Some(Fact::CobId(old)), Some(Fact::CobId(new)));
 }
 
-/// The COB-ID, and whether the node-ID is added.
+/// The COB-ID or its offset, and whether the node-ID is added.
 fn parts(setting: &Setting) -> (u32, bool) {
     match setting {
         Setting::NodeIdPlus(offset) => (*offset, true),
@@ -103,7 +103,7 @@ fn parts(setting: &Setting) -> (u32, bool) {
     }
 }
 
-/// Transmission type, inhibit time, event timer and SYNC start value.
+/// Compares transmission type, inhibit time, event timer and SYNC start value.
 fn transmission(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
     for sub in [2, 3, 5, 6] {
         let at = Multiplexer::new(pdo.communication_index(), sub);

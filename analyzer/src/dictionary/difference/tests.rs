@@ -1,11 +1,11 @@
-//! Each kind of change, made in a description and found.
+//! Each kind of change is made in a description and found.
 
 use super::{Class, Difference, compare, kinds};
 use crate::dictionary::DeviceDescription;
 use std::collections::BTreeSet;
 
 const EDS: &str = include_str!("../../../tests/difference/old.eds");
-/// What makes it a DCF.
+/// The sections that make the EDS a DCF.
 const DCF: &str = "[DeviceComissioning]\nNodeID=5\nNodeName=Left\nBaudrate=250\nNetNumber=1\nNetworkName=Line\n\
                    CANopenManager=0\nLSS_SerialNumber=7\n[ConnectedModules]\nNrOfEntries=1\n1=1\n";
 
@@ -13,13 +13,13 @@ fn read(text: &str) -> DeviceDescription {
     DeviceDescription::read(text.as_bytes()).unwrap()
 }
 
-/// What is found if the file is changed there. Ids of kinds, with the subject.
+/// The differences found if `from` is replaced by `to` in the file.
 fn found(old: &str, from: &str, to: &str) -> Vec<Difference> {
     assert!(old.contains(from), "{from}");
     compare(&read(old), &read(&old.replacen(from, to, 1)))
 }
 
-/// A change, and the kinds of difference that it makes, each with its subject, what was and what is.
+/// A change (old text, new text), and the expected differences: each with its kind, subject, old and new value.
 type Change = (&'static str, &'static str, &'static [&'static str]);
 
 #[rustfmt::skip]
@@ -51,7 +51,7 @@ const CHANGES: &[Change] = &[
     ("Denotation=door", "Denotation=gate", &["entry/denotation 2001h:00 \"door\" -> \"gate\""]),
     ("HighLimit=1000", "HighLimit=100", &["limit/narrower 2000h:00 1000 -> 100"]),
     ("HighLimit=1000", "", &["limit/wider 2000h:00 1000 -> -"]),
-    // What the type says anyway.
+    // The limit is that of the data type anyway.
     ("LowLimit=0\n", "", &[]),
     ("LowLimit=0\n", "LowLimit=1\n", &["limit/narrower 2000h:00 0 -> 1"]),
     ("HighLimit=1000", "HighLimit=$NODEID+5", &["limit/changed 2000h:00 1000 -> $NODEID+5h"]),
@@ -69,7 +69,7 @@ const CHANGES: &[Change] = &[
     ("DefaultValue=$NODEID+0x180", "DefaultValue=$NODEID+0x40000180", &["pdo/remote-frames TPDO 1 $NODEID+180h -> $NODEID+40000180h"]),
     ("[2002sub0]\nParameterName=Highest sub-index supported\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2",
         "[2002sub0]\nParameterName=Highest sub-index supported\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=3", &["default/count 2002h:00 2 -> 3"]),
-    // Another type has other limits, which are reported with it.
+    // The new type has other limits, which are reported as a change of the type.
     ("DataType=0x0006\nLowLimit=0\nHighLimit=1000", "DataType=0x0008\nLowLimit=0\nHighLimit=1000", &["entry/data-type 2000h:00 UNSIGNED16 -> REAL32", "default/changed 2000h:00 5 -> 5"]),
     ("DefaultValue=255", "DefaultValue=1", &["pdo/transmission 1800h:02 255 -> 1"]),
     ("VendorNumber=17", "VendorNumber=18", &["device/identity VendorNumber 00000011h -> 00000012h"]),
@@ -131,7 +131,7 @@ fn every_kind_says_what_changed_and_what_follows() {
 fn what_is_the_same_has_no_difference() {
     let old = format!("{EDS}{DCF}");
     assert_eq!(compare(&read(&old), &read(&old)), []);
-    // Lines, case, forms of numbers and the order of sections mean nothing.
+    // Line ends, case, forms of numbers and the order of sections have no meaning.
     let (head, modules) = EDS.split_once("[SupportedModules]").unwrap();
     let moved = format!("; moved\n[SupportedModules]{modules}\n{head}{DCF}");
     let moved = moved.replace("HighLimit=1000", "highlimit=0x3E8").replace("[2000]", "[0x2000]");

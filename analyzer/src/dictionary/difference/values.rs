@@ -71,7 +71,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
         return;
     }
     let is_cob_id = is_cob_id(at);
-    // Parameters of PDOs are reported with the PDO; the rest has no consequence on the bus.
+    // The COB-ID of a PDO is reported with the PDO; a difference left here has no consequence on the bus.
     let is_of_pdo = PdoNumber::of_communication_index(at.index.0).is_some();
     let fact = |setting: &Option<Setting>| {
         setting.clone().map(|setting| if is_cob_id { Fact::CobId(setting) } else { Fact::Setting(setting) })
@@ -99,8 +99,8 @@ fn limits(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &E
     for high in [false, true] {
         let of = |entry: &Entry| if high { entry.high_limit.clone() } else { entry.low_limit.clone() };
         let (before, after) = (of(old), of(new));
-        // If the type has changed, only given limits are compared: the change of the type's own limits is reported as
-        // a change of the type.
+        // If the type has changed, only limits in the file are compared: a change of the type's own limits is reported
+        // as a change of the type.
         let bound = |entry: &Entry| of(entry).or_else(|| extreme(entry.data_type, high));
         let (old_bound, new_bound) =
             if old.data_type == new.data_type { (bound(old), bound(new)) } else { (before.clone(), after.clone()) };
@@ -148,12 +148,12 @@ fn real(value: &Value) -> Option<f64> {
     match value {
         Value::Real32(value) => Some(f64::from(*value)),
         Value::Real64(value) => Some(*value),
-        // The limits are of another type.
+        // After a change from or to a REAL type, one of the two limits is an integer.
         _ => value.as_number().map(|number| number as f64),
     }
 }
 
-/// The lowest or highest value of an integer type: its limit if none is given.
+/// The lowest or highest value of an integer type, which is the limit if the file gives none.
 fn extreme(data_type: DataType, high: bool) -> Option<Setting> {
     let bits = data_type.bits()?;
     let all_ones = u64::MAX >> 64u32.checked_sub(bits)?;

@@ -23,7 +23,7 @@ pub struct Completion {
     pub text: String,
 }
 
-/// The completions at that place, the most likely first.
+/// The completions at a place, the most likely first.
 pub fn complete(source: &Source<'_>, at: usize) -> Vec<Completion> {
     let (line, _) = source.position(at);
     let whole = source.whole_line(line);
@@ -80,7 +80,7 @@ fn values(known: &[Key], name: &str, range: Range<usize>) -> Vec<Completion> {
     values.iter().map(of_value).collect()
 }
 
-/// The objects of the standards that are not described yet, each with its section and those of its entries.
+/// The objects of the standards that are not described yet, each with the sections of the object and its entries.
 fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
     let profile = profile(source);
     let typed = source.text.get(range.clone()).unwrap_or_default().trim_matches(['[', ']']).to_ascii_uppercase();
@@ -94,7 +94,7 @@ fn objects(source: &Source<'_>, range: Range<usize>) -> Vec<Completion> {
             continue;
         }
         let Some(object) = standard_object(Index(index), profile) else { continue };
-        // Of many objects of a kind, such as 512 TPDOs, only the first missing one is offered.
+        // Of many objects of the same kind, such as 512 TPDOs, only the first missing one is offered.
         if index > object.first && !there.contains(&(index - 1)) {
             continue;
         }

@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct Hover {
     /// The text in Markdown.
     pub text: String,
-    /// The part of the file that it explains.
+    /// The part of the file that the text explains.
     pub range: Range<usize>,
 }
 
@@ -51,7 +51,8 @@ pub fn hover(source: &Source<'_>, at: usize) -> Option<Hover> {
     Some(Hover { text, range: field.value_span().range() })
 }
 
-/// `**1018h:01** Vendor-ID`, with the standard's name, its type and its access where these are fixed.
+/// The hover text of an object: `**1018h:01** Vendor-ID`, with the standard's name, and its type and access if the
+/// standard fixes them.
 fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u16>) -> String {
     let mut text = if is_entry { format!("**{at}**") } else { format!("**{}**", at.index) };
     if let Some(own) = own {
@@ -75,7 +76,7 @@ fn object(at: Multiplexer, is_entry: bool, own: Option<&str>, profile: Option<u1
     text
 }
 
-/// The device profile: the low word of 1000h, as described. It decides which names the objects of profiles have.
+/// The device profile in the file: the low word of 1000h. It determines the names of the objects from 6000h on.
 pub(super) fn profile(source: &Source<'_>) -> Option<u16> {
     let device_type = Multiplexer::new(crate::object::DEVICE_TYPE, 0);
     let section = sections(source).find(|section| section.address() == Some((device_type, false)))?;

@@ -1,16 +1,16 @@
-//! The fields of each kind of section, with their meaning by CiA 306 in our words.
+//! The fields of each kind of section, with their meanings by CiA 306.
 
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::source::{Section, SectionName};
 
-/// A field.
+/// A field of a section.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// Its name.
+    /// The name of the field.
     pub name: &'static str,
-    /// Its meaning.
+    /// The meaning of the field.
     pub meaning: &'static str,
-    /// Its allowed values, if there are few.
+    /// The allowed values, if there are few.
     pub values: &'static [&'static str],
 }
 

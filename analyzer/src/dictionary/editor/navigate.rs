@@ -38,7 +38,7 @@ pub(super) fn sections<'s>(source: &'s Source<'_>) -> impl Iterator<Item = Secti
     source.elements().filter(|_| !source.is_xml())
 }
 
-/// The object or entry that a section or a value mentions at that place.
+/// The object or entry that a section or a value mentions at a place.
 fn named_at(source: &Source<'_>, at: usize) -> Option<Multiplexer> {
     let section = source.section_at(at)?;
     if at <= section.name_span().range().end {
@@ -63,7 +63,7 @@ fn named_by(section: Section<'_>, field: Field<'_>) -> Option<Multiplexer> {
     }
 }
 
-/// The object in a value: `0x1018` is an object, `0x60040020` in a mapping an entry.
+/// The object that a value mentions: `0x1018` is an object, `0x60040020` in a mapping an entry.
 pub(super) fn address_of_value(value: &str, is_mapping: bool) -> Option<Multiplexer> {
     let digits = value.trim().strip_prefix("0x").or_else(|| value.trim().strip_prefix("0X"))?;
     let number = u32::from_str_radix(digits, 16).ok()?;

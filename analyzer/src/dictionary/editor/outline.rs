@@ -11,11 +11,11 @@ pub struct Symbol {
     pub name: String,
     /// `ParameterName` of an object or entry.
     pub detail: String,
-    /// The range from its name to its last line.
+    /// The range from the name of the section to its last line.
     pub whole: Range<usize>,
-    /// The range of its name.
+    /// The range of the name.
     pub selected: Range<usize>,
-    /// Whether it describes an object, or an entry of one.
+    /// Whether the section describes an object, or an entry of one.
     pub is_object: bool,
     /// The entries of an object.
     pub entries: Vec<Symbol>,

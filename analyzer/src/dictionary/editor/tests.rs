@@ -1,4 +1,4 @@
-//! A file as one writes it.
+//! Tests of the editor functions in a typical file.
 
 use super::*;
 use crate::dictionary::source::Source;
@@ -104,7 +104,7 @@ fn what_may_come_next() {
 }
 
 proptest::proptest! {
-    /// No text and no place makes anything panic; places that are offered are in the text.
+    /// No text and no place causes a panic; offered places are in the text.
     #[test]
     fn any_text_and_any_place(text in "(\\[|\\]|=|0x1018|sub|1A00|DefaultValue|é|\r?\n| |;|[a-z0-9]){0,40}", at in 0usize..200) {
         let at = (0..=text.len()).rev().find(|&place| place <= at && text.is_char_boundary(place)).unwrap_or(0);

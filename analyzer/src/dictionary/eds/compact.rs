@@ -12,8 +12,8 @@ use crate::dictionary::value::Value;
 use crate::identity::{Index, SubIndex};
 use crate::object;
 
-/// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` give
-/// the exceptions.
+/// Adds sub-index 0 and `count` entries like the template; `[xxxxName]`, `[xxxxValue]` and `[xxxxDenotation]` give the
+/// differing names and values.
 pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &Source<'_>, problems: &mut Problems) {
     let mut number_of_entries = Entry::new(0, "NrOfObjects", DataType::UNSIGNED8, Access::Ro);
     number_of_entries.default = Some(Setting::Fixed(Value::Unsigned(count.into())));
@@ -117,7 +117,7 @@ fn communication_parameter(index: u16, pdo: &str, mask: u8, number: u16, cob_id:
         }
         highest = sub;
         let mut entry = Entry::new(sub, name, data_type, Access::Rw);
-        // Only the first four have a COB-ID in the predefined connection set.
+        // Only the first four PDOs have a COB-ID in the predefined connection set.
         entry.default = match sub {
             1 if number < 4 => Some(Setting::NodeIdPlus(cob_id + 0x100 * u32::from(number))),
             1 => Some(Setting::Fixed(Value::Unsigned(0x8000_0000))),

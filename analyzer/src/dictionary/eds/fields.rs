@@ -42,13 +42,13 @@ impl<'s> Fields<'s, '_> {
         number_in(found.value(), most, self.place(found, field.text()), self.problems)
     }
 
-    /// 0 or 1; missing or wrong is `false`.
+    /// A flag, 0 or 1; `false` if the field is missing or wrong.
     pub fn flag(&mut self, field: FieldName) -> bool {
         let found = self.section.field(field);
         found.is_some_and(|found| flag_in(found.value(), self.place(found, field.text()), self.problems))
     }
 
-    /// A value of that data type, or a formula; `None` if the field is missing, empty or wrong.
+    /// A value of the data type, or a formula; `None` if the field is missing, empty or wrong.
     pub fn setting(&mut self, field: FieldName, data_type: DataType) -> Option<Setting> {
         let found = self.section.field(field)?;
         setting(found.value(), data_type, self.place(found, field.text()), self.problems)
@@ -70,7 +70,7 @@ impl<'s> Fields<'s, '_> {
     }
 }
 
-/// A number from 0 to `most`, in any of the allowed forms; `None` if there is none, or a wrong one.
+/// A number from 0 to `most`, in any of the allowed forms; `None` if the text is empty or wrong.
 fn number_in(text: &str, most: u32, place: Place<'_>, problems: &mut Problems) -> Option<u32> {
     if is_nothing(text) {
         return None;
@@ -89,7 +89,7 @@ fn number_in(text: &str, most: u32, place: Place<'_>, problems: &mut Problems) -
     value
 }
 
-/// 0 or 1; wrong is `false`.
+/// A flag, 0 or 1; `false` if the text is wrong.
 pub(super) fn flag_in(text: &str, place: Place<'_>, problems: &mut Problems) -> bool {
     let word = ["false", "no", "true", "yes"].iter().position(|word| text.eq_ignore_ascii_case(word));
     if let Some(position) = word {
@@ -108,7 +108,7 @@ fn is_nothing(text: &str) -> bool {
     matches!(text.as_bytes(), [] | [b';', ..])
 }
 
-/// The text as a value of that data type, or a formula; `None` if it is empty or wrong.
+/// The text as a value of the data type, or a formula; `None` if it is empty or wrong.
 pub(in crate::dictionary) fn setting(
     text: &str,
     data_type: DataType,
@@ -180,8 +180,8 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
     setting
 }
 
-/// The number in that data type. A negative number of an unsigned type, or a number of a signed type that only fits
-/// unsigned, is taken as its bits: negative numbers are usually written in hexadecimal.
+/// The number in the data type. A negative number of an unsigned type, or a number of a signed type that only fits
+/// unsigned, gives the value with the same bits: negative numbers are usually written in hexadecimal.
 fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Value> {
     let all: i128 = 1 << data_type.bits()?;
     if number >= all || number < -all / 2 {
@@ -197,7 +197,7 @@ fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, pro
     Value::from_raw(data_type, number as u64)
 }
 
-/// A decimal number, or the bits in hexadecimal.
+/// Parses a decimal number, or the bits in hexadecimal.
 fn real(text: &str, data_type: DataType) -> Option<Value> {
     let text = text.split(';').next()?.trim();
     if text.starts_with("0x") || text.starts_with("0X") {
@@ -208,13 +208,13 @@ fn real(text: &str, data_type: DataType) -> Option<Value> {
     Some(if data_type == DataType::REAL32 { Value::Real32(number as f32) } else { Value::Real64(number) })
 }
 
-/// The bytes of a string: Latin-1 if possible, since the file had these bytes.
+/// The bytes of a string: Latin-1 if all characters have one, since the file had these bytes.
 fn characters(text: &str) -> Vec<u8> {
     let latin_1: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(character).ok()).collect();
     latin_1.unwrap_or_else(|| text.as_bytes().to_vec())
 }
 
-/// Pairs of hexadecimal digits, with or without blanks and `0x` before them.
+/// Parses pairs of hexadecimal digits, with or without blanks and `0x` before them.
 fn octets(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     for word in text.split_whitespace() {

@@ -25,7 +25,7 @@ pub(super) const FILE_INFO: [FieldName; 12] = [
     FieldName::LastEds,
 ];
 
-/// The fields that every FileInfo has.
+/// The fields that every `FileInfo` must have.
 const EACH_FILE_INFO: [FieldName; 6] = [
     FieldName::FileName,
     FieldName::FileVersion,
@@ -35,7 +35,7 @@ const EACH_FILE_INFO: [FieldName; 6] = [
     FieldName::CreatedBy,
 ];
 
-/// The fields that every DeviceInfo has.
+/// The fields that every `DeviceInfo` must have.
 const EACH_DEVICE_INFO: [FieldName; 9] = [
     FieldName::VendorName,
     FieldName::VendorNumber,
@@ -64,7 +64,7 @@ const BIT_RATE_FIELDS: [FieldName; 9] = [
     FieldName::BaudRate1000,
 ];
 
-/// The node-ID of a device that has none (CiA 305).
+/// The node-ID of an unconfigured device (CiA 305).
 const UNCONFIGURED: u32 = 255;
 
 const DEVICE_INFO: [FieldName; 18] = [
@@ -132,7 +132,7 @@ pub(super) fn file_info(section: Section<'_>, problems: &mut Problems) -> FileIn
     }
 }
 
-/// Reports missing fields that every such section has.
+/// Reports missing fields that every section of this kind must have.
 fn check_present(fields: &mut Fields<'_, '_>, names: &[FieldName]) {
     for &name in names {
         if fields.optional_text(name).is_none() {
@@ -149,7 +149,7 @@ pub(super) fn check_spelling(section: Section<'_>, problems: &mut Problems) {
     }
 }
 
-/// Only a DCF names the EDS that it was made from.
+/// Reports `LastEDS` in an EDS: only a DCF names the EDS from which it was made.
 pub(super) fn check_last_eds(source: &Source<'_>, description: &DeviceDescription, problems: &mut Problems) {
     let Some(section) = source.section("FileInfo") else { return };
     if let (Some(last), false) = (&description.file.last_eds, description.is_configuration()) {
@@ -157,7 +157,7 @@ pub(super) fn check_last_eds(source: &Source<'_>, description: &DeviceDescriptio
     }
 }
 
-/// An empty date is allowed.
+/// Checks the form of a date or time. An empty one is allowed.
 fn check_form(
     fields: &mut Fields<'_, '_>,
     field: FieldName,
@@ -252,7 +252,7 @@ pub(super) fn dummy_usage(section: Section<'_>, problems: &mut Problems) -> BTre
         let name = canonical(field.name());
         let digits = name.strip_prefix("dummy").filter(|digits| digits.len() == 4);
         let digits = digits.filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
-        // The four digits are the index of the data type.
+        // The four digits of `Dummyxxxx` are the index of the data type.
         match digits.and_then(|digits| u16::from_str_radix(digits, 16).ok()) {
             Some(index) => {
                 dummies.insert(index, flag_in(field.value(), field.place(), problems));
@@ -266,7 +266,7 @@ pub(super) fn dummy_usage(section: Section<'_>, problems: &mut Problems) -> BTre
     dummies
 }
 
-/// The fields `Line1`, `Line2`… in the order of the file. `Lines` should be their number.
+/// The texts of the fields `Line1`, `Line2`… in the order of the file. `Lines` should be their number.
 pub(super) fn comments(section: Section<'_>, problems: &mut Problems) -> Vec<String> {
     let is_line = |field: Field<'_>| {
         let name = canonical(field.name());

@@ -77,7 +77,7 @@ pub(super) fn numbered(section: Section<'_>, count: FieldName, problems: &mut Pr
     numbers
 }
 
-/// The list to which an object belongs.
+/// The list to which an object belongs by its index.
 pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     match index {
         object::DEVICE_TYPE | object::ERROR_REGISTER | object::IDENTITY => LISTS[0],
@@ -86,7 +86,7 @@ pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     }
 }
 
-/// Checks that every object in `[xxxxObjectLinks]` is described, and their number.
+/// Checks that every object in `[xxxxObjectLinks]` is described, and that `ObjectLinks` is their number.
 pub(super) fn check_links(source: &Source<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in source.sections() {
         let is_links =
@@ -127,7 +127,7 @@ fn check(lists: &ObjectLists, source: &Source<'_>, dictionary: &ObjectDictionary
             if dictionary.object(index).is_none() {
                 report(&rules::list::UNDESCRIBED, "a section of each listed object");
             }
-            // Since CiA 301 version 4.0 the object is mandatory.
+            // 1018h is mandatory only since CiA 301 version 4.0.
             let may_be_optional = index.0 == object::IDENTITY && position == 1;
             if section != list_of(index.0) && !may_be_optional {
                 report(&rules::list::WRONG, "mandatory, optional and manufacturer objects in their own lists");

@@ -67,7 +67,7 @@ fn check_list(section: Section<'_>, problems: &mut Problems) {
     numbered(section, FieldName::NrOfEntries, problems);
 }
 
-/// Modules are numbered from 1 to `NrOfEntries`, and each has a `MxModuleInfo`.
+/// Checks that modules are numbered from 1 to `NrOfEntries`, and that each has a `MxModuleInfo`.
 fn check_numbers(source: &Source<'_>, modules: &BTreeMap<u16, ModuleParts<'_>>, problems: &mut Problems) {
     let supported = source.section("SupportedModules");
     if let Some(section) = supported {

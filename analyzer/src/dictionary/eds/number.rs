@@ -14,12 +14,12 @@ pub(super) struct Number {
     pub oddity: Option<Oddity>,
 }
 
-/// A spelling that is understood although the standard does not allow it.
+/// A spelling that the reader understands although the standard does not allow it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Oddity {
     /// The form that the standard expects.
     pub expected: &'static str,
-    /// The rule that it breaks.
+    /// The rule that the spelling breaks.
     pub rule: &'static Rule,
 }
 
@@ -42,7 +42,7 @@ pub(in crate::dictionary) fn value_of(text: &str) -> Option<i128> {
     parse(text).filter(|number| !number.plus_node_id).map(|number| number.value)
 }
 
-/// A decimal or hexadecimal number in the standard's form, of at most 16 digits: the quick way for nearly all.
+/// A decimal or hexadecimal number in the standard's form, of at most 16 digits: a quick parser for nearly all numbers.
 fn plain(text: &[u8]) -> Option<u64> {
     let (digits, radix) = match text {
         [b'0'] => return Some(0),
@@ -98,7 +98,7 @@ fn parse_any(text: &str) -> Option<Number> {
     Some(number)
 }
 
-/// The same number or formula in the form of CiA 306; `None` if that would be a guess.
+/// The number or formula in the form of CiA 306; `None` if converting it would be a guess.
 pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
     let number = parse(text)?;
     let (bare, comment) = match text.split_once([';', '#']) {

@@ -186,7 +186,7 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
 }
 
 pub(super) fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
-    // CiA 306: the default is VAR.
+    // CiA 306: the default of `ObjectType` is VAR.
     if fields.optional_text(FieldName::ObjectType).is_none() {
         fields.report(FieldName::ObjectType, &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
     }
@@ -257,7 +257,7 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
     }
     let expected = "const, ro, wo, rw, rwr or rww";
     if text.is_empty() {
-        // CiA 306: a domain may leave out the access type, which is rw then.
+        // CiA 306: a domain may leave out the access type; its access is then rw.
         if data_type == DataType::DOMAIN {
             return Access::Rw;
         }
@@ -272,7 +272,7 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
     access
 }
 
-/// Access types in spellings of some authors.
+/// The access type that authors mean by a spelling which CiA 306 does not have.
 pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
     Some(match text.to_ascii_lowercase().as_str() {
         "r" | "read" | "readonly" => Access::Ro,
@@ -283,7 +283,7 @@ pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
     })
 }
 
-/// `SubNumber` and the default of sub-index 0.
+/// Checks `SubNumber`, and the default of sub-index 0.
 fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>) {
     let subs = parts.subs.len();
     let announced = fields.number(FieldName::SubNumber, 0xFF);
@@ -299,15 +299,15 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
         fields.report_section(&rules::section::SUB_0_MISSING, "sub-index 0", "none");
         return;
     };
-    // FFh describes the object's structure and is not counted.
+    // Sub-index FFh describes the object's structure and is not counted.
     let highest = object.entries().iter().map(|entry| entry.sub.0).filter(|&sub| sub < 0xFF).max().unwrap_or(0);
     let default = count.default.as_ref().and_then(Setting::fixed).and_then(|value| value.as_number());
-    // A writable sub-index 0 counts the entries in use, not the existing ones.
+    // A writable sub-index 0 counts the entries in use, which may be fewer than the existing ones.
     if !count.access.is_writable() && default.is_some_and(|default| default != i128::from(highest)) {
         let place = section.place_of(FieldName::DefaultValue);
         let expected = "the highest sub-index in sub-index 0";
         let found = format!("{highest:02X}h is the highest");
-        // 1003h counts the current errors.
+        // Sub-index 0 of 1003h counts the current errors.
         if object.index.0 != object::PREDEFINED_ERROR_FIELD {
             fields.problems.report(place, &rules::list::HIGHEST, expected, &found);
         }

@@ -9,7 +9,7 @@ use crate::dictionary::object::{Entry, Object};
 use crate::dictionary::source::{Field, FieldName, ModulePart, Section, SectionName, Source, canonical};
 use crate::identity::{Index, SubIndex};
 
-/// Whether that field of an object with sub-indexes is kept.
+/// Whether a description keeps this field of an object with sub-indexes.
 const fn is_head(field: FieldName) -> bool {
     matches!(field, FieldName::ParameterName | FieldName::ObjectType | FieldName::SubNumber | FieldName::CompactSubObj)
 }
@@ -19,7 +19,7 @@ const fn is_value(field: FieldName) -> bool {
     matches!(field, FieldName::DefaultValue | FieldName::LowLimit | FieldName::HighLimit | FieldName::ParameterValue)
 }
 
-/// The fields of `DeviceComissioning` that are kept.
+/// The fields of `DeviceComissioning` that a description keeps.
 const COMMISSIONING: [FieldName; 7] = [
     FieldName::NodeId,
     FieldName::NodeName,
@@ -29,7 +29,7 @@ const COMMISSIONING: [FieldName; 7] = [
     FieldName::CanopenManager,
     FieldName::LssSerialNumber,
 ];
-/// Fields of `DeviceInfo` that are known and not kept.
+/// Fields of `DeviceInfo` that canvass knows but a description does not keep.
 const UNKEPT_DEVICE_INFO: [FieldName; 3] =
     [FieldName::CanopenSafetySupported, FieldName::ExtendedBootUpMaster, FieldName::ExtendedBootUpSlave];
 
@@ -70,7 +70,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
             entry(section, object.and_then(|object| object.entry(SubIndex(sub))), losses);
         }
         SectionName::Beside(index) => {
-            // Only the sections next to an object in short form are used.
+            // The reader uses only the sections next to an object in short form.
             let head = source.section(&format!("{index:04X}"));
             let is_used = head.is_some_and(|head| head.field(FieldName::CompactSubObj).is_some())
                 && !canonical(section.name()).ends_with("objectlinks");
@@ -89,7 +89,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
         | SectionName::Tools
         | SectionName::Unknown
         | SectionName::Module(_, ModulePart::Comments) => whole(section, losses),
-        // Lists, which are written from the described objects, and sections that are kept.
+        // The sections of lists are written anew from the described objects; the content of the others is kept.
         SectionName::DummyUsage
         | SectionName::MandatoryObjects
         | SectionName::OptionalObjects
@@ -100,7 +100,8 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
     }
 }
 
-/// The section of an object; without sub-indexes it is also its entry.
+/// Reports the fields in the section of an object that are not kept. Without sub-indexes it is also the section of its
+/// entry.
 fn head(section: Section<'_>, object: Option<&Object>, losses: &mut Losses) {
     match object {
         Some(object) if object.code.is_single() => entry(section, object.entries().first(), losses),
@@ -117,7 +118,7 @@ fn entry(section: Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
     fields(section, losses, |field| field.known().is_some_and(is_kept));
 }
 
-/// The fields that are neither blank nor kept.
+/// Reports the fields that are neither blank nor kept.
 fn fields(section: Section<'_>, losses: &mut Losses, kept: impl Fn(Field<'_>) -> bool) {
     for field in section.fields() {
         if !field.value().is_empty() && !kept(field) {

@@ -1,4 +1,4 @@
-//! The bits of registers that a standard defines.
+//! The names of the bits of registers, by the standards.
 
 use super::known_profile;
 use crate::identity::Index;

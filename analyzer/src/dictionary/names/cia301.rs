@@ -1,11 +1,11 @@
-//! CiA 301, communication profile area, 1000h to 1EFFh; with the objects of versions before 4 that devices still have
-//! (1004h, 100Bh, 100Eh, 100Fh) and the SRDO parameters of CiA 304 (EN 50325-5).
+//! CiA 301, communication profile area, 1000h to 1EFFh; also the objects of versions before 4 that devices still have
+//! (1004h, 100Bh, 100Eh, 100Fh), and the SRDO parameters of CiA 304 (EN 50325-5).
 
 use super::{StandardObject, object, var};
 
 const STANDARD: &str = "CiA 301";
 
-/// Of the SRDO parameters.
+/// The standard of the SRDO parameters.
 const SAFETY: &str = "CiA 304";
 
 pub(super) static OBJECTS: &[StandardObject] = &[

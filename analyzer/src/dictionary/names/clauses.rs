@@ -48,8 +48,8 @@ const CIA_301: &[(u16, &str, Confidence)] = &[
 ];
 
 impl StandardObject {
-    /// The clause that describes the object. Sections of standards other than CiA 301, and of objects that version
-    /// 4.2 dropped, are unknown.
+    /// The clause that describes the object. The section is unknown for standards other than CiA 301, and for objects
+    /// that version 4.2 dropped.
     pub fn clause(&self) -> Clause {
         let known = CIA_301.binary_search_by_key(&self.first, |&(first, ..)| first).ok();
         let known = known.and_then(|position| CIA_301.get(position));

@@ -22,16 +22,17 @@ use super::data_type::DataType;
 use super::object::{Access, ObjectCode};
 use crate::identity::{Index, Multiplexer, SubIndex};
 
-/// An object that a standard defines, or several of the same kind (such as the TPDO communication parameters).
+/// An object that a standard defines, or a range of objects of the same kind (such as the TPDO communication
+/// parameters).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandardObject {
-    /// The index, or the first of several.
+    /// The index, or the first index of the range.
     pub first: u16,
-    /// The last index: `first`, if it is one object.
+    /// The last index of the range; `first` for one object.
     pub last: u16,
-    /// The standard that defines it, such as `CiA 301`.
+    /// The standard that defines the object, such as `CiA 301`.
     pub standard: &'static str,
-    /// The standard's name.
+    /// The name of the object in the standard.
     pub name: &'static str,
     /// The object code.
     pub code: ObjectCode,
@@ -39,14 +40,14 @@ pub struct StandardObject {
     pub entries: &'static [StandardEntry],
 }
 
-/// A sub-index that a standard defines, or several of the same kind.
+/// A sub-index that a standard defines, or a range of sub-indexes of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandardEntry {
-    /// The sub-index, or the first of several.
+    /// The sub-index, or the first sub-index of the range.
     pub first: u8,
-    /// The last sub-index: `first`, if it is one entry.
+    /// The last sub-index of the range; `first` for one entry.
     pub last: u8,
-    /// The standard's name; empty for a VAR, whose object has it.
+    /// The name of the entry in the standard; empty for a VAR, whose object has the name.
     pub name: &'static str,
     /// The data type, if the standard fixes one.
     pub data_type: Option<DataType>,
@@ -99,14 +100,14 @@ pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectN
     Some(ObjectName { object, entry: entry(object, address.sub), address })
 }
 
-/// The object of that index in the standards.
+/// The object of a standard with this index.
 pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
     let table = in_area(index, profile);
     let position = table.partition_point(|object| object.last < index.0);
     table.get(position).filter(|object| object.first <= index.0)
 }
 
-/// All objects of the standard that covers that index; empty if there is none.
+/// All objects of the standard that covers the index; empty if no standard does.
 pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
     match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
@@ -116,7 +117,7 @@ pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] 
     }
 }
 
-/// Whether CiA 301 defines a COB-ID there: of SYNC, TIME, EMCY, an SDO channel or a PDO.
+/// Whether CiA 301 defines a COB-ID at the address: of SYNC, TIME, EMCY, an SDO channel or a PDO.
 pub const fn is_cob_id(at: Multiplexer) -> bool {
     matches!(
         (at.index.0, at.sub.0),

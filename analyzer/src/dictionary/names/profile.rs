@@ -11,13 +11,13 @@ use std::sync::LazyLock;
 
 /// The objects of a device profile, from 6000h on, and properties of the devices that have them.
 pub trait Profile: Sync {
-    /// Its number, as in the low word of 1000h.
+    /// The number of the profile, as in the low word of 1000h.
     fn number(&self) -> u16;
 
-    /// Its standard, such as `CiA 401`.
+    /// The standard of the profile, such as `CiA 401`.
     fn standard(&self) -> &'static str;
 
-    /// Its objects by rising index, from 6000h to 67FFh.
+    /// The objects of the profile by rising index, from 6000h to 67FFh.
     fn objects(&self) -> &'static [StandardObject];
 
     /// The names of an object's bits, from bit 0 on; empty if the profile does not define them.
@@ -45,7 +45,7 @@ pub trait Profile: Sync {
         None
     }
 
-    /// The objects with a role, each with its roles.
+    /// The objects that have a role, each with its roles.
     fn roles(&self) -> &'static [(u16, &'static [Role])] {
         &[]
     }
@@ -55,7 +55,7 @@ pub trait Profile: Sync {
         false
     }
 
-    /// Whether a correct device of that type (1000h) may send nothing after a reset until it gets a request.
+    /// Whether a correct device of this type (1000h) may send nothing after a reset until it gets a request.
     fn may_be_silent(&self, _device_type: u32) -> bool {
         false
     }
@@ -66,22 +66,22 @@ pub trait Configured {
     /// The value of a parameter.
     fn parameter(&self, at: Multiplexer) -> Option<u32>;
 
-    /// The name of a bit's state in the manual: of the first bit of the object whose name begins with `name`.
+    /// The manual's name for the state of a bit: of the first bit of the object whose name begins with `name`.
     fn state_of_bit(&self, at: Multiplexer, name: &str) -> Option<&str>;
 }
 
 /// The meaning of an object's value for other objects or for the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// It determines the unit of other objects.
+    /// The value determines the unit of other objects.
     Scaling,
-    /// It configures the device; its value is kept once the trace has shown it.
+    /// The value configures the device; the analyzer keeps it once the trace has shown it.
     Parameter,
-    /// The construction of the device determines it; neither restoring defaults nor a client changes it.
+    /// The construction of the device determines the value; neither restoring defaults nor a client changes it.
     Constant,
-    /// It identifies the model of the device.
+    /// The value identifies the model of the device.
     Identity,
-    /// The period of the first TPDO, in milliseconds, if the event timer (1800h:05) does not give it.
+    /// The value is the period of the first TPDO, in milliseconds, if the event timer (1800h:05) does not give it.
     EventTimer,
 }
 
@@ -90,7 +90,7 @@ pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
 
-/// A profile with its number and objects, which look-ups for frames use.
+/// A profile with its number and objects, cached for the look-ups of frames.
 struct Known {
     number: u16,
     objects: &'static [StandardObject],
@@ -150,15 +150,15 @@ pub fn is_profile(number: u16) -> bool {
     known(number).is_some()
 }
 
-/// The profiles that a device may have: that of its number, or all if the number is unknown.
+/// The profiles that a device may have: the profile of its number, or all if the number is unknown.
 pub fn possible(number: Option<u16>) -> impl Iterator<Item = &'static dyn Profile> {
     profiles().filter(move |profile| number.is_none_or(|number| profile.number() == number))
 }
 
-/// The action of writing an object of a device of that profile.
+/// The action of writing an object of a device of a profile.
 ///
-/// A device of unknown profile may have any: taking a setting for an acting object does no harm, but taking an acting
-/// object for a setting loses, for example, a zero point.
+/// A device of unknown profile may have the action of any profile: taking a setting for an acting object does no harm,
+/// but taking an acting object for a setting loses, for example, a zero point.
 pub fn acting(at: Multiplexer, number: Option<u16>) -> Option<Acting> {
     possible(number).find_map(|profile| profile.acting(at))
 }

@@ -21,8 +21,8 @@ impl Unit {
         Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
     }
 
-    /// The physical value of a raw one, rounded to six decimals: factors such as 0.1 have no exact binary form, and
-    /// six digits are far more precise than any of these devices.
+    /// The physical value of a raw one, rounded to six decimals: factors such as 0.1 have no exact binary form, and six
+    /// digits are far more precise than any device.
     pub fn physical(&self, raw: f64) -> f64 {
         let value = raw.mul_add(self.factor, self.offset);
         (value * 1e6).round() / 1e6
@@ -36,7 +36,7 @@ impl Unit {
 
 const MICROSECONDS: Unit = Unit::new(1.0, "µs");
 const MILLISECONDS: Unit = Unit::new(1.0, "ms");
-/// Inhibit times count multiples of 100 µs.
+/// The unit of inhibit times: multiples of 100 µs.
 const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
 
 /// The unit of an entry, if the standard fixes it.

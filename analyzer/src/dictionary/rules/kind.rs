@@ -5,16 +5,16 @@ use std::fmt;
 /// The severity of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// A matter of style, or worth knowing: nothing fails.
+    /// A matter of style, or worth knowing; nothing fails because of it.
     Hint,
-    /// The text breaks the letter of the standard; its meaning is clear, and was understood.
+    /// The text breaks the letter of the standard, but its meaning is clear and canvass understood it.
     Warning,
-    /// A configuration tool or the device fails with it, or the text could not be used.
+    /// A configuration tool or the device fails because of the text, or canvass could not use it.
     Error,
 }
 
 impl Severity {
-    /// The name, in text and JSON.
+    /// The name of the severity in text and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hint => "hint",

@@ -39,7 +39,7 @@ pub struct Rule {
     pub clause: Clause,
     /// Lines of an EDS that breaks the rule. A line `...` stands for irrelevant fields.
     pub fails: &'static str,
-    /// The same lines, corrected.
+    /// The lines of `fails`, corrected.
     pub passes: &'static str,
     pub(crate) doc: &'static str,
 }
@@ -78,7 +78,7 @@ impl Rule {
         paragraphs(self.doc.split_once(ADVICE).map_or("", |(_, advice)| advice))
     }
 
-    /// Whether the rule has that id or belongs to that family: `eds/list/count` belongs to `eds/list` and `eds`.
+    /// Whether the rule has this id or belongs to this family: `eds/list/count` belongs to `eds/list` and `eds`.
     pub fn is_in(&self, prefix: &str) -> bool {
         let rest = self.id.strip_prefix(prefix.trim_end_matches('/'));
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
@@ -96,7 +96,7 @@ pub(crate) struct OfProfile(pub &'static [&'static Rule]);
 
 inventory::collect!(OfProfile);
 
-/// In the order of the declarations; rules of device profiles follow those of the standards.
+/// All rules in the order of the declarations; rules of device profiles follow those of the standards.
 static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
     let mut profiles: Vec<&[&'static Rule]> = inventory::iter::<OfProfile>.into_iter().map(|of| of.0).collect();
     profiles.sort_by_key(|rules| rules.first().map(|rule| rule.id));

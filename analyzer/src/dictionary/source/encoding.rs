@@ -18,7 +18,7 @@ pub(in crate::dictionary) enum Encoding {
 pub(super) struct Decoded<'a> {
     pub text: Cow<'a, str>,
     pub encoding: Encoding,
-    /// Bytes that are no character, each with its place in the text, which has a replacement character there.
+    /// Bytes that are no character, each with its place in the text, where a replacement character stands for it.
     pub unread: Vec<(usize, Vec<u8>)>,
 }
 

@@ -9,7 +9,7 @@ pub enum DescriptionError {
     /// The file is larger than [`LARGEST_FILE`].
     #[error("expected a device description of at most {LARGEST_FILE} bytes, found {found}")]
     TooLarge {
-        /// Its length in bytes.
+        /// The length of the file in bytes.
         found: usize,
     },
     /// The file has no section at all.

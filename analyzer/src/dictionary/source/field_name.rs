@@ -1,6 +1,6 @@
 //! The fields that CiA 306 defines, each with a number, so that names are compared only once.
 
-/// Declares the names, by rising length.
+/// Declares the names of the fields, by rising length.
 macro_rules! field_names {
     ($($field:ident $name:literal)*) => {
         /// A field that CiA 306 defines.
@@ -9,7 +9,7 @@ macro_rules! field_names {
             $($field),*
         }
 
-        /// The spelling of CiA 306, in the order of the enumeration.
+        /// The names in the spelling of CiA 306, in the order of the enumeration.
         static ALL: [(FieldName, &str); const { [$($name),*].len() }] = [$((FieldName::$field, $name)),*];
     };
 }

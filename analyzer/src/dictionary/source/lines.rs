@@ -7,11 +7,11 @@ use crate::dictionary::place::Span;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line<'t> {
     pub text: &'t str,
-    /// The offset of its beginning.
+    /// The offset of the line's beginning in the text.
     pub start: usize,
-    /// Whether it consists of printable ASCII characters and tabs only.
+    /// Whether the line consists of printable ASCII characters and tabs only.
     pub is_plain: bool,
-    /// The offset of the first equals sign from the beginning; only for a plain line.
+    /// The offset of the first equals sign from the line's beginning; only for a plain line.
     equals: Option<usize>,
 }
 
@@ -72,7 +72,7 @@ const KINDS: [Kind; 256] = {
     kinds
 };
 
-/// Lines that end in LF, CR LF or CR alone. After the last line end there is one more, empty line.
+/// The lines of a text, which end in LF, CR LF or CR alone. After the last line end there is one more, empty line.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut next = Some(0);
     std::iter::from_fn(move || {

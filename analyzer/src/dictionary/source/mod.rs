@@ -44,10 +44,10 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// The syntax by the first bytes.
+    /// The syntax, recognised by the first bytes.
     fn of(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-        // A merge conflict begins with several of them. In UTF-16 the first character has a zero beside it.
+        // A merge conflict begins with several `<`. In UTF-16 the first character has a zero beside it.
         let is_xml = text.starts_with(b"<") && !text.starts_with(b"<<")
             || text.starts_with(b"\xFF\xFE<")
             || text.starts_with(b"\xFE\xFF\0<");
@@ -78,7 +78,7 @@ impl<'a> Source<'a> {
         Self::read_as(Format::of(bytes), bytes)
     }
 
-    /// Reads a file in that syntax.
+    /// Reads a file in the given syntax.
     pub(super) fn read_as(format: Format, bytes: &'a [u8]) -> Result<Self, DescriptionError> {
         if bytes.len() > LARGEST_FILE {
             return Err(DescriptionError::TooLarge { found: bytes.len() });
@@ -134,7 +134,7 @@ impl<'a> Source<'a> {
         self.unread.is_empty()
     }
 
-    /// Whether it is XML.
+    /// Whether the text is XML.
     pub const fn is_xml(&self) -> bool {
         self.is_xml
     }
@@ -150,7 +150,7 @@ impl<'a> Source<'a> {
         (start..end).zip(parts).map(|(id, part)| Section { source: self, part, id: SectionId(id) })
     }
 
-    /// The elements in the order of their start tags; or all sections, including repeated ones.
+    /// All elements in the order of their start tags, or all sections, including repeated ones.
     pub(super) fn elements(&self) -> impl DoubleEndedIterator<Item = Section<'_>> {
         self.parts(0..self.tree.sections.len() as u32)
     }
@@ -215,8 +215,8 @@ impl<'a> Source<'a> {
         self.trimmed(self.whole_line(number))
     }
 
-    /// The range without blanks at both ends, and without a byte order mark at the beginning of the text; the beginning of the
-    /// range if there is nothing else.
+    /// The range without blanks at both ends, and without a byte order mark at the beginning of the text; the beginning
+    /// of the range if nothing else is in it.
     pub(super) fn trimmed(&self, range: Range<usize>) -> Span {
         let text = self.text.get(range.clone()).unwrap_or_default();
         let is_before = |character| is_blank(character) || character == MARK && range.start == 0;
@@ -225,7 +225,7 @@ impl<'a> Source<'a> {
         Span::new(start, start + rest.trim_end_matches(is_blank).len())
     }
 
-    /// The line end for new lines: that of the first line.
+    /// The line end for new lines: the one of the first line.
     pub(super) fn line_end(&self) -> &'static str {
         if self.text.get(self.whole_line(1)).is_some_and(|line| line.ends_with("\r\n")) { "\r\n" } else { "\n" }
     }

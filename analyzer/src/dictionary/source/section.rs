@@ -30,12 +30,12 @@ impl<'s> Section<'s> {
         self.source.get(self.part.name)
     }
 
-    /// The place of its name.
+    /// The place of the section's name.
     pub const fn name_span(self) -> Span {
         self.part.name
     }
 
-    /// The range from its beginning to the next section, or to its end tag.
+    /// The range from the section's beginning to the next section, or to the end tag of an element.
     pub const fn whole(self) -> Span {
         self.part.whole
     }
@@ -44,7 +44,7 @@ impl<'s> Section<'s> {
         self.part.line
     }
 
-    /// The lines from its name to its end.
+    /// The lines from the section's name to its end.
     pub fn lines(self) -> RangeInclusive<u32> {
         self.part.line..=self.source.position(self.part.whole.range().end.saturating_sub(1)).0
     }
@@ -58,7 +58,7 @@ impl<'s> Section<'s> {
         self.part.is_standard
     }
 
-    /// The described object or entry, and whether it is an entry.
+    /// The object or entry that the section describes, and whether it is an entry.
     pub const fn address(self) -> Option<(Multiplexer, bool)> {
         match self.part.about {
             SectionName::Object(index) => Some((Multiplexer::new(index, 0), false)),
@@ -67,14 +67,14 @@ impl<'s> Section<'s> {
         }
     }
 
-    /// All its fields, including repeated ones.
+    /// All fields of the section, including repeated ones.
     pub fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
         let (first, end) = self.part.fields;
         let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
         (first..end).zip(parts).map(move |(number, part)| Field { section: self, part, number })
     }
 
-    /// Its fields; of repeated ones only the first.
+    /// The fields of the section; of repeated ones only the first.
     pub fn fields(self) -> impl Iterator<Item = Field<'s>> + use<'s> {
         self.all_fields().filter(|field| !field.part.is_repeated)
     }
@@ -84,7 +84,7 @@ impl<'s> Section<'s> {
         self.all_fields().find(|field| field.part.known == Some(name))
     }
 
-    /// The field on the line of a place, if the place is between its name and the end of its value.
+    /// The field at a place, which may be anywhere from the beginning of its name to the end of its value.
     pub fn field_at(self, at: usize) -> Option<Field<'s>> {
         self.field_in(self.source.position(at).0).filter(|field| field.whole().touches(at))
     }
@@ -97,19 +97,19 @@ impl<'s> Section<'s> {
         Some(Field { section: self, part: parts.get(at)?, number: first + at as u32 })
     }
 
-    /// The place of its beginning.
+    /// The place for problems of the section as a whole: its beginning.
     pub fn place(self) -> Place<'s> {
         let spot = Spot::Exact(self.part.head);
         Place { line: self.part.line, section: self.name(), field: "", spot }
     }
 
-    /// The place of a field; for a missing field, of the section.
+    /// The place of a field; the place of the section if the field is missing.
     pub fn place_of(self, name: FieldName) -> Place<'s> {
         let place = self.field(name).map_or_else(|| self.place(), Field::place);
         Place { field: name.text(), ..place }
     }
 
-    /// A non-blank attribute; if no attribute has exactly this name, one that differs in case.
+    /// A non-blank attribute; if no attribute has exactly this name, the one that differs only in case.
     pub fn attribute(self, name: &str) -> Option<&'s str> {
         Some(self.attribute_field(name)?.value().trim()).filter(|value| !value.is_empty())
     }
@@ -120,7 +120,7 @@ impl<'s> Section<'s> {
         self.all_fields().find(is_exact).or_else(|| self.all_fields().find(in_any_case))
     }
 
-    /// The place of an attribute; for a missing one, of the element.
+    /// The place of an attribute; the place of the element if the attribute is missing.
     pub fn place_of_attribute<'p>(self, name: &'p str) -> Place<'p>
     where
         's: 'p,
@@ -134,17 +134,17 @@ impl<'s> Section<'s> {
         self.source.tree.texts.get(&self.id.0).map_or("", |text| text.trim())
     }
 
-    /// All nested elements.
+    /// All elements nested in this one.
     pub fn inside(self) -> impl Iterator<Item = Self> + use<'s> {
         self.source.parts(self.id.0 + 1..self.part.next)
     }
 
-    /// The next element that is not nested in it.
+    /// The next element that is not nested in this one.
     pub const fn next(self) -> SectionId {
         SectionId(self.part.next)
     }
 
-    /// Whether it has content: an attribute, a text, or a nested element.
+    /// Whether the element has content: an attribute, a text, or a nested element.
     pub fn has_content(self) -> bool {
         let (first, end) = self.part.fields;
         !self.text().is_empty() || first < end || self.id.0 + 1 < self.part.next
@@ -157,12 +157,12 @@ impl<'s> Field<'s> {
         self.section.source.get(self.part.name)
     }
 
-    /// The field by CiA 306, if CiA 306 defines it.
+    /// The field of CiA 306; `None` if CiA 306 does not define it.
     pub const fn known(self) -> Option<FieldName> {
         self.part.known
     }
 
-    /// The value without blanks at both ends; it may include a comment after it. For an attribute, the value with
+    /// The value without blanks at both ends; a comment after the value is part of it. For an attribute, the value with
     /// entities replaced.
     pub fn value(self) -> &'s str {
         let source = self.section.source;
@@ -189,12 +189,12 @@ impl<'s> Field<'s> {
         Span { start: self.part.name.start, end: self.part.value.end }
     }
 
-    /// The place for problems of its value.
+    /// The place for problems of the field's value.
     pub fn place(self) -> Place<'s> {
         Place { line: self.part.line, section: self.section.name(), field: self.name(), spot: self.part.spot() }
     }
 
-    /// The place for problems of its name.
+    /// The place for problems of the field's name.
     pub fn place_of_name(self) -> Place<'s> {
         Place { spot: self.part.spot_of_name(), ..self.place() }
     }

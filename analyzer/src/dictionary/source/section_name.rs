@@ -16,15 +16,15 @@ pub(in crate::dictionary) enum SectionName {
     SupportedModules,
     ConnectedModules,
     DynamicChannels,
-    /// `Tools`, `Tool1`…
+    /// `Tools`, `Tool1`…: entries for configuration tools.
     Tools,
-    /// `1018`
+    /// `1018`: an object.
     Object(u16),
-    /// `1018sub1`: the sub-index is hexadecimal.
+    /// `1018sub1`: an entry of an object; the sub-index is hexadecimal.
     Sub(u16, u8),
     /// `1003Name`, `1003Value`, `1003Denotation`, `1003ObjectLinks`: additions to an object.
     Beside(u16),
-    /// `M1…`
+    /// `M1…`: a part of the description of a module.
     Module(u16, ModulePart),
     Unknown,
 }
@@ -35,17 +35,18 @@ pub(in crate::dictionary) enum ModulePart {
     Info,
     Comments,
     FixedObjects,
-    /// `M1Fixed6000`
+    /// `M1Fixed6000`: an object that the module adds.
     Fixed(u16),
-    /// `M1Fixed6000sub1`
+    /// `M1Fixed6000sub1`: an entry of an object that the module adds.
     FixedSub(u16, u8),
     SubExtends,
-    /// `M1SubExt6000`
+    /// `M1SubExt6000`: sub-indexes that the module adds to an object.
     SubExtension(u16),
 }
 
 impl SectionName {
-    /// The object or entry of a section in the standard's spelling, ignoring case: the form of most sections.
+    /// The object or entry of a section name in the standard's spelling, ignoring case; most sections have this
+    /// spelling.
     pub fn parse_standard(name: &str) -> Option<Self> {
         let (index, rest) = name.as_bytes().split_first_chunk::<4>()?;
         let index = index.iter().try_fold(0, |index, &digit| Some(index << 4 | u16::from(nibble(digit)?)))?;
@@ -67,7 +68,7 @@ impl SectionName {
         match &*canonical(name) {
             "fileinfo" => Self::FileInfo,
             "deviceinfo" => Self::DeviceInfo,
-            // The standard spells it with one m; files have both.
+            // The standard spells the name with one m; files have both spellings.
             "devicecomissioning" | "devicecommissioning" => Self::DeviceCommissioning,
             "dummyusage" => Self::DummyUsage,
             "comments" => Self::Comments,

@@ -1,10 +1,10 @@
-//! Every text is a tree that gives its bytes back, with each thing at its place.
+//! The tree of every text gives the bytes back, with each part at its place.
 
 use super::*;
 use proptest::prelude::*;
 use std::path::Path;
 
-/// The text as the tree has it: what stands between things, names and values, one after the other.
+/// The text printed from its tree: names, values and everything between them, one after the other.
 fn printed(source: &Source<'_>) -> String {
     let mut text = String::new();
     let mut at = 0;
@@ -42,7 +42,7 @@ fn check(bytes: &[u8]) {
     }
 }
 
-/// All descriptions of the project, with what other programs have written.
+/// All descriptions of the project, including files of other programs.
 #[test]
 fn each_sample_is_given_back() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -98,7 +98,7 @@ fn elements_and_attributes_stand_where_they_are() {
     assert_eq!(of_b.iter().map(|(.., written)| *written).collect::<Vec<_>>(), ["1", "2 > 1", "&lt;"]);
 }
 
-/// What has neither value nor name is marked as a line.
+/// A problem of a field with neither value nor name is placed at the line.
 #[test]
 fn each_place_shows_something() {
     let source = Source::of_text("[a]\nname=value\nname=\n=value\n=\n");
@@ -113,7 +113,7 @@ fn each_place_shows_something() {
     assert_eq!(names, ["name", "name", "line 4", "line 5"]);
 }
 
-/// Of many fields, too, the first of a name counts.
+/// The first field of a name counts also in a section with many fields.
 #[test]
 fn the_first_of_many_fields_counts() {
     let fields: String = (0..40).map(|number| format!("{}=x\nDataType={number}\n", number % 20)).collect();

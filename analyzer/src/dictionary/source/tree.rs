@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// The parts of a text, in its order.
+/// The parts of a text, in the order of the text.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     /// The offset of each line.
@@ -27,7 +27,7 @@ pub(super) struct Tree {
     pub texts: HashMap<u32, String>,
 }
 
-/// Up to this number of fields a linear search is faster than a map; most sections have fewer.
+/// Up to this number of fields a linear search is faster than a map; most sections have fewer fields.
 const FEW: usize = 16;
 
 /// A section, or an element.
@@ -40,9 +40,9 @@ pub(super) struct SectionPart {
     /// The range up to the next section or the end tag.
     pub whole: Span,
     pub line: u32,
-    /// Index of the first field, and of the first field after its own.
+    /// The index of the section's first field, and of the first field of the next section.
     pub fields: (u32, u32),
-    /// Index of the next part that is not nested in it.
+    /// The index of the next part that is not nested in this one.
     pub next: u32,
     pub about: SectionName,
     /// Whether the section of an object or entry has the standard's name, apart from case and blanks.
@@ -58,14 +58,14 @@ pub(super) struct FieldPart {
     pub name: Span,
     /// The value without blanks or quotes around it.
     pub value: Span,
-    /// Its line; for an attribute, the line of its element.
+    /// The line of the field; for an attribute, the line of its element.
     pub line: u32,
     pub known: Option<FieldName>,
     /// Whether an earlier field of the section has the same name.
     pub is_repeated: bool,
 }
 
-/// The key that sections of the same name share. Nearly all have the standard's spelling.
+/// The key that sections of the same name share. Nearly all sections have the standard's spelling.
 #[derive(Debug, PartialEq, Eq, Hash)]
 pub(super) enum SectionIdentity {
     Standard(SectionName),
@@ -74,7 +74,7 @@ pub(super) enum SectionIdentity {
 }
 
 impl SectionIdentity {
-    /// The key, and the meaning of the section.
+    /// The meaning of the section, and its key.
     pub fn of(name: &str) -> (SectionName, Self) {
         match SectionName::parse_standard(name) {
             Some(about) => (about, Self::Standard(about)),
@@ -169,7 +169,7 @@ impl FieldPart {
         if self.value.is_empty() { self.spot_of_name() } else { Spot::Exact(self.value) }
     }
 
-    /// The place for problems of its name: the name, or the line if the name is empty.
+    /// The place for problems of the field's name: the name, or the line if the name is empty.
     pub const fn spot_of_name(&self) -> Spot {
         if self.name.is_empty() { Spot::Line } else { Spot::Exact(self.name) }
     }

@@ -18,7 +18,7 @@ const MOST_ELEMENTS: usize = 500_000;
 /// element is scanned once for each element around it.
 const DEEPEST: usize = 100;
 
-/// Reads up to the first error of XML, which is reported as a problem.
+/// Reads the elements up to the first XML error, which is reported as a problem.
 pub(super) fn read(text: &str) -> Builder<'_> {
     let mut builder = Builder::new(text, true, Problems::default());
     builder.tree.lines.push(0);
@@ -141,7 +141,7 @@ impl<'t> Builder<'t> {
     }
 }
 
-/// The characters between tags. Entities other than the five of XML are left out: none is ever expanded.
+/// The characters between tags. Entities other than the five of XML are left out; they are never expanded.
 fn characters<'e>(event: &'e Event<'_>) -> Option<Cow<'e, str>> {
     match event {
         Event::Text(text) => text.decode().ok(),

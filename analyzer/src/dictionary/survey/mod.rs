@@ -1,7 +1,7 @@
 //! The answers of a device to reading its object dictionary: compares them with its description, or makes a
 //! description from them.
 //!
-//! Nothing here accesses a device: the caller does, and fills a [`Survey`].
+//! Nothing here accesses a device: the caller reads the device and fills a [`Survey`].
 
 pub mod compare;
 pub mod describe;
@@ -18,7 +18,7 @@ use std::fmt;
 pub enum Answer {
     /// A value with these bytes.
     Value(Vec<u8>),
-    /// A value longer than the limit, of at least this many bytes.
+    /// A value longer than the limit; the number is its minimum length in bytes.
     Long(usize),
     /// An abort.
     Aborted(AbortCode),
@@ -29,7 +29,7 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Whether the device has the entry; `None` if the answer does not tell.
+    /// Whether the device has the entry; `None` if the answer does not show it.
     pub const fn exists(&self) -> Option<bool> {
         match self {
             Self::Value(_) | Self::Long(_) => Some(true),
@@ -59,7 +59,7 @@ impl fmt::Display for Answer {
     }
 }
 
-/// The first bytes of a value, with their number: as many as people read at a glance.
+/// The first bytes of a value, and the total number of bytes: people can read this many at a glance.
 struct Bytes<'a>(&'a [u8]);
 
 impl fmt::Display for Bytes<'_> {

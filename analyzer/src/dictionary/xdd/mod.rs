@@ -54,7 +54,7 @@ pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, Descrip
     })
 }
 
-/// Data from the profile body that describes the communication: the last one.
+/// The data about the file, from the last profile body: the one that describes the communication.
 fn file_info(source: &Source<'_>) -> FileInfo {
     let Some(body) = source.named("ProfileBody").last() else { return FileInfo::default() };
     let text = |name: &str| body.attribute(name).unwrap_or_default().to_owned();
@@ -103,7 +103,7 @@ fn device_info(source: &Source<'_>) -> DeviceInfo {
 fn commissioning(element: Section<'_>) -> Commissioning {
     let text = |name: &str| element.attribute(name).unwrap_or_default().to_owned();
     Commissioning {
-        // The schema of CiA 311 has `NodeID`; other programs write `nodeID`.
+        // The schema of CiA 311 names the attribute `NodeID`; other programs write `nodeID`.
         node_id: element
             .attribute("NodeID")
             .and_then(|number| NodeId::new(u8::try_from(decimal_or_hexadecimal(number)?).ok()?)),
@@ -116,7 +116,7 @@ fn commissioning(element: Section<'_>) -> Commissioning {
     }
 }
 
-/// `<dummy entry="Dummy0005=1"/>`
+/// Reads the data types that may skip bits: `<dummy entry="Dummy0005=1"/>`.
 fn dummy_usage(source: &Source<'_>) -> BTreeMap<u16, bool> {
     let entries = source.named("dummy").filter_map(|element| element.attribute("entry"));
     let dummies = entries.filter_map(|entry| {
@@ -130,7 +130,7 @@ fn dummy_usage(source: &Source<'_>) -> BTreeMap<u16, bool> {
     dummies.collect()
 }
 
-/// Parses `250 Kbps`, the schema's form; also `250`, `250kbps` and `1 Mbps`.
+/// Parses a bit rate such as `250 Kbps`, the schema's form; also `250`, `250kbps` and `1 Mbps`.
 fn kbit(text: &str) -> Option<u16> {
     let end = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = text.split_at_checked(end)?;

@@ -1,4 +1,4 @@
-//! `CANopenObject` and `CANopenSubObject`.
+//! Reads the elements `CANopenObject` and `CANopenSubObject`.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use crate::identity::{Index, SubIndex};
 
 type Parameters<'a> = HashMap<&'a str, Parameter<'a>>;
 
-/// All objects. Of two with the same index the first counts.
+/// All objects. If two have the same index, the first counts.
 pub(super) fn read(source: &Source<'_>, parameters: &Parameters<'_>, problems: &mut Problems) -> ObjectDictionary {
     let mut dictionary = ObjectDictionary::default();
     for element in source.named("CANopenObject") {
@@ -123,12 +123,12 @@ fn name(element: Section<'_>, parameters: &Parameters<'_>) -> String {
     element.attribute("name").or_else(label).unwrap_or_default().to_owned()
 }
 
-/// The access type; for a `rw` entry the direction of its mapping makes it rwr or rww.
+/// The access type. A `rw` entry whose `PDOmapping` names one direction becomes rwr or rww.
 fn access(element: Section<'_>, parameter: &Parameter<'_>, problems: &mut Problems) -> Access {
     let found = element.attribute("accessType");
     let access = match found {
         Some(name) => Access::from_name(name),
-        // An entry without SDO access is reached by PDO.
+        // An entry without access by SDO is accessible by PDO.
         None if parameter.is_out_of_reach => match element.attribute("PDOmapping") {
             Some("RPDO") => Some(Access::Wo),
             _ => Some(Access::Ro),

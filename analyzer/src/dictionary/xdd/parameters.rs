@@ -12,7 +12,7 @@ pub(super) struct Parameter<'a> {
     pub label: Option<&'a str>,
     pub data_type: Option<DataType>,
     pub access: Option<Access>,
-    /// Whether the file says that there is no access.
+    /// Whether the file says that an SDO can't access the parameter.
     pub is_out_of_reach: bool,
     pub default: Option<&'a str>,
     pub actual: Option<&'a str>,

@@ -1,4 +1,4 @@
-//! The elements and attributes of an XDD or XDC that canvass reads over: the description in memory has no place for them.
+//! Reports the elements and attributes of an XDD or XDC that a description in memory does not keep.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::dictionary::loss::{Loss, Losses};
 use crate::dictionary::place::SectionId;
 use crate::dictionary::source::Source;
 
-/// The elements and attributes that are read; objects also have [`OF_OBJECTS`].
+/// The elements and attributes that the reader keeps; objects also have [`OF_OBJECTS`].
 const READ: &[(&str, &[&str])] = &[
     (
         "ProfileBody",
@@ -116,7 +116,7 @@ const AROUND: &[&str] = &[
     "BITSTRING",
 ];
 
-/// An element that is the same in each file.
+/// The element with data about the format, which is the same in each file.
 const OF_THE_FORMAT: &str = "ProfileHeader";
 
 /// All parts of the file that the parsed description does not keep; each kind of part once.
@@ -145,7 +145,7 @@ pub(in crate::dictionary) fn unkept(description: &DeviceDescription, source: &So
         if AROUND.contains(&name) {
             continue;
         }
-        // An unknown element, with its content.
+        // An unknown element is reported with its content.
         if name != OF_THE_FORMAT && element.has_content() {
             note(name.to_owned(), element.line(), element.text());
         }

@@ -34,21 +34,21 @@ pub struct DownloadManner {
     pub announce: Option<u32>,
     /// An error added to the correct CRC.
     pub crc_error: u16,
-    /// The number of unused bytes in the last segment, as the end states it; `None` for the correct number.
+    /// The number of unused bytes in the last segment that the client states at the end; `None` for the correct number.
     pub unused: Option<u8>,
-    /// The error in the first block.
+    /// The deliberate error in the first block.
     pub mischief: Mischief,
 }
 
 impl DownloadManner {
-    /// A correct client, with CRC and size.
+    /// The behaviour of a correct client, with CRC and size.
     pub fn right(value: &[u8]) -> Self {
         let announce = u32::try_from(value.len()).ok();
         Self { crc: true, announce, crc_error: 0, unused: None, mischief: Mischief::None }
     }
 }
 
-/// Number of repetitions of a block from which the server is taken to repeat without end.
+/// Number of repetitions of a block after which the client assumes that the server repeats it without end.
 const MOST_REPETITIONS: usize = 4;
 
 #[derive(Debug)]
@@ -63,7 +63,7 @@ pub struct BlockDownload {
     /// Number of segments in the last sent block.
     sent: u8,
     repetitions: usize,
-    /// The sequence number of each confirmation.
+    /// The sequence number in each confirmation of the server.
     pub confirmations: Vec<u8>,
     /// The block size in the server's first confirmation.
     pub block_size: u8,
@@ -77,7 +77,7 @@ enum DownloadState {
 }
 
 impl BlockDownload {
-    /// A client that will download this value.
+    /// A client that will download `value`.
     pub fn new(multiplexer: Multiplexer, value: &[u8], manner: DownloadManner) -> Self {
         Self {
             multiplexer,

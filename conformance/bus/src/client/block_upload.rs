@@ -10,13 +10,14 @@ use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, Request, Res
 /// The behaviour of the client.
 #[derive(Clone, Debug)]
 pub struct UploadManner {
-    /// Block sizes: one for each block; the last one for all further blocks.
+    /// Block sizes: one for each block; the last one applies to all further blocks.
     pub block_sizes: Vec<u8>,
     /// Whether the client can check a CRC.
     pub crc: bool,
     /// The protocol switch threshold in bytes; 0: never switch.
     pub threshold: u8,
-    /// In this block (from 0), once, only segments up to this number are confirmed, as if the others had been lost.
+    /// In this block (from 0), once, the client confirms segments only up to this number, as if the others had been
+    /// lost.
     pub lose_after: Option<(usize, u8)>,
     /// In this block (from 0) the client confirms this number, independently of the segments received.
     pub confirm: Option<(usize, u8)>,
@@ -41,7 +42,7 @@ pub struct BlockUpload {
     server_crc: bool,
     /// The current block, from 0.
     block: usize,
-    /// Number of segments received in order in this block.
+    /// Number of segments of this block received in order.
     received: u8,
     /// Whether the last segment of the value was received in order.
     complete: bool,
@@ -57,7 +58,7 @@ enum UploadState {
     Initiated,
     Receiving,
     Ending,
-    /// Segments of a normal upload, after the switch.
+    /// Segments of a normal upload, after the server switched the protocol.
     Segments,
 }
 
@@ -127,7 +128,7 @@ impl BlockUpload {
         if segment.last || self.received == self.block_size(self.block) { self.confirm() } else { BlockStep::Wait }
     }
 
-    /// Ends the block with its confirmation.
+    /// Ends the block by confirming it.
     fn confirm(&mut self) -> BlockStep {
         let mut sequence = self.received;
         match self.manner.lose_after {
@@ -221,19 +222,19 @@ impl BlockTransfer for BlockUpload {
     }
 }
 
-/// The eight bytes of a request.
+/// The eight bytes of the message with a request.
 pub(super) fn message(request: &Request) -> Message {
     let mut bytes = [0; 8];
     request.emit(&mut bytes);
     bytes
 }
 
-/// The end of a transfer after a violation by the server; the client aborts it.
+/// The end of a transfer after a violation by the server: the client aborts the transfer.
 pub(super) fn violated(violation: Violation) -> BlockStep {
     BlockStep::Done(Outcome::Violated(violation))
 }
 
-/// The client's abort.
+/// The message by which the client aborts.
 pub fn abort(multiplexer: Multiplexer, code: AbortCode) -> Message {
     message(&Request::abort(multiplexer, code))
 }
@@ -264,7 +265,7 @@ mod tests {
         bytes
     }
 
-    /// The check value of the CRC: "123456789" gives 31C3h (CiA 301, 7.2.4.3.16).
+    /// The CRC of "123456789" is 31C3h (CiA 301, 7.2.4.3.16).
     #[test]
     fn data_count_and_checksum_are_checked() {
         let run = |unused, crc| {
@@ -280,7 +281,8 @@ mod tests {
         assert_eq!(run(4, 0x31C3), violated(Violation::Size { announced: 9, received: 10 }));
     }
 
-    /// Without CRC its field is 0, whatever the server keeps of another transfer (CiA 301, 7.2.4.3.15).
+    /// Without CRC the field of the CRC is 0, even if the server remembers the CRC of another transfer (CiA 301,
+    /// 7.2.4.3.15).
     #[test]
     fn without_crc_its_field_is_0() {
         for (client_has, server_has) in [(false, true), (true, false), (false, false)] {

@@ -1,4 +1,4 @@
-//! Single transfers and dialogues on a bus, for commands; cases use the bench.
+//! Single transfers and dialogues on a bus, for commands; cases use the bench instead.
 
 use super::lss::{Fastscan, ScanStep};
 use super::sdo::{Outcome, ServerLine, Transfer};
@@ -12,9 +12,9 @@ use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 /// A bus, with an observer of its frames.
 pub struct Exchange<'a> {
     pub bus: &'a mut dyn Bus,
-    /// Sees every frame, including the tester's own.
+    /// Gets every frame, including the tester's own.
     pub observe: &'a mut dyn FnMut(&Record),
-    /// The time at which transfers are aborted, even in their middle: a server can send segments without end.
+    /// The time at which all transfers are aborted, even unfinished ones: a server can send segments without end.
     pub ends: Timestamp,
 }
 
@@ -57,7 +57,7 @@ impl Exchange<'_> {
         self.wait_for(Duration::ZERO, |_| None::<()>)?;
         let outcome = transfer.carry_out(request, &mut ExchangeLine { exchange: self, node, patience })?;
         if outcome.own_abort().is_some() {
-            // The client's own abort is received, too, so that the observer sees the whole transfer.
+            // The client's own abort is received too, so that the observer gets the whole transfer.
             self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
         }
         Ok(outcome)
@@ -79,7 +79,7 @@ impl Exchange<'_> {
         })
     }
 
-    /// Finds one slave without a node-ID. It is in LSS configuration then; the others are not.
+    /// Finds one slave without a node-ID. Afterwards this slave is in LSS configuration; the others are not.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -95,7 +95,7 @@ impl Exchange<'_> {
     }
 }
 
-/// The default SDO server of a node.
+/// The connection to the default SDO server of a node.
 struct ExchangeLine<'e, 'a> {
     exchange: &'e mut Exchange<'a>,
     node: NodeId,

@@ -1,4 +1,4 @@
-//! Limits of one upload: a faulty or hostile server announces 4 GiB, or sends segments without end.
+//! Limits of one upload: a faulty or hostile server may announce 4 GiB, or send segments without end.
 
 use canvass_traces::Duration;
 use std::fmt;
@@ -8,13 +8,13 @@ use std::fmt;
 pub struct UploadLimit {
     /// Maximum number of bytes of the value.
     pub bytes: usize,
-    /// Maximum time from the request to the last segment: segments may be empty.
+    /// Maximum time from the request to the last segment; without it, empty segments could go on for ever.
     pub time: Duration,
 }
 
 impl UploadLimit {
-    /// The limit for each object when a whole dictionary is read: longer values are programs and logs, which do not
-    /// matter for the object.
+    /// The limit of each upload when a whole dictionary is read: longer values are programs and logs, whose content
+    /// says little about the object.
     pub const OF_MANY: Self = Self { bytes: 64 << 10, time: Duration::from_secs(30) };
 }
 

@@ -1,7 +1,7 @@
 //! The LSS master's Fastscan (CiA 305): finds the address of one slave without a node-ID, bit by bit.
 //!
 //! Many slaves may take part and answer at once, with the same frame. The scan finds the lowest address: if no slave
-//! answers to a 0 bit, all remaining slaves have 1.
+//! answers to the question for a 0 bit, all remaining slaves have a 1.
 
 use canvass_analyzer::wire::lss::{Part, Request};
 
@@ -28,7 +28,7 @@ enum Stage {
 /// The step after an answer or a timeout.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ScanStep {
-    /// Send this request, and wait for an answer.
+    /// Send the request, and wait for an answer.
     Ask(Request),
     /// The slave was found, and is in configuration.
     Found(LssAddress),
@@ -38,7 +38,7 @@ pub enum ScanStep {
     Lost(Part),
 }
 
-/// "Bit check" of the request that begins a scan.
+/// The value of "bit check" in the request that begins a scan.
 const BEGIN: u8 = 0x80;
 
 impl Fastscan {
@@ -48,7 +48,7 @@ impl Fastscan {
         (Self { address: [0; 4], stage: Stage::Begin }, request)
     }
 
-    /// Handles the result of the last request: whether it was answered.
+    /// Handles the result of the last request; `answered` tells whether a slave answered.
     pub fn handle(&mut self, answered: bool) -> ScanStep {
         match self.stage {
             Stage::Begin if answered => self.ask_bit(0, 31),
@@ -70,7 +70,7 @@ impl Fastscan {
         self.request(part, bit, part)
     }
 
-    /// The request names the next part; after the last part it names the first one, which ends the scan for the
+    /// The request also names the next part; after the last part it names the first one, which ends the scan for the
     /// slave.
     fn verify(&mut self, part: usize) -> ScanStep {
         self.stage = Stage::Verify { part };
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A slave as CiA 305 describes it: compares the bits from the 31st down to the one asked for.
+    /// A slave by CiA 305: it compares the bits from bit 31 down to the requested bit.
     struct Slave {
         address: LssAddress,
         part: u8,
@@ -117,7 +117,7 @@ mod tests {
     fn scan(slaves: &mut [Slave]) -> ScanStep {
         let (mut scan, mut request) = Fastscan::begin();
         for _ in 0..200 {
-            // All of them hear it.
+            // All slaves receive the request.
             let answered = slaves.iter_mut().map(|slave| slave.answers(&request)).fold(false, |a, b| a | b);
             match scan.handle(answered) {
                 ScanStep::Ask(next) => request = next,
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(scan(&mut []), ScanStep::Nobody);
         let (mut scan, _) = Fastscan::begin();
         let mut step = scan.handle(true);
-        // The slave is unplugged: no bit is 0 any more, and the part is not confirmed.
+        // The slave is unplugged: the master finds no bit that is 0, and no slave confirms the part.
         for _ in 0..33 {
             assert!(matches!(step, ScanStep::Ask(_)));
             step = scan.handle(false);

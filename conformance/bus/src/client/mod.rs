@@ -1,5 +1,5 @@
-//! The tester's side of the protocols, as state machines without I/O and clock: the bench drives them in cases,
-//! [`Exchange`] in commands.
+//! The tester's side of the protocols, as state machines without I/O and clock: cases use them through the bench,
+//! commands through [`Exchange`].
 
 pub mod block_download;
 pub mod block_upload;
@@ -20,12 +20,12 @@ pub use surveyor::{SurveyError, Surveyor};
 /// commands.
 pub type Message = [u8; 8];
 
-/// The step of a block transfer's client after a message.
+/// The reaction of a block transfer's client to a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum BlockStep {
     /// Wait for further messages of the server.
     Wait,
-    /// Send these messages, one after the other, and wait.
+    /// Send these messages, one after the other, and wait for further messages.
     Send(Vec<Message>),
     /// The transfer has ended.
     Done(Outcome),

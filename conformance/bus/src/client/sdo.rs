@@ -1,6 +1,6 @@
 //! A correct SDO client that checks each response against the state of the transfer.
 //!
-//! It does expedited and segmented transfers; block transfers are in [`super::block_upload`] and
+//! The client does expedited and segmented transfers; block transfers are in [`super::block_upload`] and
 //! [`super::block_download`].
 
 use super::limit::{Bound, Excess, UploadLimit};
@@ -16,7 +16,7 @@ use std::fmt;
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
-    /// The limit of an upload.
+    /// The limit, if the transfer is an upload.
     limit: UploadLimit,
 }
 
@@ -51,14 +51,14 @@ pub trait ServerLine {
     /// If the request could not be sent.
     fn send(&mut self, request: &Request) -> Result<(), Self::Error>;
 
-    /// The next frame of the server; `None` after the timeout.
+    /// The next frame of the server; `None` if the timeout passes.
     ///
     /// # Errors
     /// If the bus can't receive.
     fn receive(&mut self) -> Result<Option<Frame>, Self::Error>;
 }
 
-/// The step after a response.
+/// The client's reaction to a response.
 #[derive(Debug)]
 pub enum Reaction {
     /// Send this request and wait for the next response.
@@ -78,7 +78,7 @@ pub enum Outcome {
     Aborted(Abort),
     /// No response came before the timeout.
     Silent,
-    /// The response is not allowed in the transfer.
+    /// The response violates the protocol.
     Violated(Violation),
     /// The client aborted an upload that exceeded its limit.
     Exceeded(Excess),
@@ -114,7 +114,7 @@ pub enum Violation {
         /// The number received.
         received: usize,
     },
-    /// The transfer does not end.
+    /// The server continues the transfer without end.
     Endless,
     /// A segment of a block has an unexpected sequence number.
     Sequence {
@@ -147,7 +147,8 @@ impl Transfer {
         Self::upload_within(multiplexer, UploadLimit::default())
     }
 
-    /// As [`Transfer::upload`], with a limit; a longer upload ends in [`Outcome::Exceeded`].
+    /// Starts to read an object like [`Transfer::upload`], but with a limit; a longer upload ends in
+    /// [`Outcome::Exceeded`].
     pub fn upload_within(multiplexer: Multiplexer, limit: UploadLimit) -> (Self, Request) {
         (Self { multiplexer, state: ClientState::AwaitUpload, limit }, Request::upload(multiplexer))
     }
@@ -197,8 +198,8 @@ impl Transfer {
         Ok(outcome)
     }
 
-    /// Handles a response. After [`Reaction::Done`] the transfer has ended; the caller should answer a violation with
-    /// [`Transfer::abort`].
+    /// Handles a response. [`Reaction::Done`] means that the transfer has ended; the caller should then answer a
+    /// violation with [`Transfer::abort`].
     pub fn handle(&mut self, response: &Response) -> Reaction {
         if let Response::Abort(abort) = response {
             return Reaction::Done(Outcome::Aborted(*abort));
@@ -213,7 +214,7 @@ impl Transfer {
         }
     }
 
-    /// The client's abort.
+    /// The request by which the client aborts the transfer.
     pub const fn abort(&self, code: AbortCode) -> Request {
         Request::abort(self.multiplexer, code)
     }
@@ -224,7 +225,7 @@ impl Transfer {
         (elapsed > self.limit.time).then_some(excess)
     }
 
-    /// Whether an unfinished upload with this many bytes exceeds the limit.
+    /// Whether an unfinished upload exceeds the limit with this number of bytes.
     fn has_too_many(&self, received: usize, announced: Option<u32>) -> Option<Excess> {
         let most = self.limit.bytes;
         let is_beyond = received > most || announced.is_some_and(|size| size as usize > most);
@@ -325,7 +326,7 @@ impl fmt::Display for Outcome {
 }
 
 impl Violation {
-    /// The name in patterns: the kind of violation, without its numbers.
+    /// The name of the kind of violation, without its numbers, for patterns.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Unexpected(_) => "response",
@@ -384,7 +385,7 @@ pub const fn name(response: &Response) -> &'static str {
     }
 }
 
-/// Bytes in hexadecimal: `01 7F`, with their number if there are many.
+/// Bytes in hexadecimal, such as `01 7F`, with their number if there are many.
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a>(pub &'a [u8]);
 
@@ -399,7 +400,7 @@ impl fmt::Display for Bytes<'_> {
     }
 }
 
-/// The expedited message with `value`, for requests that a correct client would not send.
+/// The expedited download of `value`, for requests that a correct client would not send.
 pub fn expedited(multiplexer: Multiplexer, value: &[u8]) -> Option<Request> {
     Expedited::new(value).map(|value| Request::InitiateDownload { multiplexer, payload: Payload::Expedited(value) })
 }
@@ -424,7 +425,7 @@ mod tests {
         }
     }
 
-    /// Kübler manual 000, 5.3.7.4.2: 6000h is read.
+    /// Kübler manual 000, 5.3.7.4.2: the upload of 6000h.
     #[test]
     fn expedited_upload() {
         let (mut transfer, request) = Transfer::upload(Multiplexer::new(0x6000, 0));
@@ -443,7 +444,8 @@ mod tests {
         assert_eq!(outcome, Outcome::Uploaded(b"Kuebler S".to_vec()));
     }
 
-    /// What a client of that limit makes of an upload of that announced size, whose segments hold that many bytes each.
+    /// The excess of an upload under this limit, from a server that announces this size and sends segments of `each`
+    /// bytes.
     fn endless(limit: UploadLimit, announced: Option<u32>, each: usize) -> Excess {
         struct Server {
             now: Timestamp,
@@ -492,7 +494,7 @@ mod tests {
         let limit = UploadLimit { bytes: 100, time: Duration::from_secs(1) };
         let told = |announced, each| endless(limit, announced, each).to_string();
         assert_eq!(told(None, 7), "upload ended after 105 bytes: expected at most 100 bytes");
-        // What is announced need not come first.
+        // The announced size need not be sent to exceed the limit.
         assert_eq!(told(Some(u32::MAX), 7), "upload ended after 0 of 4294967295 bytes: expected at most 100 bytes");
         assert_eq!(told(None, 0), "upload ended after 0 bytes: expected its end within 1 s");
         assert_eq!(told(Some(90), 0), "upload ended after 0 of 90 bytes: expected its end within 1 s");
@@ -527,7 +529,7 @@ mod tests {
     }
 
     proptest! {
-        /// A server that follows the protocol receives what was sent, whatever the length.
+        /// A server that follows the protocol receives the downloaded value, whatever the length.
         #[test]
         fn a_download_arrives_whole(value in proptest::collection::vec(any::<u8>(), 0..40)) {
             let (mut transfer, mut request) = Transfer::download(NAME, &value, Mode::Segmented);
@@ -552,7 +554,7 @@ mod tests {
             prop_assert_eq!(received, value);
         }
 
-        /// No response, however wrong, makes the client panic.
+        /// No sequence of responses makes the client panic.
         #[test]
         fn any_responses(frames in proptest::collection::vec(any::<[u8; 8]>(), 0..6)) {
             let (mut transfer, _) = Transfer::upload(NAME);

@@ -1,7 +1,7 @@
-//! Behaviour of a device, as data: verdicts compare it, manuals and waivers name it, and text is made of it last.
+//! The behaviour of a device, as data: verdicts compare it, manuals and waivers name it, and reports turn it into text.
 //!
 //! - [`Subject`]: the part of the device concerned, such as an object;
-//! - [`Observation`]: the response, such as an abort code, a value or silence;
+//! - [`Observation`]: the behaviour observed, such as an abort code, a value or silence;
 //! - [`Pattern`]: the observations that a manual or a waiver accepts.
 
 mod pattern;
@@ -27,7 +27,7 @@ pub enum Observation {
     Confirmation,
     /// An SDO server ended the transfer with this code.
     Abort(AbortCode),
-    /// A value, as its bytes are on the bus.
+    /// The bytes of a value, in the order on the bus.
     Value(Vec<u8>),
     /// A number that the device shows: a count in a message, a bit field, a node-ID.
     Number(u64),
@@ -57,12 +57,12 @@ impl Observation {
         Self::Named(Cow::Borrowed(name))
     }
 
-    /// Whether it depends on a moment in time, so that a late tester's machine may have caused it.
+    /// Whether the observation depends on a moment in time, so that a late tester's machine may have caused it.
     pub const fn depends_on_time(&self) -> bool {
         matches!(self, Self::Silence | Self::Time(_) | Self::Count(_))
     }
 
-    /// The name of its sort, in JSON and in patterns.
+    /// The name of the observation's sort, in JSON and in patterns.
     pub fn sort(&self) -> &str {
         match self {
             Self::Silence => "silence",
@@ -83,7 +83,7 @@ impl Observation {
     }
 }
 
-/// The form of a [`Pattern`]: `abort 0609 0030h`, `value 05 00`, `silence`.
+/// The observation in the form of a [`Pattern`]: `abort 0609 0030h`, `value 05 00`, `silence`.
 impl fmt::Display for Observation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sort = self.sort();

@@ -18,14 +18,14 @@ use std::str::FromStr;
 /// value * | time * | count * | frame *  of that sort, whichever
 /// ```
 ///
-/// The *found* text of a report is a pattern for exactly that observation.
+/// The *found* text of a report is a pattern that accepts exactly the observation found.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Pattern(Accepted);
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Accepted {
     Exactly(Observation),
-    /// A frame in this notation, or a violation of this name: their other values do not matter.
+    /// A frame in this notation, or a violation of this name. Other details of the observation do not matter.
     Frame(String),
     Violation(String),
     /// Any observation of this sort.
@@ -40,7 +40,7 @@ enum Accepted {
     },
 }
 
-/// The text is no pattern.
+/// The error for a text that is no pattern.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
     "expected what the device does, such as \"silence\", \"abort 0609 0030h\" or \"time 90 ms..110 ms\": {problem}"
@@ -65,7 +65,7 @@ impl Pattern {
     }
 }
 
-/// The sorts that may be accepted with any value, because the value may differ between runs.
+/// The sorts of which a pattern may accept any value, because the value may differ between runs.
 const OPEN_SORTS: [&str; 5] = ["value", "number", "time", "count", "frame"];
 
 impl FromStr for Pattern {
@@ -114,7 +114,7 @@ fn required<T>(found: Option<T>, expected: &str, text: &str) -> Result<T, BadPat
     found.ok_or_else(|| BadPattern { problem: format!("expected {expected}, found \"{text}\"") })
 }
 
-/// Parses an abort code in any case; a text after it is ignored, as an [`Observation::Abort`] is printed with one.
+/// Parses an abort code in any case. A text after it is ignored, as an [`Observation::Abort`] is printed with one.
 fn abort(text: &str) -> Option<AbortCode> {
     let digits: String = text.chars().filter(|c| !c.is_whitespace()).take(8).collect();
     u32::from_str_radix(&digits, 16).ok().filter(|_| digits.len() == 8).map(AbortCode)
@@ -130,13 +130,13 @@ fn state(name: &str) -> Option<State> {
     (0..=u8::MAX).map(State).find(|state| state.name() == Some(name.trim()))
 }
 
-/// `8130h`.
+/// Parses an EMCY error code such as `8130h`.
 fn emcy(text: &str) -> Option<EmcyCode> {
     let digits = text.trim().trim_end_matches(['h', 'H']);
     u16::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 4).map(EmcyCode)
 }
 
-/// `105 ms` or `90 ms..110 ms`.
+/// Parses a time or a range of times: `105 ms` or `90 ms..110 ms`.
 fn times(text: &str) -> Option<Accepted> {
     match text.split_once("..") {
         Some((from, to)) => Some(Accepted::Time { least: duration(from)?, most: duration(to)? }),
@@ -144,7 +144,7 @@ fn times(text: &str) -> Option<Accepted> {
     }
 }
 
-/// `3`, `2..5` or `2..`.
+/// Parses a count or a range of counts: `3`, `2..5` or `2..`.
 fn counts(text: &str) -> Option<Accepted> {
     match text.split_once("..") {
         Some((from, to)) => Some(Accepted::Count { least: count(from, 0)?, most: count(to, u64::MAX)? }),
@@ -152,7 +152,7 @@ fn counts(text: &str) -> Option<Accepted> {
     }
 }
 
-/// `105 ms`, `1.5 s`, as a [`Duration`] is written.
+/// Parses a duration in the form in which a [`Duration`] is written: `105 ms`, `1.5 s`.
 fn duration(text: &str) -> Option<Duration> {
     let text = text.trim();
     let unit = text.find(|c: char| c.is_alphabetic() || c == 'µ')?;

@@ -17,7 +17,7 @@ pub enum Subject {
     Service(Service),
     /// A PDO, by its number from 1.
     Pdo {
-        /// Whether it is a TPDO; else an RPDO.
+        /// `true` for a TPDO, `false` for an RPDO.
         transmit: bool,
         /// The number, from 1.
         number: u16,
@@ -28,7 +28,7 @@ pub enum Subject {
     Description,
 }
 
-/// The text names no subject.
+/// The error for a text that names no subject.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
     "expected an object such as \"1016\" or \"1016:01\", a service such as \"heartbeat\" or \"lss\", \"TPDO 1\", \
@@ -37,7 +37,7 @@ pub enum Subject {
 pub struct BadSubject(pub String);
 
 impl Subject {
-    /// Whether a statement about this subject covers `other`, too: an object covers its entries.
+    /// Whether a statement about this subject also holds for `other`: an object includes its entries.
     pub fn covers(self, other: Self) -> bool {
         match (self, other) {
             (Self::Object(index), Self::Entry(entry)) => entry.index == index,
@@ -101,7 +101,7 @@ impl FromStr for Subject {
     }
 }
 
-/// `1016`, `1016h` or `1016:*`, all entries; `1016:01` or `1016h:01`, one.
+/// Parses `1016`, `1016h` or `1016:*` (all entries), or `1016:01` or `1016h:01` (one entry).
 fn object(text: &str) -> Option<Subject> {
     let (index, sub) = text.split_once(':').map_or((text, None), |(index, sub)| (index, Some(sub)));
     let index = index.trim_end_matches(['h', 'H']);

@@ -7,19 +7,19 @@ use std::str::FromStr;
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Channel(u16);
 
-/// Channels of one kind are numbered from 1; from the ninth on, handles have another form.
+/// A kind of channels, numbered from 1. From the ninth on, their handles have another form.
 struct Kind {
     /// The part of the name between `PCAN_` and the number.
     name: &'static str,
-    /// The handle of channel n, for 1 to 8, is this plus n.
+    /// The handle of channel n is this number plus n, for n from 1 to 8.
     first: u16,
-    /// The handle of channel n, from 9 on, is this plus n.
+    /// The handle of channel n is this number plus n, for n from 9 on.
     further: u16,
-    /// Number of channels.
+    /// Number of channels of this kind.
     count: u16,
 }
 
-/// The beginning of every name.
+/// The beginning of every channel's name.
 const PREFIX: &str = "PCAN_";
 const KINDS: [Kind; 6] = [
     Kind { name: "USBBUS", first: 0x50, further: 0x500, count: 16 },
@@ -30,7 +30,7 @@ const KINDS: [Kind; 6] = [
     Kind { name: "DNGBUS", first: 0x30, further: 0x30, count: 1 },
 ];
 
-/// Number of channels with the first form of handles.
+/// Number of channels whose handles have the first form.
 const SHORT: u16 = 8;
 
 impl Kind {
@@ -45,7 +45,7 @@ impl Kind {
 }
 
 impl Channel {
-    /// No channel: for parameters of the library itself.
+    /// No channel: stands for the library itself when its parameters are read.
     #[cfg(any(windows, target_os = "linux"))]
     pub(super) const NONE: Self = Self(0);
 
@@ -59,7 +59,7 @@ impl Channel {
     }
 }
 
-/// `PCAN_USBBUS1`.
+/// The name of the channel: `PCAN_USBBUS1`.
 impl fmt::Display for Channel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let numbered = |kind: &'static Kind| kind.channels().map(move |(number, channel)| (kind, number, channel));
@@ -70,7 +70,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// A name in any case, with or without `PCAN_`.
+/// Parses a name in any case, with or without `PCAN_`.
 impl FromStr for Channel {
     type Err = String;
 
@@ -79,7 +79,7 @@ impl FromStr for Channel {
         let name = upper.strip_prefix(PREFIX).unwrap_or(&upper);
         let named = |kind: &Kind| {
             let digits = name.strip_prefix(kind.name)?;
-            // Names have no sign and no leading zero in their number.
+            // The number in a name has no sign and no leading zero.
             let is_number = digits.bytes().all(|digit| digit.is_ascii_digit()) && !digits.starts_with('0');
             is_number.then(|| digits.parse().ok()).flatten().and_then(|number| kind.channel(number))
         };

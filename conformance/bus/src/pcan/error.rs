@@ -1,17 +1,17 @@
-//! Why an adapter of PEAK does not work, and what to do about it.
+//! The reasons why an adapter of PEAK does not work, with remedies.
 
 use super::channel::Channel;
 use super::status::Status;
 use canvass_traces::Duration;
 
-/// Each error says what to do.
+/// Why an adapter of PEAK does not work. The text of each error includes the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PcanError {
     /// PEAK's library is missing.
     #[error("can't load {name}, PEAK's library ({reason}): {}", Self::library_remedy())]
     NoLibrary {
-        /// Its file name.
+        /// The file name of the library.
         name: String,
         /// The system's error.
         reason: String,
@@ -19,14 +19,14 @@ pub enum PcanError {
     /// The library lacks a function.
     #[error("{name} has no {function} ({reason}): install the current version of PCAN-Basic")]
     OldLibrary {
-        /// Its file name.
+        /// The file name of the library.
         name: String,
         /// The missing function.
         function: &'static str,
         /// The system's error.
         reason: String,
     },
-    /// The bit rate has no registers.
+    /// PCAN-Basic has no registers for the bit rate.
     #[error(
         "PCAN-Basic has no bit rate of {0} bit/s: expected one of 5k, 10k, 20k, 33333, 47619, 50k, 83333, 95238, 100k, \
          125k, 250k, 500k, 800k, 1M"
@@ -50,7 +50,7 @@ pub enum PcanError {
         /// The status of the bus.
         status: Status,
     },
-    /// The address requests listening only.
+    /// The address requests listening only, so nothing can be sent.
     #[error("{channel} only listens: leave +listen-only out of the address to send")]
     ListenOnly { channel: Channel },
     /// Waiting for the adapter failed.
@@ -63,7 +63,7 @@ pub enum PcanError {
 }
 
 impl PcanError {
-    /// How to get the library.
+    /// The instruction for installing the library.
     const fn library_remedy() -> &'static str {
         if cfg!(target_env = "musl") {
             "this program is static and loads no libraries: use the interface that Linux itself makes of the \

@@ -1,7 +1,7 @@
 //! Adapters of PEAK, through its own library PCAN-Basic: `PCANBasic.dll` on Windows, `libpcanbasic.so` on Linux.
 //!
-//! The library is loaded when such a bus is opened; building needs nothing. Frames have the adapter's time stamps,
-//! converted to the system's clock. Not every adapter echoes own frames; so they get the time of sending.
+//! The library is loaded when such a bus is opened, so canvass builds without it. Frames have the adapter's time
+//! stamps, converted to the system's clock. Not every adapter echoes own frames; so own frames get the time of sending.
 
 #[cfg(any(windows, target_os = "linux"))]
 mod adapter;
@@ -22,6 +22,6 @@ pub struct Opening {
     pub channel: Channel,
     /// The bit rate in bit/s.
     pub bit_rate: u32,
-    /// Whether the controller acknowledges and sends nothing.
+    /// Whether the controller only listens: it neither acknowledges nor sends.
     pub listen_only: bool,
 }

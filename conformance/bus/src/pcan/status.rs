@@ -12,7 +12,7 @@ struct Known {
     /// The name in PEAK's header, without `PCAN_ERROR_`.
     name: &'static str,
     meaning: &'static str,
-    /// The remedy; empty if the program itself handles it.
+    /// The remedy; empty if canvass itself handles the status.
     remedy: &'static str,
 }
 
@@ -78,7 +78,7 @@ impl Status {
     pub const IN_USE: Self = Self(0x400);
     /// `PCAN_ERROR_ILLHW`.
     pub const NO_HARDWARE: Self = Self(0x1400);
-    /// `PCAN_ERROR_ILLHANDLE`, and the bits that its five neighbours share.
+    /// `PCAN_ERROR_ILLHANDLE`; also the mask of the field in which five other statuses have their values.
     pub const HANDLE: Self = Self(0x1C00);
     /// `PCAN_ERROR_ILLPARAMTYPE`.
     pub const UNKNOWN_PARAMETER: Self = Self(0x4000);
@@ -87,7 +87,7 @@ impl Status {
     /// `PCAN_ERROR_INITIALIZE`.
     pub const NOT_INITIALIZED: Self = Self(0x400_0000);
 
-    /// The union of both.
+    /// The bits of both statuses.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -114,18 +114,18 @@ impl Status {
         self.has(Self::TRANSMIT_BUFFER_FULL.and(Self::TRANSMIT_QUEUE_FULL))
     }
 
-    /// The bits about the bus and the queues: the function that reports them has succeeded all the same.
+    /// The bits about the bus and the queues: a function that reports only these has succeeded.
     pub const fn news(self) -> Self {
         const NEWS: u32 = 0x4_007E;
         Self(self.0 & NEWS)
     }
 
-    /// The bits without [`Status::news`]: why a function failed.
+    /// The bits other than [`Status::news`]: the reason why a function failed.
     pub const fn failure(self) -> Self {
         self.without(self.news())
     }
 
-    /// The table rows of the set bits.
+    /// The rows of the table for the set bits.
     fn rows(self) -> impl Iterator<Item = &'static Known> {
         let field = self.0 & Self::HANDLE.0;
         let (of_field, alone) = (move |row: &&Known| row.status.0 == field, self.without(Self::HANDLE));
@@ -133,7 +133,7 @@ impl Status {
     }
 }
 
-/// Each name and meaning, and the first remedy.
+/// The name and meaning of each row, and the first remedy.
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if *self == Self::OK {
@@ -176,7 +176,7 @@ mod tests {
     fn several_at_once_are_all_told_and_handles_are_told_apart() {
         let text = Status::BUS_HEAVY.and(Status::QUEUE_OVERRUN).to_string();
         assert!(text.contains("BUSHEAVY") && text.contains("QOVERRUN"), "{text}");
-        // Its bits are those of "in use" and of another one.
+        // The bits of this status are those of "in use" and of another status.
         let text = Status::NO_HARDWARE.to_string();
         assert!(text.contains("ILLHW") && !text.contains("HWINUSE"), "{text}");
         assert_eq!(Status(0x4000_0000).to_string(), "status 40000000h, which PCAN-Basic does not document");

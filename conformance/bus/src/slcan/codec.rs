@@ -1,4 +1,4 @@
-//! The SLCAN protocol (LAWICEL's ASCII protocol): frames and commands as lines that end with CR. Without I/O.
+//! The SLCAN protocol (LAWICEL's ASCII protocol), without I/O: frames and commands as lines that end with CR.
 //!
 //! ```text
 //! tiiildd...[tttt]        data frame, 11 bits: identifier, DLC, data, and a timestamp in ms if switched on by Z1
@@ -10,14 +10,14 @@
 //! Fhh CR                  status flags    Vhhhh, Nhhhh  version, serial number
 //! ```
 //!
-//! Hexadecimal digits of both cases are read; a DLC of a classical frame may be 9 to F, then there are 8 bytes of data.
+//! Hexadecimal digits may have both cases; a DLC of a classical frame may be 9 to F and stands for 8 bytes of data.
 
 use canvass_traces::{CanId, ChannelId, Flags, Frame, Record, Timestamp};
 use std::fmt;
 
-/// The end of a line.
+/// CR, the end of a line.
 pub const END: u8 = b'\r';
-/// "Refused".
+/// BEL, the answer "refused".
 pub const REFUSED: u8 = 0x07;
 
 /// Maximum length of a line: a CAN FD frame of 64 bytes with timestamp, 1 + 8 + 1 + 128 + 4.
@@ -33,12 +33,12 @@ pub enum Message {
     Frame {
         /// The frame.
         record: Record,
-        /// The adapter's clock in milliseconds, 0 to 59 999.
+        /// The time on the adapter's clock in milliseconds, 0 to 59 999.
         milliseconds: Option<u16>,
     },
-    /// The last command was done.
+    /// The adapter has carried out the last command.
     Done,
-    /// The last command was refused.
+    /// The adapter has refused the last command.
     Refused,
     /// The adapter has taken a frame for sending.
     Taken,
@@ -57,19 +57,19 @@ pub enum Message {
 pub enum Command {
     /// `S0` to `S8`: an index into [`BIT_RATES`].
     BitRate(u8),
-    /// `O`.
+    /// `O`: open the channel.
     Open,
-    /// `L`.
+    /// `L`: open the channel for listening only.
     Listen,
-    /// `C`.
+    /// `C`: close the channel.
     Close,
-    /// `Z0`, `Z1`.
+    /// `Z0`, `Z1`: switch timestamps off or on.
     Timestamps(bool),
-    /// `F`.
+    /// `F`: read the status flags.
     Status,
-    /// `V`.
+    /// `V`: read the version.
     Version,
-    /// `N`.
+    /// `N`: read the serial number.
     SerialNumber,
     /// Commands that only tune an adapter: acceptance filters, automatic polling, bit timing registers.
     Tuning,
@@ -108,16 +108,16 @@ impl fmt::Display for Status {
 #[derive(Debug, Default)]
 pub struct Decoder {
     line: Vec<u8>,
-    /// Whether the line is longer than any message and is skipped.
+    /// Whether the current line is longer than any message, and so is skipped.
     overlong: bool,
 }
 
 impl Decoder {
-    /// Adds received bytes, and passes on every message that they complete.
+    /// Adds received bytes, and passes every message that they complete to `found`.
     pub fn push(&mut self, bytes: &[u8], mut found: impl FnMut(Message)) {
         for &byte in bytes {
             match byte {
-                // BEL stands alone; bytes before it are the rest of a cut line.
+                // BEL is an answer without CR; bytes before it are the rest of a cut line.
                 REFUSED => {
                     self.finish_cut(&mut found);
                     found(Message::Refused);
@@ -203,7 +203,7 @@ fn plain(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-/// Parses `len` bytes; returns also the rest.
+/// Parses `len` bytes; returns also the rest of the digits.
 fn data(digits: &[u8], len: usize) -> Option<(Vec<u8>, &[u8])> {
     let (digits, rest) = digits.split_at_checked(2 * len)?;
     Some((canvass_traces::hex::parse(digits)?, rest))
@@ -246,7 +246,7 @@ fn digit(value: u8) -> u8 {
 }
 
 impl Command {
-    /// Appends the command as a line.
+    /// Appends the line of the command.
     pub fn write(self, line: &mut Vec<u8>) {
         match self {
             Self::BitRate(index) => line.extend_from_slice(&[b'S', digit(index)]),
@@ -262,7 +262,7 @@ impl Command {
         line.push(END);
     }
 
-    /// An adapter's answer to the command, for a bus at which this program is the adapter.
+    /// The answer of an adapter to the command, for a bus on which this program is the adapter.
     pub fn answer(self) -> &'static [u8] {
         match self {
             Self::Status => b"F00\r",
@@ -273,7 +273,7 @@ impl Command {
     }
 }
 
-/// Removes the steps of the adapter's clock, which starts again every minute.
+/// Makes the adapter's clock, which restarts every minute, continuous.
 #[derive(Debug, Default)]
 pub struct MinuteClock {
     last: Option<(u16, Timestamp)>,
@@ -284,12 +284,13 @@ pub struct MinuteClock {
 pub(super) const MINUTE: u64 = 60_000_000_000;
 
 impl MinuteClock {
-    /// The time on a continuous clock; `arrived` tells how many minutes have passed.
+    /// The time on a continuous clock; `arrived` determines the number of minutes that have passed.
     pub fn unwrap(&mut self, milliseconds: u16, arrived: Timestamp) -> Timestamp {
         let within = u64::from(milliseconds) * 1_000_000;
         if let Some((last, at)) = self.last {
             let step = (within + MINUTE - u64::from(last) * 1_000_000 % MINUTE) % MINUTE;
-            // The clock of this machine decides; it is right within half a minute.
+            // This machine's clock determines the number of minutes; an error of less than half a minute does not
+            // matter.
             let turns = (arrived.since(at).0 + MINUTE / 2).saturating_sub(step) / MINUTE;
             self.nanos += step + turns * MINUTE;
         } else {
@@ -312,7 +313,7 @@ mod tests {
         }
     }
 
-    /// The examples of the protocol's description, and the extension for CAN FD.
+    /// The examples in the description of the protocol, and the extension for CAN FD.
     #[test]
     fn lines_of_the_description() {
         assert_eq!(frame_of("t10021133"), "100#1133 None");
@@ -391,7 +392,7 @@ mod tests {
     }
 
     proptest! {
-        /// What one end writes the other one reads, however the bytes are cut.
+        /// The lines of one end give the same frames at the other end, however the bytes are cut.
         #[test]
         fn frames_arrive(records in prop::collection::vec(any_record(), 1..8), cut in 1..9_usize) {
             let mut bytes = Vec::new();

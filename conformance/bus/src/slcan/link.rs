@@ -9,7 +9,7 @@ use std::time::Duration;
 pub(super) enum Place {
     /// The path of a serial port.
     Serial(String),
-    /// `host:port`.
+    /// TCP: `host:port`.
     Tcp(String),
     /// A listener, which waits for a connection.
     Listener(TcpListener),
@@ -21,7 +21,7 @@ pub(super) struct Link {
     pub writer: Box<dyn Write + Send>,
 }
 
-/// Maximum wait of a read, after which the thread checks whether to end.
+/// Maximum wait of a read, after which the thread checks whether it must end.
 pub(super) const LOOK: Duration = Duration::from_millis(20);
 const CONNECT: Duration = Duration::from_secs(3);
 const WRITE: Duration = Duration::from_secs(2);
@@ -76,7 +76,7 @@ impl Place {
 }
 
 fn tcp(stream: TcpStream) -> io::Result<Link> {
-    // A frame must not wait for the next one.
+    // A frame must not wait for the next one, as with Nagle's algorithm.
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(LOOK))?;
     stream.set_write_timeout(Some(WRITE))?;
@@ -92,8 +92,8 @@ fn serial(path: &str) -> io::Result<Link> {
     Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
 }
 
-/// A port of Windows: a write would wait for a read in progress, as both use one handle. So the port is read only
-/// after it reports bytes.
+/// A serial port of Windows. Reading and writing use one handle, so a write would wait for a read in progress. So the
+/// port is read only after it reports bytes.
 #[cfg(all(feature = "serial", windows))]
 struct Asked(Box<dyn serialport::SerialPort>);
 
@@ -120,7 +120,7 @@ pub fn ports() -> Vec<String> {
     #[cfg(not(feature = "serial"))]
     let found = std::iter::empty();
     let mut names: Vec<String> = found.collect();
-    // Sorts COM10 after COM9.
+    // This order puts COM10 after COM9.
     names.sort_by_key(|name| (name.len(), name.clone()));
     names
 }
@@ -130,7 +130,7 @@ fn serial(_: &str) -> io::Result<Link> {
     Err(io::Error::new(io::ErrorKind::Unsupported, "this build has no serial ports (feature serial)"))
 }
 
-/// Whether a read only timed out.
+/// Whether the error only means that a read timed out.
 pub(super) fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }

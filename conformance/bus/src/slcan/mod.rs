@@ -1,7 +1,7 @@
 //! SLCAN: CAN adapters with LAWICEL's ASCII protocol over a serial port or TCP.
 //!
-//! This bus implements both ends: it also answers commands as an adapter does, so that two of these buses form one
-//! bus, and other programs can use it as an adapter.
+//! This bus implements both ends: it also answers commands like an adapter. So two of these buses form one bus, and
+//! other programs can use this bus as an adapter.
 
 mod codec;
 mod link;
@@ -31,7 +31,7 @@ pub struct SlCan {
     shared: Arc<Shared>,
     reader: Option<JoinHandle<()>>,
     bit_rate: Option<u32>,
-    /// Whether this end is the adapter, for a program that connects.
+    /// Whether this end is the adapter, to which a program connects.
     is_adapter: bool,
 }
 
@@ -41,18 +41,19 @@ struct Shared {
     clock: SteadyClock,
     inbox: Inbox,
     way: Way,
-    /// A request to change the bit rate: the reading thread does it, as it sees the adapter's answers.
+    /// A request to change the bit rate. The reading thread handles it, because that thread receives the adapter's
+    /// answers.
     change: Mutex<Option<Change>>,
 }
 
-/// A change of the bit rate, an index into [`BIT_RATES`], and the channel for its result.
+/// A change of the bit rate, as an index into [`BIT_RATES`], and the channel for its result.
 struct Change {
     index: u8,
     done: Sender<Result<(), SlCanError>>,
 }
 
-/// Maximum duration of a change of the bit rate: four commands, and four to go back, each of which may time out on an
-/// adapter that has answered before.
+/// Maximum duration of a change of the bit rate: four commands, and four to return to the old one. Each may time out on
+/// an adapter that has answered before.
 const CHANGE: Duration = Duration::from_secs(18);
 
 /// Why an adapter does not work, with a remedy.
@@ -67,7 +68,7 @@ pub enum SlCanError {
         /// The system's error.
         source: io::Error,
     },
-    /// SLCAN has no code for this bit rate.
+    /// SLCAN has no code for the bit rate.
     #[error("SLCAN has no bit rate of {0} bit/s: expected one of 10k, 20k, 50k, 100k, 125k, 250k, 500k, 800k, 1M")]
     BitRate(u32),
     /// The adapter refuses a command.
@@ -89,7 +90,7 @@ pub enum SlCanError {
         /// The time waited.
         waited: canvass_traces::Duration,
     },
-    /// There is no connection at the moment.
+    /// The connection is lost at the moment.
     #[error("{name} is not connected: plug it in; canvass opens it again by itself")]
     NotConnected {
         /// The port or address.
@@ -100,7 +101,7 @@ pub enum SlCanError {
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::PermissionDenied => ": join the port's group, usually `usermod -aG dialout $USER`",
-        // Windows gives a port to one program only, and reports a used port as missing.
+        // Windows gives a port to only one program, and reports a used port as missing.
         io::ErrorKind::NotFound if cfg!(windows) => {
             ": is it plugged in, and does no other program have it? (canvass doctor lists the ports)"
         }
@@ -112,11 +113,11 @@ fn remedy(error: &io::Error) -> &'static str {
 
 impl SlCan {
     /// Opens the adapter at `place`: a serial port's path, `tcp://host:port`, or `listen://host:port` to wait for a
-    /// program that takes this end for the adapter. `listen://port` is reached from this machine only. The protocol knows
-    /// no passwords: every client that connects can use the bus.
+    /// program that uses this end as its adapter. `listen://port` accepts connections from this machine only. The
+    /// protocol has no passwords: every client that connects can use the bus.
     ///
     /// # Errors
-    /// [`SlCanError`], which says what to do.
+    /// [`SlCanError`] with a remedy.
     pub fn open(place: &str, bit_rate: Option<u32>) -> Result<Self, SlCanError> {
         let index = bit_rate.map(index_of).transpose()?;
         let failed = |source| SlCanError::Open { name: place.to_owned(), source };
@@ -137,7 +138,7 @@ impl SlCan {
     }
 }
 
-/// The number of the command S for a bit rate.
+/// The number of the command `S` for a bit rate.
 fn index_of(bit_rate: u32) -> Result<u8, SlCanError> {
     let index = (0_u8..).zip(BIT_RATES).find(|(_, known)| *known == bit_rate);
     index.map(|(index, _)| index).ok_or(SlCanError::BitRate(bit_rate))
@@ -148,7 +149,7 @@ impl Shared {
         SlCanError::NotConnected { name: self.name.clone() }
     }
 
-    /// Sends a command to the adapter, or the answer to one.
+    /// Sends a command to the adapter, or the answer to a command.
     fn tell(&self, line: &[u8]) -> Result<(), SlCanError> {
         self.way.tell(line).map_err(|_| self.not_connected())
     }
@@ -160,14 +161,14 @@ impl Bus for SlCan {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        // The protocol does not tell when a frame was on the bus; this is the earliest possible time.
+        // The protocol does not give the time at which a frame was on the bus; this time is the earliest possible one.
         let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
         let mut line = Vec::with_capacity(32);
         if frame.is_head() || write_frame(&record, &mut line).is_none() {
             let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
             return Err(BusError::Unsendable { frame: *frame, reason });
         }
-        // The frame is recorded before it is written: the answer may arrive before this thread goes on.
+        // The frame is recorded before it is written: the answer may arrive before this thread continues.
         self.shared.inbox.deliver(&mut vec![record.clone()]);
         if self.shared.way.send(&line).is_err() {
             self.shared.inbox.retract(&record);
@@ -213,7 +214,7 @@ impl Bus for SlCan {
         self.shared.inbox.limit(frames);
     }
 
-    /// Closes the adapter's channel, sets the bit rate and opens it again. If this end is the adapter, its client
+    /// Closes the adapter's channel, sets the bit rate and reopens the channel. If this end is the adapter, its client
     /// sets the bit rate.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         if self.is_adapter {
@@ -223,7 +224,7 @@ impl Bus for SlCan {
         let change = Change { index: index_of(bit_rate)?, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
-            // The change must not happen later, when it is no longer expected.
+            // The change must not happen later, when the caller no longer expects it.
             self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             return Err(self.shared.not_connected().into());
         };
@@ -237,11 +238,11 @@ impl Drop for SlCan {
     fn drop(&mut self) {
         let mut line = Vec::new();
         Command::Close.write(&mut line);
-        // A lost adapter need not be closed.
+        // If the adapter is lost, its channel need not be closed.
         let _ = self.shared.tell(&line);
         self.shared.inbox.close();
         if let Some(reader) = self.reader.take() {
-            // Whether it panicked does not matter any more.
+            // A panic of the thread does not matter any more.
             let _ = reader.join();
         }
     }
@@ -313,7 +314,7 @@ mod tests {
         drop(client.join().unwrap());
     }
 
-    /// A client that says nothing is served until another one comes.
+    /// A silent client is served until another client connects.
     #[test]
     fn a_silent_client_does_not_keep_others_away() {
         let address = address();
@@ -341,7 +342,7 @@ mod tests {
                 if line == "S7" {
                     std::thread::sleep(std::time::Duration::from_millis(500));
                 }
-                // A client that closed the channel may be gone before the answer.
+                // The client may have closed the connection before the answer.
                 let answered = stream.write_all(if line == "S7" { b"\x07" } else { b"\r" });
                 assert!(answered.is_ok() || matches!(&*line, "C" | "F"), "{line}: {answered:?}");
                 told.push(std::mem::take(&mut line));
@@ -350,7 +351,8 @@ mod tests {
         })
     }
 
-    /// An adapter whose clock shows the time since it was opened until it stands still, and sends a frame each 40 ms.
+    /// An adapter whose clock shows the time since it was opened, and stops after a while. It sends a frame every 40
+    /// ms.
     fn stamping(listener: TcpListener, stands_still_after: u64) -> JoinHandle<()> {
         std::thread::spawn(move || {
             let mut stream = listener.accept().unwrap().0;
@@ -358,7 +360,7 @@ mod tests {
             std::thread::spawn(move || {
                 let (mut byte, mut asked) = ([0], stream.try_clone().unwrap());
                 while asked.read(&mut byte).is_ok_and(|n| n == 1) {
-                    // A client that closes the channel may be gone before the answer.
+                    // The client may have closed the connection before the answer.
                     let _ = (byte[0] == b'\r').then(|| stream.write_all(b"\r"));
                 }
             });

@@ -12,23 +12,24 @@ use std::io::{self, Read};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Timeout of a command's answer before any answer has come: some programs never answer.
+/// Timeout of an answer while no command was answered yet: some programs never answer.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Timeout of an answer once commands are answered: a late answer would be taken for that of the next command.
+/// Timeout of an answer once a command was answered. It is long because a late answer would be taken for that of the
+/// next command.
 const ANSWER: Duration = Duration::from_secs(2);
 
-/// Interval between two tries to reopen a lost adapter.
+/// Interval between two attempts to reopen a lost adapter.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// A client that has been silent for this long gives way to a waiting one.
+/// Time after which a silent client gives way to a waiting one.
 const IDLE: Duration = Duration::from_secs(5);
 
-/// Interval between two questions for the status flags.
+/// Interval between two queries of the status flags.
 const STATUS: Duration = Duration::from_secs(1);
 
-/// An adapter that answers this question is taken for lost after this silence. A TCP connection to a machine without
-/// power shows nothing else for a quarter of an hour.
+/// Time after which a silent adapter that answers this query is regarded as lost. A TCP connection to a machine without
+/// power shows no other sign for a quarter of an hour.
 const GONE: Duration = Duration::from_secs(4);
 
 pub(super) struct Reader {
@@ -43,38 +44,38 @@ pub(super) struct Reader {
     hardware: HardwareClock,
     stamps: StampWatch,
     records: Vec<Record>,
-    /// Whether the adapter may answer the question for its status flags.
+    /// Whether the adapter may answer the query of its status flags.
     has_status: bool,
-    /// Whether it has answered that question.
+    /// Whether the adapter has answered that query on this connection.
     has_told_status: bool,
-    /// Whether that question is unanswered.
+    /// Whether an answer to that query is outstanding.
     asks_status: bool,
     /// Whether the adapter has answered a command on this connection.
     has_answered: bool,
-    /// Whether it has answered a command on any connection.
+    /// Whether the adapter has answered a command on any connection.
     is_answering: bool,
 }
 
-/// Maximum time between two consecutive calls without a wait.
+/// Maximum time between two consecutive calls if the thread did not wait between them.
 const AT_ONCE: Span = Span::from_micros(100);
 
-/// Waits of the reading thread for a processor while bytes may have been there.
+/// Times for which the reading thread waited for a processor while bytes may have arrived.
 #[derive(Clone, Copy)]
 struct Late {
-    /// The wait from the arrival of bytes until the thread saw them.
+    /// The wait from the arrival of bytes until the thread woke.
     waking: Span,
     /// The wait between two reads, or just after one.
     away: Span,
 }
 
 impl Late {
-    /// The arrival time of a message by its position among those of one read. The first message woke the thread; the
-    /// arrival of the others is unknown.
+    /// The arrival time of a message by its position among the messages of one read. The first message woke the thread;
+    /// the arrival times of the others are unknown.
     fn arrival(self, at: usize, now: Timestamp) -> Timestamp {
         if at == 0 { Timestamp(now.0.saturating_sub(self.waking.0)) } else { now }
     }
 
-    /// Counts the uncertainty that remains.
+    /// Counts the remaining uncertainty of arrival times.
     fn note(self, messages: usize, health: &mut Health) {
         let unknown = if messages > 1 { self.waking } else { Span::ZERO };
         if messages > 0 && self.away.max(unknown) > Span::ZERO {
@@ -115,7 +116,7 @@ impl Reader {
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
         self.stamps = StampWatch::default();
-        // A client opens this end itself.
+        // If this end is the adapter, the client opens the channel.
         if !matches!(self.place, Place::Listener(_)) {
             self.open_channel().inspect_err(|_| self.disconnect())?;
         }
@@ -131,10 +132,10 @@ impl Reader {
     }
 
     fn open_channel(&mut self) -> Result<(), SlCanError> {
-        // Ends a line that another program may have left unfinished.
+        // Ends an unfinished line of another program.
         self.shared.tell(b"\r\r")?;
         self.reopen_channel()?;
-        // Some adapters never answer. An adapter that answered before is not ready yet, or lost again.
+        // Some adapters never answer. If this one answered before, it is not ready yet, or lost again.
         if self.is_answering && !self.has_answered {
             return Err(self.shared.not_connected());
         }
@@ -143,7 +144,7 @@ impl Reader {
     }
 
     fn reopen_channel(&mut self) -> Result<(), SlCanError> {
-        // The adapter refuses this if the channel is closed already.
+        // The adapter refuses this command if the channel is closed already.
         self.tell(Command::Close)?;
         let refused = |action| SlCanError::Refused { name: self.shared.name.clone(), action };
         let (rate, open) = (refused("set the bit rate"), refused("open its channel"));
@@ -152,7 +153,7 @@ impl Reader {
         {
             return Err(rate);
         }
-        // Without timestamps, frames get their time of arrival.
+        // If the adapter refuses timestamps, frames get their time of arrival.
         self.tell(Command::Timestamps(true))?;
         if self.tell(Command::Open)? == Some(false) {
             return Err(open);
@@ -171,7 +172,7 @@ impl Reader {
         changed
     }
 
-    /// Sends a command; returns whether it was done, or `None` without an answer.
+    /// Sends a command; returns whether the adapter carried it out, or `None` without an answer.
     fn tell(&mut self, command: Command) -> Result<Option<bool>, SlCanError> {
         self.settle();
         let mut line = Vec::new();
@@ -179,7 +180,7 @@ impl Reader {
         self.shared.tell(&line)?;
         let patience = if self.has_answered { ANSWER } else { PATIENCE };
         let begun = Instant::now();
-        // The answer to an earlier question comes first.
+        // The answer to an outstanding query comes first.
         let mut missing = 1 + usize::from(std::mem::take(&mut self.asks_status));
         let mut answer = None;
         while missing > 0 && begun.elapsed() < patience {
@@ -202,7 +203,7 @@ impl Reader {
         Ok(answer)
     }
 
-    /// Reads the bytes from before a command, so that they are not taken for its answer.
+    /// Reads the bytes that arrived before a command, so that they are not taken for its answer.
     fn settle(&mut self) {
         for message in self.read().unwrap_or_default() {
             self.take(message, self.shared.clock.now());
@@ -229,7 +230,7 @@ impl Reader {
                 Ok(messages) => {
                     let now = shared.clock.now();
                     let waking = wait.since_last();
-                    // A wait between these two lines did not happen before the first.
+                    // A wait between these two lines came after `now`, so it counts as time away from reading.
                     let between = shared.clock.now().since(now);
                     let late = Late { waking, away: if between > AT_ONCE { away + between } else { away } };
                     shared.inbox.set_delivering(true);
@@ -258,7 +259,7 @@ impl Reader {
     fn ask_status(&mut self) {
         let mut line = Vec::new();
         Command::Status.write(&mut line);
-        // A failed write is noticed at once.
+        // `notice_loss` handles a failed write.
         self.asks_status = self.shared.tell(&line).is_ok();
     }
 
@@ -271,19 +272,19 @@ impl Reader {
         }
     }
 
-    /// One bus has room for one client: a silent one gives way to a waiting one.
+    /// Replaces a silent client by a waiting one: the bus serves one client at a time.
     fn give_way(&mut self) {
         if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
             return;
         }
-        // No client waits, or it can't be served: the present client stays.
+        // If no client waits, or the waiting one can't be served, the present client stays.
         if self.connect().unwrap_or(false) {
             let trouble = format!("{}: a silent client gave way to another one", self.shared.name);
             self.shared.inbox.note(|health| health.was_interrupted(trouble));
         }
     }
 
-    /// The messages that arrive within [`LOOK`].
+    /// Reads once, at most for [`LOOK`]; returns the messages that are complete.
     fn read(&mut self) -> io::Result<Vec<Message>> {
         let mut bytes = [0; 4096];
         let Some(port) = &mut self.port else { return Ok(Vec::new()) };
@@ -315,14 +316,14 @@ impl Reader {
                 (self.asks_status, self.has_told_status) = (false, true);
                 self.note(status);
             }
-            // Most likely this answers the question for the status flags.
+            // This is most likely the answer to the query of the status flags.
             Message::Refused => (self.asks_status, self.has_status) = (false, false),
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}
         }
     }
 
-    /// The time of a frame on the bus: by the adapter's clock while it can be trusted.
+    /// The time of a frame on the bus, by the adapter's clock while its stamps can be trusted.
     fn stamped(&mut self, milliseconds: u16, arrived: Timestamp) -> Timestamp {
         let adapter = self.minute.unwrap(milliseconds, arrived);
         match self.stamps.check(milliseconds, arrived) {
@@ -342,7 +343,7 @@ impl Reader {
             return;
         }
         self.shared.inbox.note(|health| {
-            // The number of lost frames is unknown.
+            // The adapter does not report the number of lost frames, so a loss counts as one.
             health.lost += u64::from(status.has_lost());
             health.error_frames += 1;
             health.trouble = Some(format!("{}: {status}", self.shared.name));

@@ -1,31 +1,31 @@
 //! Checks an adapter's time stamps against the arrival times of the frames.
 //!
-//! A frame arrives some time after its stamp, with a delay that varies with USB, radio and load. The smallest delay
-//! is constant: a stamp that differs from it for longer than any delay lasts is wrong.
+//! A frame arrives some time after its stamp, with a delay that varies with USB, radio and load. The smallest delay is
+//! constant. If the delays are different for longer than a connection can be slow, the stamps are wrong.
 
 use super::codec::MINUTE;
 use crate::StampTrouble;
 use canvass_traces::{Duration, Timestamp};
 
-/// Stamps count the milliseconds of a minute: 0 to 59 999.
+/// Number of values of a stamp, which counts the milliseconds of a minute: 0 to 59 999.
 const VALUES: u16 = 60_000;
 
 /// Usual maximum delay of a frame from the adapter.
 const USUAL_DELAY: Duration = Duration::from_millis(100);
 
-/// A connection that delays frames for longer than this delays all of them; so the clocks differ.
+/// Maximum duration of unusual delays: if they last longer, the clocks differ.
 const LONGEST_DELAY: Duration = Duration::from_secs(1);
 
 /// Upper limit of the drift between quartzes, in parts per million.
 const DRIFT_PPM: u64 = 1_000;
 
-/// The smallest delay is known once this many frames had nearly the same.
+/// Number of frames with nearly the same delay after which the smallest delay is known.
 const FRAMES: u32 = 10;
 
-/// Arrivals further apart than this are not in the same millisecond.
+/// Minimum interval between two arrivals that can't be in the same millisecond.
 const APART: Duration = Duration::from_millis(10);
 
-/// Number of separate arrivals with one stamp that prove a standing clock.
+/// Number of separate arrivals with the same stamp that prove that the clock stands still.
 const STILL: u32 = 4;
 
 /// Checks the stamps of one connection.
@@ -49,9 +49,9 @@ struct Same {
 /// The smallest time from a stamp to the arrival of its frame.
 #[derive(Clone, Copy, Debug)]
 struct Least {
-    /// The difference modulo a minute: the clocks have different origins.
+    /// The smallest difference of arrival and stamp, modulo a minute: the clocks have different origins.
     offset: u64,
-    /// Time at which it was seen.
+    /// The arrival time of the frame with this difference.
     at: Timestamp,
     /// Number of frames with nearly the same difference.
     frames: u32,
@@ -62,9 +62,9 @@ struct Least {
 pub enum StampCheck {
     /// The stamp is right, as far as is known.
     Right,
-    /// The frame is late, or the stamp is wrong, by this much.
+    /// The frame is late by this time, or the stamp is wrong.
     Doubtful(Duration),
-    /// The stamps must not be used any more.
+    /// The stamps are wrong and must not be used any more.
     Wrong(StampTrouble),
 }
 
@@ -110,7 +110,7 @@ impl StampWatch {
             if earlier > limit.0 && least.frames >= FRAMES {
                 return StampCheck::Wrong(StampTrouble::Jump);
             }
-            // This frame shows that earlier ones were late.
+            // This frame shows that the earlier frames were late.
             *least = Least { frames: if earlier > limit.0 { 0 } else { least.frames + 1 }, ..first };
         } else if later > limit.0 {
             let since = *self.delayed_since.get_or_insert(arrived);
@@ -128,7 +128,7 @@ impl StampWatch {
 mod tests {
     use super::*;
 
-    /// What the watch says of stamps in milliseconds and the arrivals of their frames, each in milliseconds too.
+    /// The checks of frames, each given as its stamp and its arrival time in milliseconds.
     fn checked(frames: impl IntoIterator<Item = (u64, u64)>) -> Vec<StampCheck> {
         let mut watch = StampWatch::default();
         let at = |ms: u64| Timestamp(1_700_000_000_000_000_000 + ms * 1_000_000);
@@ -142,7 +142,7 @@ mod tests {
         })
     }
 
-    /// Frames every 10 ms for five minutes, over the ends of four minutes, delayed by up to 90 ms.
+    /// Frames arrive every 10 ms for five minutes, across four restarts of the stamps, delayed by up to 90 ms.
     #[test]
     fn stamps_that_are_right_stay_right() {
         let frames = (0..30_000_u64).map(|n| ((n * 10 + 12_345) % 60_000, n * 10 + n * 7919 % 90));
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(trouble(bursts), None, "many frames of a millisecond in one read");
     }
 
-    /// 500 ppm, and a minute without a frame.
+    /// A drift of 500 ppm, and a minute without a frame.
     #[test]
     fn a_clock_that_drifts_is_followed() {
         for drift in [-500_i64, 500] {
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// A radio link that pauses: frames that are late are doubtful, and none of them is taken for wrong.
+    /// A radio link pauses: late frames are doubtful, and no stamp is regarded as wrong.
     #[test]
     fn a_way_that_pauses_is_no_wrong_clock() {
         let frames = (0..500_u64).map(|n| (n * 20, if (100..140).contains(&n) { 140 * 20 } else { n * 20 }));
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(trouble(from), Some((23, StampTrouble::Still)));
     }
 
-    /// Back, forward, and at the wrong end of the minute.
+    /// The clock jumps back, jumps forward, and restarts at the wrong time.
     #[test]
     fn a_clock_that_jumps_is_wrong() {
         let jump = |by: u64| (0..60_u64).map(move |n| ((n * 100 + 5_000 + by * (n / 30)) % 60_000, n * 100));
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(trouble((0..800_u64).map(|n| (n * 100 % 65_536, n * 100))), Some((600, StampTrouble::Range)));
     }
 
-    /// Of a clock that runs at half the speed all stamps fall behind.
+    /// If a clock runs at half the speed, its stamps fall behind more and more.
     #[test]
     fn a_clock_of_the_wrong_speed_is_wrong() {
         assert_eq!(trouble((0..100_u64).map(|n| (n * 50, n * 100))).map(|(_, what)| what), Some(StampTrouble::Jump));

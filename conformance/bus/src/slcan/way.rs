@@ -11,20 +11,20 @@ type Writer = Box<dyn Write + Send>;
 
 #[derive(Default)]
 enum State {
-    /// There is no connection.
+    /// No connection.
     #[default]
     Closed,
-    /// The adapter's channel is being opened: it takes commands, but no frames yet.
+    /// The adapter's channel is being opened: the adapter takes commands, but no frames yet.
     Opening(Writer),
     /// The adapter takes frames.
     Open(Writer),
-    /// Writing failed. The reading thread may be waiting for bytes and does not know it yet.
+    /// Writing failed. The reading thread may still wait for bytes and not know of the failure.
     Failed(io::Error),
 }
 
 impl State {
-    /// Writes a line. After an error the connection takes no more lines: the other end has received a part of this
-    /// one.
+    /// Writes a line. After an error the connection takes no more lines, because the other end may have received a part
+    /// of this one.
     fn write(&mut self, line: &[u8]) -> io::Result<()> {
         let writer = match self {
             Self::Opening(writer) | Self::Open(writer) => writer,
@@ -41,7 +41,7 @@ impl Way {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sets a new connection, whose channel is still closed.
+    /// Stores a new connection, whose channel is still closed.
     pub fn connect(&self, writer: Writer) {
         *self.state() = State::Opening(writer);
     }
@@ -85,7 +85,7 @@ impl Way {
         }
     }
 
-    /// Writes a command, or the answer to one.
+    /// Writes a command, or the answer to a command.
     pub fn tell(&self, line: &[u8]) -> io::Result<()> {
         self.state().write(line)
     }
@@ -95,7 +95,7 @@ impl Way {
 mod tests {
     use super::*;
 
-    /// Takes a few bytes, and then no more.
+    /// A connection that takes this number of bytes, and then no more.
     struct Full(usize);
 
     impl Write for Full {

@@ -1,5 +1,5 @@
-//! Sets the bit rate of an interface, as `ip link set can0 type can bitrate 500000` does: the interface must be down
-//! for that.
+//! Sets the bit rate of an interface, like `ip link set can0 type can bitrate 500000`. The interface must be down
+//! for this change.
 
 use super::error::SocketCanError;
 use super::link::{Link, io_error};
@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The range of a controller's bit rates, in bit/s.
 const POSSIBLE: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 
-/// Takes the interface down, sets its bit rate and brings the interface up again: with the old bit rate if the kernel refuses
-/// the new one. `goes_down` is true while this program keeps the interface down.
+/// Takes the interface down, sets its bit rate and brings it up again. If the kernel refuses the new bit rate, the
+/// interface keeps the old one. `goes_down` is true while this program keeps the interface down.
 ///
 /// # Errors
-/// [`SocketCanError`], which says what to do.
+/// [`SocketCanError`] with a remedy.
 pub(super) fn set(interface: &str, bit_rate: u32, goes_down: &AtomicBool) -> Result<(), SocketCanError> {
     let failed = |source| SocketCanError::BitRate {
         interface: interface.to_owned(),
@@ -36,7 +36,7 @@ pub(super) fn set(interface: &str, bit_rate: u32, goes_down: &AtomicBool) -> Res
         return Err(failed(io_error(error)));
     }
     let set = open.set_bitrate(bit_rate, None);
-    // Brings it up with the new bit rate, or with the old one.
+    // The interface comes up with the new bit rate or, after an error, with the old one.
     open.bring_up().map_err(|error| failed(io_error(error)))?;
     set.map_err(|error| failed(io_error(error)))
 }

@@ -1,21 +1,22 @@
-//! Converts the kernel's times, by the system's clock, which can be set, to the bus's clock, which does not jump.
+//! Converts the kernel's times to the clock of the bus, which never jumps. The kernel uses the system's clock, which
+//! can be set.
 
 use crate::clock::{SteadyClock, system_time};
 use canvass_traces::Timestamp;
 use std::time::{Duration, Instant};
 
-/// The offset from a time of the system's clock to one of a [`SteadyClock`], in nanoseconds.
+/// The offset from the system's clock to a [`SteadyClock`], in nanoseconds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Correction(i64);
 
-/// A smaller difference of the clocks is the uncertainty of their comparison.
+/// Minimum change of the offset that counts: a smaller one is the uncertainty of the comparison.
 const STEP: u64 = 1_000_000;
 
-/// A comparison of the clocks that took longer than this was interrupted and is not used.
+/// Maximum duration of a comparison of the clocks: a longer one was interrupted and is not used.
 const BRACKET: Duration = Duration::from_micros(100);
 
 impl Correction {
-    /// The offset from now on: a new one if the system's clock was set since the last check.
+    /// The offset from now on: a new one if the system's clock was set since the last comparison.
     pub fn looked_up(self, clock: &SteadyClock) -> Self {
         for _ in 0..3 {
             let before = Instant::now();

@@ -1,14 +1,14 @@
-//! Why SocketCAN does not work, with a remedy.
+//! The reasons why SocketCAN does not work, with remedies.
 
 use super::link::Link;
 use canvass_traces::Duration;
 use std::io;
 
-/// Each error says what to do.
+/// Why SocketCAN does not work. The text of each error includes the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SocketCanError {
-    /// `EAFNOSUPPORT` or `EPROTONOSUPPORT`.
+    /// The kernel has no CAN: `EAFNOSUPPORT` or `EPROTONOSUPPORT`.
     #[error(
         "no CAN in this kernel: modprobe can-raw (as root); if there is no such module, a kernel with CONFIG_CAN and \
          CONFIG_CAN_RAW is needed, or an adapter by slcan:PORT (canvass doctor says more)"
@@ -22,7 +22,7 @@ pub enum SocketCanError {
         /// The names of the CAN interfaces, or how to make one.
         known: String,
     },
-    /// A network interface of another kind.
+    /// The network interface is no CAN interface.
     #[error("{interface} is no CAN interface: {known}")]
     NotCan {
         /// The name as typed.
@@ -33,12 +33,12 @@ pub enum SocketCanError {
     /// The interface is not up.
     #[error("{interface} is down: {command}")]
     Down {
-        /// Its name.
+        /// The name of the interface.
         interface: String,
         /// The command that brings it up.
         command: String,
     },
-    /// Not allowed.
+    /// This process is not allowed to do it.
     #[error("no permission to {action} {interface}: run as root, or give the container the network of its host")]
     Permission {
         /// The failed action.
@@ -54,18 +54,18 @@ pub enum SocketCanError {
         /// The kernel's state of the interface.
         state: String,
     },
-    /// The bit rate can't be changed from here.
+    /// The kernel refuses the bit rate.
     #[error("can't set {interface} to {bit_rate} bit/s ({source}): {command} (as root)")]
     BitRate {
         interface: String,
-        /// In bit/s.
+        /// The bit rate in bit/s.
         bit_rate: u32,
         /// The command that sets the bit rate.
         command: String,
         /// The kernel's error.
         source: io::Error,
     },
-    /// The interface has no controller.
+    /// The interface has no controller, and so no bit rate.
     #[error("{interface} is a virtual interface, which has no bit rate: expected one with a CAN controller")]
     NoBitRate { interface: String },
     /// Any other error.
@@ -92,7 +92,7 @@ impl SocketCanError {
         }
     }
 
-    /// Whether the error ends when the interface is back.
+    /// Whether the error ends when the interface comes back.
     pub(crate) const fn is_interruption(&self) -> bool {
         matches!(self, Self::NoInterface { .. } | Self::Down { .. } | Self::QueueFull { .. })
     }

@@ -1,5 +1,5 @@
-//! The kernel's data about CAN interfaces: from rtnetlink, and from `/sys/class/net` as far as the crate does not
-//! read them.
+//! The kernel's data about CAN interfaces, from rtnetlink; and from `/sys/class/net`, as far as the crate does not read
+//! them.
 
 use socketcan::nl::{CanInterface, CanState, Mtu};
 use std::fmt;
@@ -14,26 +14,27 @@ const CAN: u32 = libc::ARPHRD_CAN as u32;
 /// A network interface, with its CAN properties.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Link {
-    /// The index by which sockets are bound to it.
+    /// The index of the interface, by which sockets are bound to it.
     pub index: u32,
-    /// Whether it is a CAN interface.
+    /// Whether the interface is a CAN interface.
     pub is_can: bool,
-    /// Whether it is up.
+    /// Whether the interface is up.
     pub is_up: bool,
-    /// Whether it supports CAN FD.
+    /// Whether the interface supports CAN FD.
     pub is_fd: bool,
     /// Capacity of the transmit queue, in frames.
     pub transmit_queue: u32,
-    /// The bit rate in bit/s; `None` for interfaces without wires, or if it was never set.
+    /// The bit rate in bit/s; `None` for a virtual interface, or if the bit rate was never set.
     pub bit_rate: Option<u32>,
-    /// The state of the controller; `None` for interfaces without one, such as `vcan` and `vxcan`.
+    /// The state of the controller; `None` for an interface without one, such as `vcan` and `vxcan`.
     pub state: Option<ControllerState>,
     /// The controller's counters of transmit and receive errors.
     pub error_counters: Option<(u16, u16)>,
-    /// The delay in milliseconds after which a controller in bus-off is restarted; `None` if only by hand.
+    /// The delay in milliseconds after which the kernel restarts a controller in bus-off; `None` if a person must
+    /// restart it.
     pub restart_ms: Option<u32>,
-    /// Number of frames that the controller, its driver or the kernel has lost before any socket saw them, since the
-    /// interface exists.
+    /// Number of frames that the controller, its driver or the kernel has lost before any socket received them, since
+    /// the interface exists.
     pub lost: u64,
 }
 
@@ -87,8 +88,8 @@ impl Link {
         }))
     }
 
-    /// Number of frames lost before any socket saw them. Drivers count a frame for which their controller had no room
-    /// under one of two names.
+    /// Number of frames lost before any socket received them. A driver counts a frame for which its controller had no
+    /// room under one of two names.
     pub(super) fn lost(interface: &str) -> u64 {
         lost(|name| figure(interface, &format!("statistics/{name}")).unwrap_or(0))
     }
@@ -104,12 +105,12 @@ impl Link {
         names
     }
 
-    /// Whether frames can be sent and received on it.
+    /// Whether frames can be sent and received on the interface.
     pub(super) fn is_usable(&self) -> bool {
         self.is_can && self.is_up && !matches!(self.state, Some(ControllerState::BusOff | ControllerState::Stopped))
     }
 
-    /// The command that brings it up.
+    /// The command that brings the interface up.
     pub fn up_command(&self, interface: &str) -> String {
         match (self.state, self.bit_rate) {
             (Some(_), None) => format!("ip link set {interface} up type can bitrate 250000"),
@@ -123,7 +124,7 @@ fn unless_absent(error: io::Error) -> io::Result<Option<Link>> {
     if error.raw_os_error() == Some(libc::ENODEV) { Ok(None) } else { Err(error) }
 }
 
-/// The error of a question to the kernel, with its error number.
+/// The error of a query to the kernel, with its error number.
 pub(super) fn io_error(error: socketcan::Error) -> io::Error {
     match error {
         socketcan::Error::Io(error) => error,
@@ -135,7 +136,7 @@ pub(super) fn io_error(error: socketcan::Error) -> io::Error {
     }
 }
 
-/// A number in the kernel's files about an interface.
+/// Reads a number from a file of the kernel about an interface.
 fn figure<T: FromStr>(interface: &str, name: &str) -> Option<T> {
     fs::read_to_string(Path::new("/sys/class/net").join(interface).join(name)).ok()?.trim().parse().ok()
 }
@@ -144,7 +145,7 @@ fn lost(figure: impl Fn(&str) -> u64) -> u64 {
     figure("rx_dropped") + figure("rx_over_errors").max(figure("rx_fifo_errors")) + figure("rx_missed_errors")
 }
 
-/// `controller, up, 250 kbit/s, error-active`.
+/// The properties in words: `controller, up, 250 kbit/s, error-active`.
 impl fmt::Display for Link {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if self.state.is_some() { "controller" } else { "virtual" })?;

@@ -1,6 +1,6 @@
 //! SocketCAN: the CAN interfaces of Linux.
 //!
-//! A thread of its own receives, so that slow processing does not overflow the kernel's queue. Times are those of the
+//! Another thread receives, so that slow processing does not overflow the kernel's queue. Times are those of the
 //! controller if it has a clock, else those of the kernel.
 
 mod bit_rate;
@@ -31,25 +31,25 @@ use sys::{Filter, RawSocket};
 pub struct SocketCan {
     shared: Arc<Shared>,
     receiver: Option<JoinHandle<()>>,
-    /// The receiving thread has the other end, and notices when this one is closed.
+    /// The sending end of a pipe. The receiving thread holds the other end, and ends when this one is closed.
     open: Option<PipeWriter>,
     bit_rate: Option<u32>,
     losses: Cell<Losses>,
-    /// The value of a frame's unused bytes.
+    /// The value of the unused bytes of sent frames.
     padding: u8,
 }
 
-/// Counts the frames that were lost before any socket saw them.
+/// Counts the frames that were lost before any socket received them.
 #[derive(Clone, Copy)]
 struct Losses {
-    /// The interface's count at the last look.
+    /// The interface's count at the last update.
     counted: u64,
     /// Number of frames lost since this bus was opened.
     lost: u64,
 }
 
 impl Losses {
-    /// Updates the number by the interface's current count, which restarts with the interface.
+    /// Updates the number from the interface's current count, which restarts when the interface is created anew.
     fn at(self, counted: u64) -> Self {
         let new = counted.checked_sub(self.counted).unwrap_or(counted);
         Self { counted, lost: self.lost + new }
@@ -62,31 +62,31 @@ struct Shared {
     socket: RawSocket,
     clock: SteadyClock,
     inbox: Inbox,
-    /// The sending times of the frames whose echo has not come yet.
+    /// The sending times of the frames whose echo has not arrived yet.
     sent: Mutex<VecDeque<Timestamp>>,
-    /// The kernel's receive filters. The kernel forgets them when the interface is removed.
+    /// The receive filters, which the kernel forgets when the interface is removed.
     filters: Mutex<Vec<Filter>>,
     /// Whether this program itself takes the interface down.
     goes_down: AtomicBool,
 }
 
-/// The kernel's receive queue: at about 1 KiB per frame, a third of a second of a full bus at 1 Mbit/s.
+/// Size of the kernel's receive queue: at about 1 KiB per frame, a third of a second of a full bus at 1 Mbit/s.
 const RECEIVE_QUEUE: i32 = 8 << 20;
 
-/// Maximum wait for a full transmit queue. The longest frame takes 16 ms at 10 kbit/s.
+/// Maximum wait if the transmit queue is full. The longest frame takes 16 ms at 10 kbit/s.
 const PATIENCE: Duration = Duration::from_millis(2_000);
 
 /// Maximum wait until the receiving thread has noticed that the interface is down.
 const DOWN: Duration = Duration::from_millis(500);
 
-/// Maximum number of frames without echo, beyond which their delays are dropped.
+/// Maximum number of frames without echo; the delays of further ones are not measured.
 const UNACCOUNTED: usize = 4_096;
 
 impl SocketCan {
     /// Opens the interface of that name.
     ///
     /// # Errors
-    /// [`SocketCanError`], which says what to do.
+    /// [`SocketCanError`] with a remedy.
     pub fn open(interface: &str) -> Result<Self, SocketCanError> {
         let failed = |action| move |error| SocketCanError::of(interface, action, error);
         let socket = RawSocket::new().map_err(failed("open"))?;
@@ -114,7 +114,7 @@ impl SocketCan {
     /// Checks the kernel's support, independently of interfaces.
     ///
     /// # Errors
-    /// [`SocketCanError`], which says what is missing.
+    /// [`SocketCanError`], which names the missing part.
     pub fn support() -> Result<(), SocketCanError> {
         RawSocket::new().map(|_| ()).map_err(|error| SocketCanError::of("a socket", "open", error))
     }
@@ -152,11 +152,11 @@ impl SocketCan {
     }
 }
 
-/// Remains of an earlier use of the memory. Read as flags of CAN FD, these bits mean: a CAN FD frame, sent by a
-/// device in error passive state.
+/// A value for unused bytes, as if they had not been cleared. Read as flags of CAN FD, its bits mean: a CAN FD frame,
+/// sent by a device in error passive state.
 const DIRT: u8 = 0xA7;
 
-/// Fills the unused bytes of a classical frame for the socket: three after the length, and the rest of the data.
+/// Fills the unused bytes of a classical frame: the three bytes after the length, and the rest of the data.
 fn pad(packet: &mut [u8], length: usize, padding: u8) {
     const CLASSICAL: usize = 16;
     if packet.len() != CLASSICAL || padding == 0 {
@@ -182,7 +182,7 @@ impl Bus for SocketCan {
         to_socket(&Record::new(Timestamp::ZERO, ChannelId(0), *frame), &mut packet);
         pad(&mut packet, frame.data().len(), self.padding);
         let started = self.now();
-        // The time is stored before sending: the echo may be faster than this thread.
+        // The time is stored before sending: the echo may arrive before this thread continues.
         self.remember_sent(started);
         loop {
             let Err(error) = self.shared.socket.send(&packet) else {
@@ -236,7 +236,7 @@ impl Bus for SocketCan {
     }
 
     fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
-        /// Mask of the kernel's filters for the bits of extended and remote frames.
+        /// The bits of extended and remote frames in the mask of a kernel's filter.
         const FORMAT: u32 = 0xC000_0000;
         let filter = |&(id, mask): &(u16, u16)| (u32::from(id), u32::from(mask) | FORMAT);
         let filters: Vec<Filter> = cob_ids.iter().map(filter).collect();
@@ -245,8 +245,8 @@ impl Bus for SocketCan {
         set.map_err(|error| SocketCanError::of(&self.shared.interface, "filter frames of", error).into())
     }
 
-    /// Needs the capability to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate when
-    /// this program ends.
+    /// Needs the capability to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate after this
+    /// program ends.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         let set = bit_rate::set(&self.shared.interface, bit_rate, &self.shared.goes_down);
         let end = self.now() + DOWN;
@@ -266,7 +266,7 @@ impl Drop for SocketCan {
         self.shared.inbox.close();
         drop(self.open.take());
         if let Some(receiver) = self.receiver.take() {
-            // Whether it panicked does not matter any more.
+            // A panic of the thread does not matter any more.
             let _ = receiver.join();
         }
     }

@@ -1,4 +1,4 @@
-//! The thread that fetches frames from the kernel, and survives losses of the interface.
+//! The thread that fetches frames from the kernel, and continues after a loss of the interface.
 
 use super::Shared;
 use super::correction::Correction;
@@ -19,23 +19,23 @@ const BUS_OFF: u32 = 0x40;
 
 pub(super) struct Receiver {
     shared: Arc<Shared>,
-    /// Its other end is closed with the inbox: only this wakes a thread that waits for a frame.
+    /// The other end of this pipe is closed with the inbox; nothing else wakes a thread that waits for a frame.
     end: PipeReader,
     correction: Correction,
     hardware: HardwareClock,
     /// The kernel's last count of lost frames.
     dropped: u32,
     records: Vec<Record>,
-    /// Why the interface is unusable at the moment.
+    /// The reason why the interface is unusable at the moment; `None` if it is usable.
     away: Option<Away>,
 }
 
 /// Why an interface can't be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Away {
-    /// It is down, or its controller is bus-off: the socket works again afterwards.
+    /// The interface is down, or its controller is bus-off: the socket works again afterwards.
     Down,
-    /// It was removed: the socket is bound to no interface.
+    /// The interface was removed: the socket is bound to no interface.
     Removed,
 }
 
@@ -88,7 +88,7 @@ impl Receiver {
                 }
             }
         }
-        // The kernel drops no frame while the queue is short.
+        // While the queue is short, the kernel drops no frame.
         if is_full && let Some(dropped) = shared.socket.dropped() {
             self.note_dropped(dropped);
         }
@@ -100,7 +100,7 @@ impl Receiver {
             self.note_dropped(dropped);
         }
         let at = self.time(&received);
-        // The kernel delivers only frames.
+        // The kernel delivers only frames, so there is no error.
         let Ok(mut record) = from_socket(packet) else { return };
         (record.timestamp, record.channel) = (at, ChannelId(0));
         record.direction = if received.own { Direction::Tx } else { Direction::Rx };
@@ -112,10 +112,10 @@ impl Receiver {
         self.records.push(record);
     }
 
-    /// Counts the lost frames up to the kernel's count, which overflows.
+    /// Counts the lost frames by the kernel's count, which may overflow.
     fn note_dropped(&mut self, dropped: u32) {
         let lost = dropped.wrapping_sub(self.dropped);
-        // A frame that waited carries an older count than the socket's.
+        // A frame that waited in the queue carries an older count than the socket has.
         if lost != 0 && lost < u32::MAX / 2 {
             self.dropped = dropped;
             self.shared.inbox.note(|health| health.lost += u64::from(lost));
@@ -157,7 +157,7 @@ impl Receiver {
             Some(libc::ENODEV) => self.went_away(Away::Removed, format!("{interface} was removed")),
             _ => {
                 self.interrupted(format!("{interface}: receiving failed: {error}"));
-                // An error that repeats at once must not use up a processor.
+                // An error that recurs at once must not use up a processor.
                 std::thread::sleep(LOOK);
             }
         }
@@ -176,12 +176,12 @@ impl Receiver {
         self.shared.inbox.note(|health| health.was_interrupted(trouble));
     }
 
-    /// Frames without echo may never have been sent.
+    /// Forgets the frames without echo: they may never have been sent.
     fn forget_sent(&self) {
         self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// Finds an interface that is up again, or one of the same name, perhaps of the same adapter plugged in again.
+    /// Finds an interface that is up again, or a new one of the same name, perhaps of the same adapter.
     fn find_again(&mut self, away: Away) {
         let link = Link::find(&self.shared.interface).ok().flatten();
         let Some(link) = link.filter(Link::is_usable) else { return };

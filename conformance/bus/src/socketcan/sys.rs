@@ -1,8 +1,8 @@
-//! System calls of a `CAN_RAW` socket that the crate socketcan lacks: fetching many frames at once, each with its
+//! System calls of a `CAN_RAW` socket that the crate socketcan lacks: they fetch many frames at once, each with its
 //! times, the mark of own frames and the count of lost ones.
 //!
-//! `recvmmsg` is called directly: that of nix 0.31 drops the flag `MSG_CONFIRM`, which marks own frames, and does not
-//! restore the length of its control buffers for the next use.
+//! This module calls `recvmmsg` directly: the wrapper of nix 0.31 drops the flag `MSG_CONFIRM`, which marks own frames,
+//! and does not restore the length of its control buffers for the next use.
 #![allow(unsafe_code)]
 
 use canvass_traces::Timestamp;
@@ -14,11 +14,11 @@ use std::mem::zeroed;
 use std::os::fd::{AsFd, AsRawFd};
 use std::time::Duration;
 
-/// From `asm-generic/socket.h`; libc and nix do not have it on all targets.
+/// The option in `asm-generic/socket.h`; libc and nix do not have it on all targets.
 const SO_RXQ_OVFL: libc::c_int = 40;
 const SO_MEMINFO: libc::c_int = 55;
 
-/// Number of frames fetched by one system call.
+/// Maximum number of frames fetched by one system call.
 pub(super) const BATCH: usize = 64;
 /// Length of a CAN FD frame.
 const FRAME: usize = libc::CANFD_MTU;
@@ -28,19 +28,20 @@ const CONTROL: usize = 32;
 /// A `CAN_RAW` socket, which never blocks.
 pub(super) struct RawSocket(CanSocket);
 
-/// Passes frames whose identifier, with its flags, equals the first number in the bits of the second.
+/// Identifier and mask, both with the flags of the identifier: the filter passes frames that are equal in the bits of
+/// the mask.
 pub(super) type Filter = (u32, u32);
 
-/// The data that accompany a received frame.
+/// The data that the kernel gives with a received frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Received {
     /// Whether this socket itself sent the frame.
     pub own: bool,
-    /// The kernel's time, on the system's clock.
+    /// The kernel's time of the frame, on the system's clock.
     pub software: Option<Timestamp>,
-    /// The controller's time, on its own clock.
+    /// The controller's time of the frame, on the controller's clock.
     pub hardware: Option<Timestamp>,
-    /// Number of frames that this socket has lost so far, if any.
+    /// Number of frames that this socket has lost so far, if it has lost any.
     pub dropped: Option<u32>,
 }
 
@@ -52,7 +53,7 @@ impl RawSocket {
         Ok(Self(CanSocket::from(fd)))
     }
 
-    /// Binds the socket to the interface of that index.
+    /// Binds the socket to the interface with this index.
     pub fn bind(&self, index: u32) -> io::Result<()> {
         self.0.as_raw_socket().bind(&CanAddr::new(index).into_sock_addr())
     }
@@ -72,8 +73,8 @@ impl RawSocket {
         Ok(())
     }
 
-    /// Number of frames that the kernel could not put into the receive queue since the socket was made, including
-    /// those after the last queued frame, which `SO_RXQ_OVFL` never counts; `None` on kernels before 4.12.
+    /// Number of frames that the kernel could not put into the receive queue since the socket was made. It includes
+    /// frames lost after the last queued frame, which `SO_RXQ_OVFL` does not count; `None` on kernels before 4.12.
     pub fn dropped(&self) -> Option<u32> {
         /// The length up to the ninth number, `SK_MEMINFO_DROPS`.
         const FIGURES: usize = size_of::<[u32; 9]>();
@@ -83,15 +84,15 @@ impl RawSocket {
         Some(u32::from_ne_bytes(*drops))
     }
 
-    /// Makes the kernel's receive queue as long as allowed, up to `bytes`.
+    /// Makes the kernel's receive queue as long as allowed, up to `bytes` bytes.
     pub fn enlarge_receive_queue(&self, bytes: i32) {
-        // Only root may go beyond net.core.rmem_max.
+        // Only root may exceed net.core.rmem_max.
         if self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUFFORCE, bytes).is_err() {
             let _ = self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUF, bytes);
         }
     }
 
-    /// Passes only frames that match a filter; without filters no data frame at all.
+    /// Passes only frames that match a filter; without filters, no data frame passes.
     pub fn set_filters(&self, filters: &[Filter]) -> io::Result<()> {
         let filters: Vec<CanFilter> = filters.iter().map(|&filter| CanFilter::from(filter)).collect();
         self.0.set_filters(&filters)
@@ -102,18 +103,19 @@ impl RawSocket {
         self.0.as_raw_socket().send(packet).map(|_| ())
     }
 
-    /// Waits until there are frames or an error, or `timeout` has passed; returns whether there are.
+    /// Waits until the socket has frames or an error, or `timeout` has passed; returns whether it has any.
     pub fn wait_readable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLIN)], Some(timeout))
     }
 
-    /// Waits until the socket takes a frame or has an error, or `timeout` has passed; returns whether it does.
+    /// Waits until the socket can take a frame or has an error, or `timeout` has passed; returns false after the
+    /// timeout.
     pub fn wait_writable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLOUT)], Some(timeout))
     }
 
-    /// Waits until there are frames or an error, the other end of the pipe is closed, or `timeout` has passed.
-    /// Returns whether this socket has frames or an error.
+    /// Waits until the socket has frames or an error, the other end of the pipe is closed, or `timeout` has passed.
+    /// Returns whether the socket has frames or an error.
     pub fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
         let mut polls = [PollFd::new(self.0.as_fd(), PollFlags::POLLIN), PollFd::new(pipe.as_fd(), PollFlags::POLLIN)];
         is_ready(&mut polls, timeout)?;
@@ -121,7 +123,7 @@ impl RawSocket {
         Ok(ours.any().unwrap_or(true))
     }
 
-    /// Fetches waiting frames, at most a batch; returns their number.
+    /// Fetches waiting frames, at most one batch; returns their number.
     pub fn receive(&self, batch: &mut Batch) -> io::Result<usize> {
         batch.prepare();
         // SAFETY: prepare() has just pointed every header to buffers of the batch, which is borrowed until the call
@@ -134,9 +136,9 @@ impl RawSocket {
     }
 }
 
-/// Waits until one of them is ready; `None` waits without limit. Returns whether one is.
+/// Waits until one of the descriptors is ready; `None` waits without limit. Returns whether one is ready.
 fn is_ready(polls: &mut [PollFd<'_>], timeout: Option<Duration>) -> io::Result<bool> {
-    /// Longer waits are repeated.
+    /// Maximum duration of one poll in milliseconds; longer waits are repeated.
     const LONGEST: u16 = 60_000;
     let milliseconds = timeout.map(|timeout| u16::try_from(timeout.as_millis()).unwrap_or(LONGEST).min(LONGEST));
     Ok(poll(polls, milliseconds.map_or(PollTimeout::NONE, PollTimeout::from))? > 0)
@@ -176,7 +178,7 @@ impl Batch {
         }
     }
 
-    /// The frame at this index, with its accompanying data.
+    /// The frame at this index, with the data that the kernel gives with it.
     pub fn get(&self, at: usize) -> Option<(&[u8], Received)> {
         let (header, frame) = (self.headers.get(at)?, self.frames.get(at)?);
         let len = (header.msg_len as usize).min(FRAME);
@@ -216,7 +218,7 @@ fn bytes(length: impl TryInto<usize>) -> usize {
     length.try_into().unwrap_or(0)
 }
 
-/// A `struct timespec` with 64-bit parts; zero means none.
+/// Parses a `struct timespec` with 64-bit parts; zero means that there is no time.
 fn timestamp(bytes: &[u8]) -> Option<Timestamp> {
     let seconds = i64::from_ne_bytes(*bytes.first_chunk()?);
     let nanos = i64::from_ne_bytes(*bytes.get(8..)?.first_chunk()?);
@@ -224,9 +226,9 @@ fn timestamp(bytes: &[u8]) -> Option<Timestamp> {
     (total > 0).then_some(Timestamp(total))
 }
 
-/// Asks the kernel to wake this thread exactly, not up to 50 µs later to save energy.
+/// Asks the kernel to wake this thread at the exact time, not up to 50 µs later to save energy.
 pub(crate) fn wake_precisely() {
-    // Without it, times are only slightly less exact.
+    // If the kernel refuses, times are only slightly less exact.
     let _ = nix::sys::prctl::set_timerslack(1);
 }
 

@@ -1,10 +1,10 @@
-//! A tester's view of a bus besides its frames, by which a run can be judged again from its recording alone.
+//! A tester's view of a bus in addition to its frames; with it, a run can be judged again from its recording alone.
 //!
-//! A tester asks a bus for the time, the next frame and the health. The recording has the frames. The transcript
-//! has the rest: the number of timeouts before each frame, times that do not follow from the frames, and the
-//! health. On a simulated bus almost nothing is left.
+//! A tester asks a bus for the time, the next frame and the health. The recording has the frames. The transcript has
+//! the rest: the number of timeouts before each frame, times that do not follow from the frames, and the health. On a
+//! simulated bus, almost nothing remains for the transcript.
 //!
-//! - [`Transcriber`] stands between a tester and a bus and writes the transcript;
+//! - [`Transcriber`] is between a tester and a bus, and writes the transcript;
 //! - [`Replay`] is the bus for a tester that repeats the run.
 
 mod replay;
@@ -18,10 +18,10 @@ pub use transcriber::Transcriber;
 use super::Health;
 use canvass_traces::{Record, Timestamp};
 
-/// A tester's view of a bus besides its frames.
+/// A tester's view of a bus, except its frames.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Transcript {
-    /// Whether its time was real.
+    /// Whether the time of the bus was real.
     pub is_live: bool,
     /// The bit rate in bit/s at the begin, if known.
     pub bit_rate: Option<u32>,
@@ -29,7 +29,7 @@ pub struct Transcript {
     pub begin: Timestamp,
     /// For each frame, the number of timeouts before it.
     waits: Vec<u64>,
-    /// The times that the bus gave and that no frame tells, each with the number of times before it that a frame does tell.
+    /// The times that do not follow from the frames, each with the number of times before it that do.
     clock: Vec<(u64, Timestamp)>,
     /// Changes of the health, each with the number of unchanged answers before it.
     health: Vec<(u64, Health)>,
@@ -40,13 +40,13 @@ pub struct Transcript {
 }
 
 impl Transcript {
-    /// Why the run can't be repeated: an error of the bus, which no recording holds.
+    /// Why the run can't be repeated: an error of the bus, which the recording does not contain.
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.as_deref()
     }
 }
 
-/// The time that follows from the frames; the same on both sides.
+/// The time that follows from the frames; recording and replay compute it in the same way.
 #[derive(Clone, Copy, Debug)]
 struct Clock(Timestamp);
 
@@ -54,7 +54,7 @@ impl Clock {
     /// Handles a frame, or a timeout at the deadline.
     fn advance(&mut self, received: Option<&Record>, deadline: Timestamp) {
         let to = received.map_or(deadline, |record| record.timestamp);
-        // A wait without end that ends all the same has no time of its own.
+        // If a wait without end ends all the same, its deadline gives no time.
         if to < Timestamp::MAX {
             self.0 = self.0.max(to);
         }

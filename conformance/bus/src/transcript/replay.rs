@@ -1,4 +1,4 @@
-//! A recording as the bus of a tester that repeats its run.
+//! The bus of a tester that repeats a run from its recording.
 
 use super::{Clock, Transcript};
 use crate::{Bus, BusError, Health};
@@ -17,12 +17,12 @@ pub struct Divergence {
 }
 
 /// A bus that answers from a recording. The tester must send the recorded frames, and receives the recorded frames at
-/// their times.
+/// their recorded times.
 pub struct Replay {
     records: VecDeque<Record>,
     /// The frames that must be sent, oldest first.
     expected: VecDeque<Frame>,
-    /// Number of sent frames without echo.
+    /// Number of sent frames whose echo was not delivered yet.
     under_way: usize,
     /// Number of delivered records.
     number: u64,
@@ -43,7 +43,7 @@ struct Answers {
     changes: VecDeque<(u64, Health)>,
 }
 
-/// The next answer of a list, after the given number of questions.
+/// The next answer of a list, if the number of questions before it has been asked.
 fn next<T>(row: &mut VecDeque<(u64, T)>) -> Option<T> {
     match row.front_mut() {
         Some((0, _)) => row.pop_front().map(|(_, answer)| answer),
@@ -81,7 +81,7 @@ impl Replay {
         }
     }
 
-    /// The first divergence, if there is one.
+    /// The first divergence of tester and recording, if there is one.
     pub fn divergence(&self) -> Option<Divergence> {
         let unsent = || self.expected.front().map(|frame| (frame, self.expected.len()));
         self.divergence.clone().or_else(|| {
@@ -125,7 +125,7 @@ impl Bus for Replay {
                 Ok(())
             }
             Some(expected) => Err(self.diverge(format!("expected {expected}, but {frame} is sent"))),
-            // The echoes of a run's last frames may be missing.
+            // The recording may lack the echoes of a run's last frames.
             None => Ok(()),
         }
     }

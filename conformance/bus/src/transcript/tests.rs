@@ -1,10 +1,10 @@
-//! What a tester did on a bus, it does again on its recording, and nothing else.
+//! A tester can repeat on the recording exactly what it did on the bus.
 
 use super::*;
 use crate::{Bus, BusError, Latencies, StampTrouble};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame};
 
-/// A bus with a clock that goes its own way, and an echo.
+/// A bus whose clock is unpredictable, and which echoes each frame.
 struct Wilful {
     now: u64,
     queue: std::collections::VecDeque<Record>,
@@ -50,7 +50,7 @@ fn frame(id: u16) -> Frame {
     Frame::full(CanId::standard_masked(u32::from(id)), [1; 8])
 }
 
-/// What a tester sees that sends frames and waits.
+/// The results that a tester sees when it sends frames and waits.
 fn work(bus: &mut dyn Bus, ids: &[u16]) -> Result<Vec<String>, BusError> {
     let mut seen = vec![format!("{:?} {:?} {}", bus.now(), bus.bit_rate(), bus.is_live())];
     for &id in ids {
@@ -80,7 +80,7 @@ fn transcribed(ids: &[u16]) -> (Vec<String>, Vec<Record>, Transcript) {
 fn a_run_is_done_again_on_its_recording() {
     let (seen, records, transcript) = transcribed(&[100, 600, 200]);
     assert_eq!(records.len(), 6);
-    // As it goes through a file.
+    // The transcript is written as text and read back.
     let read: Transcript = transcript.to_string().parse().unwrap();
     assert_eq!(read, transcript);
     let mut replay = Replay::new(records, read);
@@ -103,7 +103,7 @@ fn what_is_not_sent_any_more_shows() {
     let mut replay = Replay::new(records.clone(), transcript.clone());
     work(&mut replay, &[100, 600]).unwrap();
     assert!(replay.divergence().unwrap().why.contains("not sent is 1, the first is 0C8#"), "{:?}", replay.divergence());
-    // Only listening, a frame of its own comes that it has not sent.
+    // A tester that only listens gets an own frame that it has not sent.
     let mut replay = Replay::new(records, transcript);
     let heard: Result<Vec<_>, _> = (0..9).map(|_| replay.receive(Timestamp(5_000))).collect();
     assert!(heard.unwrap_err().to_string().contains("to be sent"));
@@ -135,7 +135,7 @@ fn what_no_recording_holds_is_told() {
     assert_eq!(transcript.to_string().parse(), Ok(transcript));
 }
 
-/// Time stamps that can't be trusted are in it; a transcript without a word of them is one of an adapter without trouble.
+/// The transcript keeps the fault of untrustworthy time stamps; without such an entry the adapter had no fault.
 #[test]
 fn trouble_with_time_stamps_is_kept() {
     let read = |line: &str| format!("canvass-transcript 1\n{line}\n").parse::<Transcript>();

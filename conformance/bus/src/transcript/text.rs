@@ -29,7 +29,7 @@ const IN_LINE: usize = 64;
 pub struct NotATranscript {
     /// The line, from 1.
     pub line: usize,
-    /// The error in that line.
+    /// The error in the line.
     pub why: String,
 }
 

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 /// A bus whose use is transcribed.
 pub struct Transcriber<'a> {
     bus: &'a mut dyn Bus,
-    /// Sees each frame that the tester receives.
+    /// Gets each frame that the tester receives.
     observe: &'a mut dyn FnMut(&Record),
     written: RefCell<Written>,
     /// Sent frames that have not been on the bus yet.

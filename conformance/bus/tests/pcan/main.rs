@@ -1,4 +1,4 @@
-//! The bus of PEAK's adapters, on a stand-in for PEAK's library that behaves as the interface is documented.
+//! The bus of PEAK's adapters, with a stand-in for PEAK's library that follows the documentation of its interface.
 #![cfg(test)]
 #![cfg(any(windows, target_os = "linux"))]
 
@@ -23,12 +23,12 @@ fn message(id: u32, kind: u8, data: &[u8]) -> Message {
     message
 }
 
-/// The next record; there must be one.
+/// The next record, which must exist.
 fn next(bus: &mut Pcan) -> Record {
     bus.receive(bus.now() + Duration::from_secs(20)).unwrap().expect("a frame")
 }
 
-/// Waits until that is so.
+/// Waits until a condition holds.
 fn until(bus: &mut Pcan, so: impl Fn(&Pcan) -> bool) {
     let end = bus.now() + Duration::from_secs(20);
     while !so(bus) {
@@ -65,27 +65,27 @@ fn frames_go_out_and_come_in() {
     assert_eq!(stand_in.open_with(), None, "the channel is closed");
 }
 
-/// The intervals are those of the adapter's clock, whatever time it counts from and whenever the frames are fetched.
+/// The intervals are those of the adapter's clock, whatever its origin and whenever the frames are fetched.
 #[test]
 fn times_are_those_of_the_adapter() {
     let stand_in = StandIn::plugged(2);
     let mut bus = stand_in.open(1_000_000).unwrap();
     let before = bus.now();
-    // The milliseconds begin anew between the second and the third.
+    // The counter of milliseconds overflows between the second and the third frame.
     let begin = (u64::from(u32::MAX) - 1) * 1_000 + 250;
     stand_in.receive(message(0x181, 0, &[1]), begin, 5);
     let times: Vec<_> = (0..5).map(|_| next(&mut bus).timestamp).collect();
     let intervals: Vec<u64> = times.windows(2).map(|pair| pair[1].since(pair[0]).nanos()).collect();
     assert!(intervals[..3].iter().all(|interval| *interval <= 1_000_000), "{intervals:?}");
     assert!(times[0] + Duration::from_millis(10) >= before && times[4] <= bus.now(), "{times:?}");
-    // Once the offset is known, to the microsecond.
+    // Once the offset is known, the interval is right to the microsecond.
     std::thread::sleep(std::time::Duration::from_millis(30));
     stand_in.receive(message(0x182, 0, &[1]), begin + 10_003, 1);
     let interval = next(&mut bus).timestamp.since(times[4]).nanos();
     assert!(interval.abs_diff(6_003_000) <= 1_000, "{interval}");
 }
 
-/// Nothing is lost silently: neither what the library had no room for, nor where the state of the bus tells of it.
+/// Every loss is counted: frames for which the library had no room, and losses that the state of the bus reports.
 #[test]
 fn overruns_are_counted_and_told() {
     let stand_in = StandIn::plugged(3);
@@ -96,11 +96,11 @@ fn overruns_are_counted_and_told() {
     until(&mut bus, |bus| bus.health().lost >= 1);
     let trouble = bus.health().trouble.unwrap();
     assert!(trouble.contains("PCAN_USBBUS3") && trouble.contains("not fetched in time"), "{trouble}");
-    // Once more, by a message of the library itself.
+    // The library reports a loss by a message, too.
     let lost = bus.health().lost;
     stand_in.receive(message(0, STATUS, &[0, 0, 0, 0x02]), 6_000_000, 1);
     until(&mut bus, |bus| bus.health().lost > lost);
-    // What a state tells that stays is counted once.
+    // A state that persists is counted once.
     let lost = bus.health().lost;
     stand_in.bus(0x40);
     until(&mut bus, |bus| bus.health().lost > lost);
@@ -155,7 +155,7 @@ fn a_full_transmit_queue_is_waited_for() {
     stand_in.bus(0x08);
     let full = bus.send(&frame(1, &[])).unwrap_err().to_string();
     assert!(full.contains("has sent nothing for 2") && full.contains("BUSHEAVY"), "{full}");
-    // Nobody acknowledges: nothing can be said of a device that does not answer.
+    // No node acknowledges, so the silence of the device proves nothing.
     assert!(bus.health().interrupted_since.is_some(), "{:?}", bus.health());
     stand_in.hold(false);
     bus.send(&frame(1, &[])).unwrap();
@@ -192,7 +192,7 @@ fn an_adapter_that_is_unplugged_is_opened_again() {
     assert!(!bus.is_interrupted());
     let health = bus.health();
     assert_eq!(health.interruptions, 1);
-    // A lost adapter is looked for every 200 ms.
+    // The receiving thread looks for a lost adapter every 200 ms.
     assert!(health.interrupted_for >= Duration::from_millis(150), "{health:?}");
 }
 

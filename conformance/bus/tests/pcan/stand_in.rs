@@ -1,4 +1,4 @@
-//! The stand-in for PEAK's library: built by the C compiler, told what happens on the bus.
+//! The stand-in for PEAK's library, built by the C compiler. Tests tell it what happens on the bus.
 #![allow(unsafe_code, reason = "functions of a library in C")]
 
 use canvass_bus::pcan::{Channel, Opening, Pcan, PcanError};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
-/// `TPCANMsg`.
+/// A message in the layout of `TPCANMsg`.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Message {
@@ -16,7 +16,7 @@ pub struct Message {
     pub data: [u8; 8],
 }
 
-/// The functions whose answer can be said.
+/// The functions whose answer a test can set.
 #[derive(Clone, Copy)]
 pub enum Function {
     Initialize,
@@ -25,13 +25,13 @@ pub enum Function {
     GetStatus,
 }
 
-/// One channel of the stand-in. Tests that run side by side take different ones.
+/// One channel of the stand-in. Tests that run at the same time use different channels.
 pub struct StandIn {
     library: libloading::Library,
     pub channel: Channel,
 }
 
-/// The library, built once by each process: by the compiler here, or before where tests run under Wine.
+/// The library. Each process builds it once with the C compiler; for tests under Wine it is built beforehand.
 static FILE: LazyLock<PathBuf> = LazyLock::new(|| {
     if cfg!(windows) {
         return Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/windows/PCANBasic.dll");
@@ -44,10 +44,10 @@ static FILE: LazyLock<PathBuf> = LazyLock::new(|| {
 });
 
 impl StandIn {
-    /// A channel at which an adapter is plugged in.
+    /// A channel to which an adapter is plugged in.
     pub fn plugged(number: u16) -> Self {
         let channel = format!("PCAN_USBBUS{number}").parse().unwrap();
-        // SAFETY: it was just built, and does nothing when it is loaded.
+        // SAFETY: the library was just built, and has no initialisation that runs when it is loaded.
         let stand_in = Self { library: unsafe { libloading::Library::new(&*FILE) }.unwrap(), channel };
         stand_in.plug(1);
         stand_in
@@ -61,32 +61,32 @@ impl StandIn {
         Pcan::open_with(&FILE, opening)
     }
 
-    /// 0: not there, 1: there, 2: another program has it.
+    /// Sets the adapter: 0: absent, 1: present, 2: in use by another program.
     pub fn plug(&self, to: u32) {
         self.tell(b"stand_in_plug", to);
     }
 
-    /// The state of the bus, as bits of the status.
+    /// Sets the state of the bus, as bits of the status.
     pub fn bus(&self, status: u32) {
         self.tell(b"stand_in_bus", status);
     }
 
-    /// Whether what is sent stays in the transmit queue.
+    /// Sets whether sent frames stay in the transmit queue.
     pub fn hold(&self, holds: bool) {
         self.tell(b"stand_in_hold", u32::from(holds));
     }
 
     fn tell(&self, function: &[u8], value: u32) {
-        // SAFETY: declared so in stand_in.c.
+        // SAFETY: the function is declared so in stand_in.c.
         unsafe {
             let function: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32)> = self.library.get(function).unwrap();
             function(self.channel.handle(), value);
         }
     }
 
-    /// What a function answers from now on; 0: the truth.
+    /// Sets the answer of a function from now on; 0 restores its normal answer.
     pub fn answer(&self, function: Function, status: u32) {
-        // SAFETY: declared so in stand_in.c.
+        // SAFETY: the function is declared so in stand_in.c.
         unsafe {
             let answer: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32, u32)> =
                 self.library.get(b"stand_in_answer").unwrap();
@@ -96,7 +96,7 @@ impl StandIn {
 
     /// Makes `times` messages arrive, a millisecond apart, the first at `micros` on the adapter's clock.
     pub fn receive(&self, message: Message, micros: u64, times: u32) {
-        // SAFETY: declared so in stand_in.c.
+        // SAFETY: the function is declared so in stand_in.c.
         unsafe {
             let receive: libloading::Symbol<'_, unsafe extern "C" fn(u16, *const Message, u64, u32)> =
                 self.library.get(b"stand_in_receive").unwrap();
@@ -104,10 +104,10 @@ impl StandIn {
         }
     }
 
-    /// What was sent, in order.
+    /// The sent messages, in order.
     pub fn sent(&self) -> Vec<Message> {
         let mut message = Message::default();
-        // SAFETY: declared so in stand_in.c.
+        // SAFETY: the function is declared so in stand_in.c.
         let mut sent = |number| unsafe {
             let sent: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32, *mut Message) -> u32> =
                 self.library.get(b"stand_in_sent").unwrap();
@@ -117,9 +117,10 @@ impl StandIn {
         (0..count).map(|number| sent(number).1).collect()
     }
 
-    /// The registers that the channel is open with, whether it only listens, and how often it was opened.
+    /// The registers with which the channel is open, whether it only listens, and how often it was opened; `None` if it
+    /// is closed.
     pub fn open_with(&self) -> Option<(u16, bool, u32)> {
-        // SAFETY: declared so in stand_in.c.
+        // SAFETY: the function is declared so in stand_in.c.
         let told = unsafe {
             let open: libloading::Symbol<'_, unsafe extern "C" fn(u16) -> u32> =
                 self.library.get(b"stand_in_open").unwrap();

@@ -1,4 +1,4 @@
-//! Log containers: a part of the stream of objects, deflated or plain.
+//! Log containers: each holds a part of the stream of objects, deflated or plain.
 //!
 //! ```text
 //! compression (16 bits: 0 none, 2 zlib), reserved (48), uncompressed size (32), reserved (32), bytes
@@ -17,7 +17,7 @@ pub(crate) const HEADER: usize = 16;
 /// Limit of the uncompressed size in memory; Vector's tools write 128 KiB, some loggers some MiB.
 const LARGEST: u32 = 32 * 1024 * 1024;
 
-/// Compression and uncompressed size.
+/// Parses compression and uncompressed size.
 fn header(i: &[u8]) -> IResult<&[u8], (u16, u32)> {
     (le_u16, take(6usize), le_u32, le_u32).map(|(compression, _, size, _)| (compression, size)).parse(i)
 }
@@ -30,7 +30,7 @@ pub(crate) fn unpack(source: &mut Source, length: u64, objects: &mut Vec<u8>) ->
     let mut head = [0; HEADER];
     let read = limited.read_exact(&mut head).and_then(|()| {
         let (compression, size) = header(&head).map_or((u16::MAX, 0), |(_, header)| header);
-        // Reading one byte more than stated reveals additional bytes.
+        // Trying to read one byte more than stated reveals additional bytes.
         let most = u64::from(size.min(LARGEST)) + 1;
         match compression {
             _ if size > LARGEST => Err(io::Error::other(format!("{size} bytes, uncompressed"))),

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub(crate) const SIGNATURE: &[u8] = b"LOBJ";
 /// The part of the header that all versions have.
 pub(crate) const BASE_HEADER: usize = 16;
-/// Limit of the size of a parsed object; a CAN object has less than a tenth of it.
+/// Limit of the size of a parsed object; a CAN object has less than a tenth of this size.
 pub(crate) const LARGEST: usize = 64 * 1024;
 
 const CAN_MESSAGE: u32 = 1;
@@ -43,7 +43,7 @@ const BUS_ERROR: ErrorClass = ErrorClass(0x80);
 /// Length of the fixed part of a CAN FD message 64.
 const FD_64_FIXED: usize = 40;
 
-/// The part of an object's header that all versions have.
+/// The fields that the headers of all versions have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BaseHeader {
     pub(crate) header_size: u16,
@@ -58,17 +58,17 @@ pub(crate) fn base_header(i: &[u8]) -> IResult<&[u8], BaseHeader> {
         .parse(i)
 }
 
-/// An index of the objects; the count in the file header does not include it.
+/// The type of an index of the objects; the count in the file header does not include it.
 pub(crate) const RESTORE_POINTS: u32 = 115;
 /// The last type that Vector has assigned.
 const LAST_KNOWN: u32 = 137;
 
-/// Whether Vector has assigned this type. An unassigned type may be that of a frame, damaged.
+/// Whether Vector has assigned this type. An unassigned type may be the damaged type of a frame.
 pub(crate) const fn is_known(kind: u32) -> bool {
     matches!(kind, 1..=LAST_KNOWN) && !matches!(kind, 26..=28 | 52 | 53 | 108 | 116 | 117 | 135)
 }
 
-/// Size of the largest objects of this type that tools write, with their header.
+/// Size of the largest objects of this type that tools write, header included.
 const fn usual_size(kind: u32) -> usize {
     match kind {
         CAN_MESSAGE => 48,
@@ -77,7 +77,7 @@ const fn usual_size(kind: u32) -> usize {
     }
 }
 
-/// The offset of another object inside an unusually large one, whose size is then damaged.
+/// The offset of another object inside an unusually large one; the size of the large one is then damaged.
 pub(crate) fn hidden_object(header: BaseHeader, object: &[u8]) -> Option<usize> {
     if object.len() <= usual_size(header.kind) {
         return None;
@@ -89,7 +89,7 @@ pub(crate) fn hidden_object(header: BaseHeader, object: &[u8]) -> Option<usize> 
 }
 
 impl BaseHeader {
-    /// Whether the sizes are plausible. All objects but containers have a time stamp in their header.
+    /// Whether the sizes in the header are plausible. All objects but containers have a time stamp in their header.
     pub(crate) fn fits(self) -> bool {
         let least = if self.kind == LOG_CONTAINER { BASE_HEADER } else { 2 * BASE_HEADER };
         let small = !is_read(self.kind) || self.size as usize <= LARGEST;
@@ -117,7 +117,7 @@ pub(crate) const fn is_read(kind: u32) -> bool {
 pub(crate) enum Content {
     /// A frame on a channel, numbered from 1; its time is relative to the start of the measurement.
     Frame { record: Record, channel: u16 },
-    /// The recorder reports that it lost this many events.
+    /// The number of events that the recorder reports as lost.
     Lost(u64),
 }
 
@@ -145,12 +145,12 @@ pub(crate) fn content(header: BaseHeader, object: &[u8]) -> Result<Content, Flaw
     Ok(Content::Frame { record, channel })
 }
 
-/// Flags (1: tens of microseconds, 2: nanoseconds), four bytes that differ between the versions, time stamp.
+/// Parses flags (1: tens of microseconds, 2: nanoseconds), four bytes that differ between the versions, time stamp.
 fn time_header(i: &[u8]) -> IResult<&[u8], (u32, u32, u64)> {
     (le_u32, le_u32, le_u64).parse(i)
 }
 
-/// A frame before its length was checked, its channel and direction.
+/// A frame whose length is not checked yet, with its channel and direction.
 type Seen<'a> = (Raw<'a>, u16, Direction);
 
 /// A frame as an object describes it.
@@ -192,7 +192,7 @@ fn classical(id: u32, remote: bool, dlc: u8, data: &[u8]) -> Result<Frame, Flaw>
     Ok(frame.with_raw_dlc(dlc))
 }
 
-/// Channel, flags, DLC, identifier, eight bytes.
+/// Parses a CAN message: channel, flags, DLC, identifier, eight bytes.
 fn message(i: &[u8]) -> IResult<&[u8], Result<Seen<'_>, Flaw>> {
     (le_u16, u8, u8, le_u32, take(8usize))
         .map(|(channel, flags, dlc, id, data)| {
@@ -212,15 +212,16 @@ fn error_frame(class: ErrorClass, data: &[u8]) -> Frame {
     Frame::error(class, &data[..data.len().min(8)]).unwrap_or_else(class_alone)
 }
 
-/// Channel, length of the error frame.
+/// Parses an error frame: channel, length of the error frame.
 fn error(i: &[u8]) -> IResult<&[u8], Seen<'_>> {
     (le_u16, le_u16).map(|(channel, _)| (Raw::Frame(bus_error()), channel, Direction::Unknown)).parse(i)
 }
 
-/// Channel, length, flags, ECC, position, DLC, reserved, frame length, identifier, flags, reserved, data.
+/// Parses an extended error frame: channel, length, flags, ECC, position, DLC, reserved, frame length, identifier,
+/// flags, reserved, data.
 ///
-/// Where flags tell that a controller reported it, identifier and data are those of the frame it broke. python-can
-/// writes no flags, and Linux's class bits and detail bytes instead.
+/// If the flags say that a controller reported the error, identifier and data are those of the broken frame. python-can
+/// writes no flags, but Linux's class bits as identifier, and detail bytes.
 fn error_ext(i: &[u8]) -> IResult<&[u8], Seen<'_>> {
     let (i, (channel, _, flags, _, _, dlc, _, _, id, _, _)) =
         (le_u16, le_u16, le_u32, u8, u8, u8, u8, le_u32, le_u32, le_u16, le_u16).parse(i)?;
@@ -234,12 +235,13 @@ fn error_ext(i: &[u8]) -> IResult<&[u8], Seen<'_>> {
     Ok((i, (Raw::Frame(frame), channel, Direction::Unknown)))
 }
 
-/// Channel; the rest describes the frame it broke.
+/// Parses a CAN FD error frame: the channel; the rest describes the broken frame.
 fn fd_error_64(i: &[u8]) -> IResult<&[u8], Seen<'_>> {
     u8.map(|channel| (Raw::Frame(bus_error()), u16::from(channel), Direction::Unknown)).parse(i)
 }
 
-/// Channel, flags, DLC, identifier, frame length, bit count, CAN FD flags, valid bytes, reserved (40), 64 bytes.
+/// Parses a CAN FD message: channel, flags, DLC, identifier, frame length, bit count, CAN FD flags, valid bytes,
+/// reserved (40), 64 bytes.
 fn fd_message(i: &[u8]) -> IResult<&[u8], Result<Seen<'_>, Flaw>> {
     let (i, (channel, flags, dlc, id, _, _, fd_flags, valid)) =
         (le_u16, u8, u8, le_u32, le_u32, u8, u8, u8).parse(i)?;
@@ -258,7 +260,7 @@ fn fd(brs: bool, esi: bool) -> Flags {
     if esi { brs.with(Flags::ESI) } else { brs }
 }
 
-/// The valid bytes. Trailing zeros may not have been stored: the tools that write this format fill them up.
+/// The valid bytes, filled up with zeros: the writers of this format may leave out trailing zeros.
 fn fd_data(stored: &[u8], valid: u8) -> Result<Cow<'_, [u8]>, Flaw> {
     if valid > 64 {
         return Err(Flaw::malformed("at most 64 bytes of data", valid.to_string()));
@@ -274,8 +276,8 @@ fn fd_data(stored: &[u8], valid: u8) -> Result<Cow<'_, [u8]>, Flaw> {
     ))
 }
 
-/// Channel, DLC, valid bytes, transmissions, identifier, frame length, flags, two bit rates, two times (32 bits each),
-/// bit count (16), direction, offset of extended data or 0, CRC (32), data.
+/// Parses a CAN FD message 64: channel, DLC, valid bytes, transmissions, identifier, frame length, flags, two bit
+/// rates, two times (32 bits each), bit count (16), direction, offset of extended data or 0, CRC (32), data.
 fn fd_message_64(header: BaseHeader, body: &[u8]) -> IResult<&[u8], Result<Seen<'_>, Flaw>> {
     let (i, (channel, dlc, valid, _, id, _, flags)) = (u8, u8, u8, u8, le_u32, le_u32, le_u32).parse(body)?;
     let (i, (_, way, extended_at, _)) = (take(18usize), u8, u8, le_u32).parse(i)?;
@@ -295,7 +297,7 @@ fn fd_message_64(header: BaseHeader, body: &[u8]) -> IResult<&[u8], Result<Seen<
     Ok((&[], fd_data(data, valid).map(|data| (Raw::Fd { id: can_id(id), flags, data }, channel, direction))))
 }
 
-/// Queue, time of the first lost event, number of lost events.
+/// Parses lost events: queue, time of the first lost event, number of lost events.
 fn lost(i: &[u8]) -> IResult<&[u8], u64> {
     (le_u32, le_u64, le_u32).map(|(_, _, number)| u64::from(number)).parse(i)
 }

@@ -13,11 +13,11 @@ use nom::number::complete::{le_u16, le_u32, le_u64};
 use nom::{IResult, Parser};
 
 const FILE_SIGNATURE: &[u8] = b"LOGG";
-/// The part of the file header that is read.
+/// Length of the parsed part of the file header.
 const FILE_HEADER: usize = 56;
-/// The largest file header; Vector's has 144 bytes.
+/// Limit of the file header's size; Vector's header has 144 bytes.
 const LARGEST_FILE_HEADER: u32 = 64 * 1024;
-/// The gap between two objects is shorter than this.
+/// Limit of the gap between two objects: a gap is shorter.
 pub(crate) const FILLING: usize = 8;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
@@ -43,16 +43,16 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct BlfReader {
     source: Source,
-    /// `None` until the file header was read.
+    /// The file header; `None` until it was read.
     file: Option<File>,
     /// The unpacked part of the containers' stream, and the offset of the next object in it.
     objects: Vec<u8>,
     at: usize,
-    /// Number of bytes of that stream, not unpacked yet, that belong to a skipped object.
+    /// Number of bytes of the stream, not unpacked yet, that belong to a skipped object.
     skip: u64,
     container_offset: u64,
     channels: Channels,
-    /// The number of the last frame's channel in the file, and its id here.
+    /// The number of the last frame's channel in the file, and the id of the channel in this reader.
     latest_channel: Option<(u16, ChannelId)>,
     number: u64,
     /// Number of objects read that the file header also counts.
@@ -73,7 +73,8 @@ struct File {
     start: Option<u64>,
 }
 
-/// Header size, file size, start of the measurement (year, month, weekday, day, hour, minute, second, millisecond).
+/// Parses header size, file size, start of the measurement (year, month, weekday, day, hour, minute, second,
+/// millisecond).
 fn file_header(i: &[u8]) -> IResult<&[u8], File> {
     let (i, (_, header, _, size, _, objects, _)) =
         (tag(FILE_SIGNATURE), le_u32, take(8usize), le_u64, le_u64, le_u32, le_u32).parse(i)?;
@@ -92,11 +93,11 @@ fn start(date: &[u16]) -> Option<u64> {
 
 /// The place of the next object.
 enum Next {
-    /// After this many bytes of filling.
+    /// The next object begins after this number of filling bytes.
     At(usize),
-    /// Unknown yet: too few bytes are unpacked.
+    /// The place is unknown yet: too few bytes are unpacked.
     More,
-    /// The bytes here are no object.
+    /// The bytes at this place are no object.
     Lost,
 }
 
@@ -181,7 +182,7 @@ impl BlfReader {
         Some(content.and_then(|content| self.take(content, place)))
     }
 
-    /// Skips an object without frame, if its type is known to have none.
+    /// Skips an object of a type that has no frame; reports an object of an unknown type.
     fn pass_over(&mut self, header: BaseHeader, place: Place) -> Result<Option<Record>, Damage> {
         self.number += 1;
         self.counted += u64::from(header.kind != object::RESTORE_POINTS);
@@ -261,7 +262,7 @@ impl BlfReader {
         content.and_then(|content| self.take(content, place))
     }
 
-    /// Unpacks a container behind the rest of the one before.
+    /// Unpacks a container; its content is appended to the rest of the container before.
     fn container(&mut self, header: BaseHeader) -> Result<Option<Record>, Damage> {
         let place = self.place();
         if header.size < (BASE_HEADER + container::HEADER) as u32 {
@@ -287,7 +288,7 @@ impl BlfReader {
                 Ok(None)
             }
             Unpacked::Damaged { expected, found } => {
-                // The object that began in the container before would continue with bytes of another object.
+                // An object that began in the container before would continue with bytes of another object.
                 self.objects.clear();
                 self.skip = 0;
                 self.resynchronise();
@@ -317,7 +318,7 @@ impl BlfReader {
         Damage::new(DamageKind::Truncated, place, "a whole object", b"the end of the file")
     }
 
-    /// Checks at the end of the file whether it is complete.
+    /// Checks whether the file is complete, at its end.
     fn end(&mut self) -> Result<Option<Record>, Damage> {
         let place = self.place();
         let rest = self.objects.get(self.at..).unwrap_or_default();
@@ -351,7 +352,7 @@ impl BlfReader {
         Some(Damage::new(DamageKind::Unfinished, place, expected, offset.to_string().as_bytes()))
     }
 
-    /// The damage if there are fewer objects than the header states. More objects are no loss.
+    /// The damage if the file has fewer objects than its header states. More objects are no loss.
     fn missing(&self, place: Place) -> Option<Damage> {
         let objects = self.file?.objects;
         (u64::from(objects) > self.counted).then(|| {
@@ -370,7 +371,7 @@ fn no_object(place: Place, found: &[u8]) -> Damage {
     Damage::new(DamageKind::Malformed, place, "an object with the signature LOBJ", &found[..found.len().min(16)])
 }
 
-/// The damage for an impossible header; the next object is then searched after its signature.
+/// The damage for an impossible header; the search for the next object begins after the signature of this one.
 fn unlikely(header: BaseHeader, place: Place) -> Option<Damage> {
     if header.fits() {
         return None;

@@ -1,24 +1,24 @@
 //! CDR, the encoding of ROS 2 (OMG CORBA 3.3 part 2, 9.3; DDS-XTypes 1.3, 7.4).
 //!
-//! A header of 4 bytes tells the byte order: `00 00` big-endian, `00 01` little-endian (CDR); `00 06`, `00 07` the
-//! same in version 2, which aligns numbers of 8 bytes to 4. **Alignment counts from after this header.** A text is
+//! A header of 4 bytes gives the byte order: `00 00` big-endian, `00 01` little-endian (CDR); `00 06`, `00 07` are the
+//! same in version 2, which aligns numbers of 8 bytes to 4. **Alignment counts from the end of this header.** A text is
 //! its length, including its closing zero, and its bytes.
 
 use super::plan::Layout;
 use super::run::{Extent, Run};
 use crate::damage::Flaw;
 
-/// The bytes after the header.
+/// A message: the bytes after its header.
 pub(crate) struct Cdr<'a> {
     bytes: &'a [u8],
     at: usize,
     little: bool,
-    /// Maximum alignment.
+    /// The maximum alignment of a number.
     widest: usize,
 }
 
 impl<'a> Cdr<'a> {
-    /// Reads the header.
+    /// Reads the header of a message.
     #[inline]
     pub(crate) fn new(message: &'a [u8]) -> Result<Self, Flaw> {
         let Some((&[high, low, _, _], bytes)) = message.split_first_chunk() else {
@@ -36,7 +36,7 @@ impl<'a> Cdr<'a> {
 
     #[inline]
     fn align(&mut self, size: usize) {
-        // Sizes are powers of two, so this is a mask.
+        // Sizes are powers of two, so this number is a mask.
         let below = size.min(self.widest) - 1;
         self.at = (self.at + below) & !below;
     }

@@ -13,10 +13,10 @@ use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
 use std::io::{self, Read};
 
-/// Limit of the uncompressed size in memory; recorders write 1 to 8 MiB. A decompressor may need the same amount
-/// again.
+/// Limit of the uncompressed size in memory; recorders write 1 to 8 MiB. A decompressor may need the same amount in
+/// addition.
 pub(crate) const LARGEST: u64 = 32 * 1024 * 1024;
-/// The longest header, with the name of the compression.
+/// The length of the longest header, including the name of the compression.
 pub(crate) const HEADER: usize = 40 + LONGEST_NAME;
 const LONGEST_NAME: usize = 32;
 
@@ -27,7 +27,7 @@ pub(crate) struct Header {
     pub(crate) crc: u32,
     pub(crate) compression: Compression,
     pub(crate) compressed: u64,
-    /// The header's own length.
+    /// The length of the header itself.
     pub(crate) length: usize,
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &
     records.clear();
     let mut limited = Limited::new(source, header.compressed.min(left));
     let outer = left.saturating_sub(limited.left());
-    // Reading one byte more than stated reveals additional bytes.
+    // Trying to read one byte more than stated reveals additional bytes.
     let most = header.uncompressed.saturating_add(1);
     let read = match &header.compression {
         Compression::None => (&mut limited).take(most).read_to_end(records),

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     Id,
-    /// A data length code or, in most messages, a length in bytes.
+    /// A data length code, which most messages use for the length in bytes.
     Dlc,
     Length,
     Data,
@@ -42,7 +42,7 @@ impl Role {
         })
     }
 
-    /// Whether a field of that name is a point in time.
+    /// Whether a field with this name is a point in time.
     pub(crate) fn is_time(name: &str) -> bool {
         matches!(name.to_ascii_lowercase().as_str(), "stamp" | "timestamp" | "time")
     }
@@ -57,7 +57,7 @@ impl Role {
     }
 }
 
-/// The frame format that a schema implies, besides the positions of the fields.
+/// The frame format that a schema implies, apart from the positions of the fields.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     /// Whether the message's name says CAN FD.
@@ -69,8 +69,8 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// Whether fields for an identifier and data make a CAN frame: if there is a length field, by the size of the
-    /// data, or by the message's name.
+    /// Whether a message with fields for an identifier and data is a CAN frame. A length field, the size of the data,
+    /// or the name of the message proves it.
     pub(crate) fn is_can(&self, name: &str) -> bool {
         self.has_length || matches!(self.capacity, Some(8 | 64)) || name.to_ascii_lowercase().contains("can")
     }
@@ -102,7 +102,7 @@ const REMOTE: u64 = 0x4000_0000;
 const ERROR: u64 = 0x2000_0000;
 
 impl Values<'_> {
-    /// Sets the value of a number; for a truth value, 0 or another number.
+    /// Sets a value that is a number; for a truth value, `false` is 0.
     #[inline]
     pub(crate) fn set(&mut self, role: Role, value: i64) {
         match role {
@@ -129,7 +129,7 @@ impl Values<'_> {
         (stamp > 0).then_some(Timestamp(stamp))
     }
 
-    /// The frame; its time is the message's own, else `logged`.
+    /// The frame of the message; its time is the message's own time stamp, else `logged`.
     #[inline]
     pub(crate) fn record(&self, shape: &Shape, logged: Timestamp) -> Result<Record, Flaw> {
         let timestamp = self.stamp().unwrap_or(logged);
@@ -170,7 +170,7 @@ impl Values<'_> {
         }
     }
 
-    /// Bytes beyond the length are remains of earlier frames.
+    /// The payload. Bytes beyond `length` are remains of earlier frames.
     fn payload(&self, length: usize) -> Result<&[u8], Flaw> {
         self.data
             .get(..length)
@@ -185,7 +185,8 @@ impl Values<'_> {
             .ok_or_else(|| Flaw::malformed("a length that CAN FD has", length.to_string()))
     }
 
-    /// A field `dlc` above 8 may be a code or a length: the size of the data decides, else the field's name.
+    /// The length of a CAN FD frame. A field `dlc` above 8 may be a code or a length: the size of the data decides,
+    /// else the field's name.
     fn fd_length(&self) -> Result<usize, Flaw> {
         let stated = self.stated_length();
         if stated > 64 {

@@ -13,7 +13,7 @@ pub(crate) struct JsonPlan {
     shape: Shape,
     /// Whether the schema marks texts as base64.
     base64: bool,
-    /// Whether there is no schema, so that each message must be examined by itself.
+    /// Whether the channel has no schema, so that the reader must examine each message by itself.
     schemaless: bool,
 }
 
@@ -42,7 +42,7 @@ impl JsonPlan {
         !self.schemaless
     }
 
-    /// The values of a message; `None` if it holds no CAN frame, which is damage only with a schema.
+    /// The values of a message; `None` if the message holds no CAN frame, which is a damage only if there is a schema.
     pub(crate) fn read(&self, message: &[u8]) -> Result<Option<Values<'static>>, Flaw> {
         let parsed: Value =
             serde_json::from_slice(message).map_err(|error| Flaw::malformed("JSON", error.to_string()))?;
@@ -81,7 +81,7 @@ impl JsonPlan {
                 let (hex, base64) = (hex(text), STANDARD.decode(text.trim()).ok());
                 let fits =
                     |bytes: &Option<Vec<u8>>| bytes.as_ref().is_some_and(|bytes| Some(bytes.len() as u64) == length);
-                // A text of digits may be either; then the length decides.
+                // A text of digits may be base64 or hex; the length decides.
                 if self.base64 || fits(&base64) && !fits(&hex) { base64 } else { hex.or(base64) }
             }
             Value::Null => Some(Vec::new()),
@@ -92,7 +92,7 @@ impl JsonPlan {
 
 type Object = Map<String, Value>;
 
-/// The object with a frame's fields: this object or one inside it; `inner` returns the object in a value.
+/// The object with the fields of a frame: this object or one inside it. `inner` returns the object in a value.
 fn frame<'a>(object: &'a Object, inner: &dyn Fn(&'a Value) -> Option<&'a Object>) -> Option<&'a Object> {
     let is_frame = |object: &Object| property(object, Role::Id).is_some() && property(object, Role::Data).is_some();
     if is_frame(object) {
@@ -109,7 +109,7 @@ fn has_length(object: &Object) -> bool {
     property(object, Role::Dlc).is_some() || property(object, Role::Length).is_some()
 }
 
-/// A number, a truth value, or a text such as `0x181`.
+/// Parses a number, a truth value, or a text such as `0x181`.
 fn number(value: &Value) -> Option<i64> {
     match value {
         Value::Bool(set) => Some(i64::from(*set)),
@@ -124,14 +124,14 @@ fn number(value: &Value) -> Option<i64> {
     }
 }
 
-/// Bytes in hex, perhaps with blanks, colons or dashes between them and `0x` before them.
+/// Parses bytes in hex, perhaps with blanks, colons or dashes between them and `0x` before them.
 fn hex(text: &str) -> Option<Vec<u8>> {
     let text = text.trim();
     let digits = text.strip_prefix("0x").unwrap_or(text).bytes().filter(|byte| !b" :-".contains(byte));
     crate::hex::parse(digits.collect::<Vec<u8>>())
 }
 
-/// The time stamp, in a header or beside the frame's fields.
+/// Reads the time stamp, from a header or beside the frame's fields.
 fn stamp(object: &Object, values: &mut Values<'_>) {
     let header = object.get("header").and_then(Value::as_object);
     for (name, value) in header.into_iter().flatten().chain(object) {

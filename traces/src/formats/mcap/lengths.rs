@@ -1,16 +1,16 @@
 //! Checks that the lengths inside a record fit into it.
 //!
 //! The crate's parser trusts the length of a text and allocates memory for it before it reads: a schema whose name
-//! claims 4 GiB would end the program (mcap 0.26, `McapString`). So the lengths are checked first. The check also
-//! tells records without messages from messages with a damaged code.
+//! claims 4 GiB would end the program (mcap 0.26, `McapString`). So these checks come first. They also distinguish
+//! records without messages from messages with a damaged code.
 
-/// Skips a text after its length; returns the rest.
+/// Skips a text, which follows its length; returns the rest.
 fn text(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
 }
 
-/// Skips names and values after their total length; returns the rest.
+/// Skips a map of names and values, which follows its total length; returns the rest.
 fn map(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     let (mut pairs, rest) = rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)?;
@@ -20,24 +20,25 @@ fn map(bytes: &[u8]) -> Option<&[u8]> {
     Some(rest)
 }
 
-/// Number, name, encoding, data.
+/// Checks a schema record: number, name, encoding, data.
 pub(crate) fn schema_fits(record: &[u8]) -> bool {
     let data = || text(text(text(record.get(2..)?)?)?);
     data().is_some()
 }
 
-/// Number, schema, topic, encoding, metadata.
+/// Checks a channel record: number, schema, topic, encoding, metadata.
 pub(crate) fn channel_fits(record: &[u8]) -> bool {
     let metadata = || map(text(text(record.get(4..)?)?)?);
     metadata().is_some()
 }
 
-/// Name, and values by their names.
+/// Checks a metadata record: name, and a map of values by their names.
 pub(crate) fn metadata_fits(record: &[u8]) -> bool {
     text(record).and_then(map).is_some_and(<[u8]>::is_empty)
 }
 
-/// Two times, name, kind, data with its length, checksum. `head` is only the beginning of a long record.
+/// Checks an attachment: two times, name, kind, data with its length, checksum. `head` is only the beginning of a long
+/// record.
 pub(crate) fn attachment_fits(head: &[u8], length: u64) -> bool {
     let data = || {
         let rest = text(text(head.get(16..)?)?)?;

@@ -1,28 +1,28 @@
 //! MCAP, the recording format of ROS 2 and Foxglove, with CAN frames as messages.
 //!
-//! A file is a row of records between two magic numbers: schemas, channels (a topic, its encoding and schema),
-//! messages, and chunks, which hold such records compressed (zstd, lz4) or plain, with a checksum. Behind the
-//! end-of-data record stands a summary, which is not needed, and the footer.
+//! A file is a sequence of records between two magic numbers: schemas, channels (a topic, its encoding and schema),
+//! messages, and chunks, which hold such records compressed (zstd, lz4) or plain, with a checksum. After the
+//! end-of-data record come a summary, which this reader does not need, and the footer.
 //!
-//! There is no standard schema for CAN frames. A channel is recognised by its schema's *fields* (see
-//! [`fields`]), whatever the message is called and in any of the encodings cdr, ros1, json and protobuf. The
-//! bus is told by the topic: `/can0` and `/can0/fd` both are the channel `can0`.
+//! There is no standard schema for CAN frames. The reader recognises a channel by the *fields* of its schema (see
+//! [`fields`]), whatever the name of the message, in each of the encodings cdr, ros1, json and protobuf. The topic
+//! determines the bus: `/can0` and `/can0/fd` are both the channel `can0`.
 //!
 //! The crate mcap writes the files, and its parser (`parse_record`) reads the records that describe a file. Its readers
-//! (`LinearReader`, `MessageStream`, the sans-io ones alike) can't serve here, for they are for files that are whole:
+//! (`LinearReader`, `MessageStream` and the sans-io ones) are unsuitable, because they expect complete files:
 //!
-//! - an error is their last event: after a damaged chunk, or one whose checksum is wrong, they don't go on;
-//! - with the checksum before the messages (`prevalidate_chunk_crcs`) they give nothing of a chunk that the end of the
-//!   file cuts, without it they give messages of a chunk whose checksum then proves wrong;
-//! - a record longer than their limit is an error too, and not passed over as an attachment should be;
-//! - they don't tell where a record stands.
+//! - an error is their last event: they stop after a damaged chunk, or one whose checksum is wrong;
+//! - with the checksum before the messages (`prevalidate_chunk_crcs`) they return nothing of a chunk that the end of
+//!   the file cuts; without it they return messages of a chunk whose checksum then proves wrong;
+//! - a record longer than their limit is an error too, although a long attachment could be skipped;
+//! - they do not give the position of a record.
 //!
-//! So the framing of records and chunks is read here. A record of another kind is passed over where such a record may
-//! stand and its lengths fit; anything else is reported, and so are fewer messages than the file's statistics tell.
-//! Behind a record whose length is damaged nothing tells where the next one begins: the rest is reported as cut.
+//! So this module reads the framing of records and chunks. A record of another kind is skipped if it is allowed at its
+//! place and its lengths fit; anything else is reported, and so are fewer messages than the file's statistics state.
+//! After a record with a damaged length the beginning of the next one is unknown: the rest is reported as cut.
 //!
-//! Easily got wrong: a file without footer (power cut, full disk) is still a good one as far as it goes; CDR aligns
-//! from after its 4-byte header; bytes beyond the length are left over from earlier frames.
+//! Pitfalls: a file without footer (power cut, full disk) is good as far as it goes; CDR aligns from the end of its
+//! 4-byte header; bytes beyond the length are remains of earlier frames.
 
 mod cdr;
 mod chunk;

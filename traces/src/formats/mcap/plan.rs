@@ -1,4 +1,4 @@
-//! Plans for the messages of a ROS schema: the steps through the bytes, with the role of each value.
+//! Plans for decoding the messages of a ROS schema: the steps through the bytes, with the role of each value.
 //!
 //! The encodings CDR and ROS 1 use the same plan; they differ in the layout of numbers and texts.
 
@@ -11,22 +11,22 @@ use std::borrow::Cow;
 
 /// Maximum depth of nested messages.
 const DEEPEST: usize = 16;
-/// Maximum number of steps of a plan: a hostile schema may square the number with each level.
+/// Maximum number of steps of a plan: a hostile schema may square the number of steps with each level.
 const MOST_STEPS: usize = 10_000;
 
-/// The layout of values in an encoding. Every method returns `None` at the end of the bytes.
+/// The layout of values in an encoding. Every method returns `None` if the bytes end too early.
 pub(crate) trait Layout<'a> {
-    /// A number of 1, 2, 4 or 8 bytes.
+    /// Reads a number of 1, 2, 4 or 8 bytes.
     fn number(&mut self, size: usize) -> Option<u64>;
-    /// Skips this many numbers.
+    /// Skips `count` numbers of `size` bytes.
     fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()>;
     /// Skips a text.
     fn skip_text(&mut self, wide: bool) -> Option<()>;
-    /// Returns this many bytes.
+    /// Reads `count` bytes.
     fn bytes(&mut self, count: usize) -> Option<&'a [u8]>;
-    /// The bytes of a run of numbers, and the position of each number in it.
+    /// Reads a run of numbers: its bytes, and the position of each number in them.
     fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)>;
-    /// The number of this size at the beginning of the bytes.
+    /// The number of `size` bytes at the beginning of the bytes.
     fn placed(&self, bytes: &[u8], size: usize) -> Option<u64>;
 }
 
@@ -77,7 +77,7 @@ impl Plan {
         Some(Self { steps, shape: shape(messages.get(target)?)? })
     }
 
-    /// The frame of a message; its time is the message's own, else `logged`.
+    /// The frame of a message; its time is the message's own time stamp, else `logged`.
     #[inline]
     pub(crate) fn record<'a>(&self, layout: &mut impl Layout<'a>, logged: Timestamp) -> Result<Record, Flaw> {
         let mut values = Values::default();
@@ -88,7 +88,7 @@ impl Plan {
     }
 }
 
-/// The message with a frame's fields: the first one or, if it has none, one inside it.
+/// The message with the fields of a frame: the first message or, if it has none, one inside it.
 fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> {
     let message = messages.get(place)?;
     if std::mem::replace(seen.get_mut(place)?, true) {
@@ -103,7 +103,7 @@ fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> 
     })
 }
 
-/// The frame format of a message with a frame's fields; `None` for others.
+/// The frame format of a message with the fields of a frame; `None` for other messages.
 fn shape(message: &Message) -> Option<Shape> {
     let roles: Vec<_> = message.fields.iter().filter_map(|field| Some((role(field)?, field))).collect();
     let of = |wanted| roles.iter().find(|(role, _)| *role == wanted).map(|(_, field)| field);
@@ -118,7 +118,7 @@ fn shape(message: &Message) -> Option<Shape> {
     shape.is_can(&message.name).then_some(shape)
 }
 
-/// The role of a field whose type fits.
+/// The role of a field, if its name has one and its type fits.
 fn role(field: &Field) -> Option<Role> {
     let role = Role::by_name(&field.name)?;
     let fits = match (role, field.kind, field.count) {
@@ -132,7 +132,7 @@ fn role(field: &Field) -> Option<Role> {
 
 struct Compiler<'a> {
     messages: &'a [Message],
-    /// The message with the frame's fields; its first occurrence counts.
+    /// The message with the fields of the frame; its first occurrence counts.
     target: usize,
     found: bool,
     /// Whether a time stamp has been found.
@@ -176,7 +176,7 @@ impl Compiler<'_> {
         Some(steps)
     }
 
-    /// Whether the field is a point in time: `stamp` in a header or beside the frame.
+    /// Whether the field is a point in time: `stamp`, in a header or beside the frame's fields.
     fn is_time(&self, field: &Field) -> bool {
         let FieldKind::Message(inner) = field.kind else { return false };
         let parts = self.messages.get(inner).map_or(&[][..], |message| &message.fields);
@@ -234,7 +234,7 @@ impl McapStep {
             }
             Self::Repeat { count, body } => {
                 let count = counted(layout, *count)?;
-                // Each turn takes at least one byte, so the end of the bytes limits a hostile count.
+                // Each repetition takes at least one byte, so the end of the bytes limits a hostile count.
                 for _ in 0..if body.is_empty() { 0 } else { count } {
                     body.iter().try_for_each(|step| step.read(layout, values))?;
                 }
@@ -253,7 +253,7 @@ fn counted<'a>(layout: &mut impl Layout<'a>, count: Count) -> Option<usize> {
     }
 }
 
-/// A signed number of `size` bytes.
+/// Converts the lowest `size` bytes to a signed number.
 pub(crate) const fn sign_extended(number: u64, size: usize) -> i64 {
     let unused = 64 - 8 * size as u32;
     (number << unused) as i64 >> unused

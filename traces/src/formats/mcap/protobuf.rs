@@ -1,7 +1,7 @@
-//! Messages in Protocol Buffers. The schema is a `FileDescriptorSet`: itself such a message, of which only the
-//! fields' names, numbers and types are read.
+//! Messages in Protocol Buffers. The schema is a `FileDescriptorSet`: a Protocol Buffers message itself, of which this
+//! module reads only the fields' names, numbers and types.
 //!
-//! Fields that are absent have the value 0. The data is `bytes` or `repeated uint32`.
+//! An absent field has the value 0. The data is `bytes` or `repeated uint32`.
 
 use super::fields::{Role, Shape, Values};
 use crate::damage::Flaw;
@@ -13,7 +13,7 @@ const DEEPEST: usize = 8;
 /// Maximum number of fields read from a schema.
 const MOST_FIELDS: usize = 10_000;
 
-/// A field's value as on the wire.
+/// The value of a field, as it is encoded.
 #[derive(Clone, Copy, Debug)]
 enum Wire<'a> {
     Number(u64),
@@ -31,7 +31,7 @@ fn varint(bytes: &[u8]) -> Option<(u64, &[u8])> {
     None
 }
 
-/// The next field's number and value, and the rest.
+/// Parses the next field: its number and value, and the rest of the bytes.
 fn field(bytes: &[u8]) -> Option<(u64, Wire<'_>, &[u8])> {
     let (key, bytes) = varint(bytes)?;
     let (value, rest) = match key & 7 {
@@ -50,7 +50,7 @@ fn field(bytes: &[u8]) -> Option<(u64, Wire<'_>, &[u8])> {
     Some((key >> 3, value, rest))
 }
 
-/// Passes each field to `each`; `None` if the bytes are malformed.
+/// Calls `each` for each field; `None` if the bytes are malformed.
 fn for_each_field<'a>(mut bytes: &'a [u8], mut each: impl FnMut(u64, Wire<'a>) -> Option<()>) -> Option<()> {
     while !bytes.is_empty() {
         let (number, value, rest) = field(bytes)?;
@@ -86,7 +86,7 @@ fn text(value: Wire<'_>) -> Option<&str> {
     }
 }
 
-/// `FileDescriptorSet`: the files are its field 1, a file's package 2, its messages 4.
+/// Parses a `FileDescriptorSet`: its field 1 are the files; of a file, field 2 is the package and field 4 the messages.
 fn messages(set: &[u8]) -> Option<Messages<'_>> {
     let mut messages = HashMap::new();
     for_each_field(set, |number, file| {
@@ -106,7 +106,7 @@ fn messages(set: &[u8]) -> Option<Messages<'_>> {
     Some(messages)
 }
 
-/// `DescriptorProto`: name 1, fields 2, messages inside 3.
+/// Parses a `DescriptorProto`: name 1, fields 2, nested messages 3.
 fn message<'a>(scope: &str, descriptor: &'a [u8], depth: usize, messages: &mut Messages<'a>) -> Option<()> {
     let (mut name, mut fields, mut inner) = ("", Vec::new(), Vec::new());
     for_each_field(descriptor, |number, value| {
@@ -126,7 +126,7 @@ fn message<'a>(scope: &str, descriptor: &'a [u8], depth: usize, messages: &mut M
     Some(())
 }
 
-/// `FieldDescriptorProto`: name 1, number 3, label 4 (3 is repeated), type 5, type's name 6.
+/// Parses a `FieldDescriptorProto`: name 1, number 3, label 4 (3 is repeated), type 5, name of the type 6.
 fn describe(descriptor: &[u8]) -> Option<Field<'_>> {
     let mut field = Field::default();
     for_each_field(descriptor, |number, value| {
@@ -147,12 +147,12 @@ fn describe(descriptor: &[u8]) -> Option<Field<'_>> {
 #[derive(Clone, Debug)]
 enum Use {
     Value(Role),
-    /// Data as repeated numbers, single or packed.
+    /// Data as repeated numbers, one by one or packed.
     Numbers,
     Message(Plan),
 }
 
-/// The fields that are read.
+/// The fields that have a use, by their numbers.
 type Plan = Vec<(u64, Use)>;
 
 /// How to read the messages of a protobuf channel.
@@ -204,7 +204,7 @@ fn shape(name: &str, fields: &[Field<'_>]) -> Option<Shape> {
     (has(Role::Id) && has(Role::Data) && shape.is_can(name)).then_some(shape)
 }
 
-/// The message with a frame's fields: the named one, or one directly inside it.
+/// The message with the fields of a frame: the message of that name, or one directly inside it.
 fn find(messages: &Messages<'_>, name: &str) -> Option<(String, Shape)> {
     let fields = messages.get(name)?;
     if let Some(shape) = shape(name, fields) {
@@ -218,7 +218,7 @@ fn find(messages: &Messages<'_>, name: &str) -> Option<(String, Shape)> {
 
 struct Compiler<'a> {
     messages: &'a Messages<'a>,
-    /// The message with the frame's fields.
+    /// The message with the fields of the frame.
     target: &'a str,
     /// Whether a time stamp has been found.
     timed: bool,
@@ -227,7 +227,7 @@ struct Compiler<'a> {
 }
 
 impl Compiler<'_> {
-    /// The plan for a message: values in the target, time stamps at any place up to two levels deep.
+    /// The plan for a message: values in the target, time stamps up to two levels deep.
     fn message(&mut self, name: &str, depth: usize) -> Option<Plan> {
         let messages = self.messages;
         let mut plan = Vec::new();

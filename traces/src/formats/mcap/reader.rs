@@ -12,9 +12,9 @@ use nom::number::complete::{le_u16, le_u32, le_u64, u8};
 use nom::{IResult, Parser};
 use std::collections::VecDeque;
 
-/// Length of the operation code and length before each record.
+/// Length of the header of each record: its operation code and length.
 const RECORD_HEADER: usize = 9;
-/// Length of channel, sequence number, log time and publish time before a message.
+/// Length of the header of a message: channel, sequence number, log time and publish time.
 const MESSAGE_HEADER: usize = 22;
 /// Length of the footer.
 const FOOTER: u64 = 20;
@@ -48,7 +48,7 @@ enum McapState {
     Magic,
     Records,
     Chunk,
-    /// The end is reached; the last damages are being reported.
+    /// The end is reached; the last damages remain to be reported.
     Ended,
 }
 
@@ -58,15 +58,15 @@ struct McapReader {
     /// The uncompressed records of the current chunk, and the offset of the next one.
     chunk: Vec<u8>,
     chunk_at: usize,
-    /// The chunk's offset in the source.
+    /// The offset of the chunk in the source.
     chunk_place: u64,
     /// Whether the source ended inside the chunk.
     chunk_cut: bool,
     messages: u64,
-    /// The file's own statistics: its number of messages.
+    /// The number of messages according to the file's own statistics.
     statistics: Option<Box<records::Statistics>>,
-    /// The code of the record before, and whether the summary has begun: some records are allowed only at certain
-    /// places.
+    /// The code of the record before. With `summary`, whether the summary has begun, it determines which records are
+    /// allowed.
     previous: Option<u8>,
     summary: bool,
     pending: VecDeque<Damage>,
@@ -75,12 +75,12 @@ struct McapReader {
     state: McapState,
 }
 
-/// A record's operation code and length.
+/// Parses a record's operation code and length.
 fn record_header(i: &[u8]) -> IResult<&[u8], (u8, u64)> {
     (u8, le_u64).parse(i)
 }
 
-/// A message's channel and log time.
+/// Parses a message's channel and log time.
 #[inline]
 fn message_header(i: &[u8]) -> IResult<&[u8], (u16, u64)> {
     (le_u16, le_u32, le_u64, le_u64).map(|(channel, _, logged, _)| (channel, logged)).parse(i)
@@ -108,7 +108,7 @@ impl McapReader {
         Ok(())
     }
 
-    /// The next record of the file; a frame if it is a message with one.
+    /// Reads the next record of the file; gives a frame if the record is a message with one.
     fn record(&mut self) -> Result<Option<Record>, Damage> {
         if !self.has(RECORD_HEADER)? {
             let cut = !self.source.window().is_empty();
@@ -119,7 +119,7 @@ impl McapReader {
         match code {
             op::CHUNK => return self.open_chunk(length),
             op::FOOTER if length == FOOTER => return self.footer(),
-            // Zeros: space that a recorder reserved and did not write.
+            // Code 0: space that a recorder reserved and did not write.
             0 => return self.unfinished(Some("a record of MCAP".to_owned())),
             op::MESSAGE | op::SCHEMA | op::CHANNEL if length <= LONGEST => {}
             _ => return self.aside(code, length, previous),
@@ -136,8 +136,8 @@ impl McapReader {
         result
     }
 
-    /// Skips a record without frames, if such a record with such content is allowed here. Otherwise it may be a
-    /// message with a damaged code.
+    /// Skips a record without frames, if a record with this content is allowed at this place. If it is not, it may be a
+    /// message with a damaged code, and is reported.
     fn aside(&mut self, code: u8, length: u64, previous: Option<u8>) -> Result<Option<Record>, Damage> {
         let place = self.place();
         let head = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();
@@ -177,7 +177,7 @@ impl McapReader {
         Err(Damage::new(DamageKind::Unsupported, place, "a record of MCAP in its place", found.as_bytes()))
     }
 
-    /// Skips a record without frames, or a too long one.
+    /// Skips a record without frames, or a record that is too long to be parsed.
     fn pass_over(&mut self, code: u8, length: u64) -> Result<(), Damage> {
         let place = self.place();
         self.source.consume(RECORD_HEADER);
@@ -227,7 +227,7 @@ impl McapReader {
         Ok(None)
     }
 
-    /// The damage if there are fewer messages than the file's statistics state.
+    /// The damage if the file has fewer messages than its statistics state.
     fn missing_messages(&self, place: Place) -> Option<Damage> {
         let damage = |kind, expected, found: String| Damage::new(kind, place, expected, found.as_bytes());
         if !self.summary {
@@ -300,7 +300,7 @@ impl McapReader {
         Ok(None)
     }
 
-    /// The next record of the chunk.
+    /// Reads the next record of the chunk.
     #[inline]
     fn chunk_record(&mut self) -> Result<Option<Record>, Damage> {
         let rest = self.chunk.get(self.chunk_at..).unwrap_or_default();
@@ -335,7 +335,7 @@ impl McapReader {
     }
 }
 
-/// The comment for the next message, from metadata whose lengths fit.
+/// The comment for the next message, from a metadata record whose lengths fit.
 fn comment(bytes: &[u8]) -> Option<String> {
     match mcap::parse_record(op::METADATA, bytes).ok()? {
         records::Record::Metadata(mut read) if read.name == COMMENT => read.metadata.remove(COMMENT),
@@ -378,7 +378,7 @@ fn message(topics: &mut Topics, bytes: &[u8], place: Place) -> Result<Option<Rec
         }
     };
     decoder.messages += 1;
-    // The limit holds inside a chunk too: decoding a message may take many times its length.
+    // The limit holds inside a chunk too: decoding a message may need many times its length.
     if data.len() as u64 > LONGEST {
         let flaw = Flaw::malformed(format!("a message of at most {LONGEST} bytes"), data.len().to_string());
         return Err(flaw.damage(place));

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// The type of a field, without its count.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum FieldKind {
-    /// A number of this many bytes, or a truth value.
+    /// A number of `size` bytes, or a truth value.
     Number {
         size: usize,
         signed: bool,
@@ -29,7 +29,7 @@ pub(crate) enum FieldKind {
 pub(crate) enum Count {
     One,
     Array(usize),
-    /// A sequence, with its limit.
+    /// A sequence, with its maximum length if it is bounded.
     Sequence(Option<usize>),
 }
 
@@ -48,11 +48,11 @@ pub(crate) struct Message {
     pub(crate) fields: Vec<Field>,
 }
 
-/// Message types: the first one, and the types that it uses.
+/// Message types: the type of the schema first, then the types that it uses.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Definitions(pub(crate) Vec<Message>);
 
-/// Types that schemas of some recorders use without defining them.
+/// Types that the schemas of some recorders use without defining them.
 const WELL_KNOWN: &[(&str, &str)] = &[
     ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
     ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec"),
@@ -62,10 +62,10 @@ const WELL_KNOWN: &[(&str, &str)] = &[
 const TIME: &[(&str, &str)] = &[("time", "uint32 sec\nuint32 nsec"), ("duration", "int32 sec\nint32 nsec")];
 const SEPARATOR: &str = "================";
 
-/// The lines of a definition, split; types are not resolved yet.
+/// The parsed lines of a definition; types are not resolved yet.
 struct Unresolved<'a> {
     name: String,
-    /// Type with count, and name.
+    /// The type with its count, and the name, of each field.
     fields: Vec<(&'a str, &'a str)>,
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn parse(name: &str, text: &str) -> Result<Definitions, String> {
     resolve(&parts)
 }
 
-/// The short name: `pkg/msg/Type` becomes `pkg/Type`.
+/// The short name of a type: `pkg/msg/Type` becomes `pkg/Type`.
 fn plain_name(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
 }
@@ -114,7 +114,7 @@ fn field(line: &str) -> Result<Option<(&str, &str)>, String> {
     if name.is_empty() {
         return Err(format!("a field's name: {line}"));
     }
-    // A constant has its value after `=`; a default value of ROS 2 stands after a blank.
+    // A constant has its value after `=`; a default value of ROS 2 follows a blank.
     Ok((!value.trim_start().starts_with('=')).then_some((kind, name)))
 }
 

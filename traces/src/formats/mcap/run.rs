@@ -1,5 +1,5 @@
-//! Runs of numbers in a message: the position of each number is known beforehand, so one check of the length serves
-//! the whole run.
+//! Runs of numbers in a message: the position of each number is known beforehand, so one check of the length is enough
+//! for the whole run.
 
 use super::fields::{Role, Values};
 use super::plan::{Layout, McapStep, sign_extended};
@@ -7,19 +7,19 @@ use super::ros_definition::Count;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Numbers and arrays of fixed size, one behind the other.
+/// Numbers and arrays of fixed size, one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
-    /// Alignment of the first number. The others need no larger alignment, so their distances don't depend on where
-    /// the run begins.
+    /// Alignment of the first number. The other numbers need no larger alignment, so the distances do not depend on the
+    /// beginning of the run.
     pub(crate) align: usize,
-    /// The positions in CDR up to version 2, which align numbers of up to four bytes alike.
+    /// The positions in CDR of both versions, which align numbers of up to four bytes in the same way.
     pub(crate) aligned: Extent,
     /// The positions in ROS 1.
     pub(crate) packed: Extent,
 }
 
-/// A run in one of the encodings.
+/// The positions of a run's values in one of the encodings.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Extent {
     /// Length in bytes.
@@ -39,7 +39,7 @@ struct Placed {
     signed: bool,
 }
 
-/// The part of a run that a step takes.
+/// The part of a run that one step contributes.
 struct Part {
     size: usize,
     count: usize,
@@ -47,9 +47,9 @@ struct Part {
     role: Option<Role>,
 }
 
-/// The longest number in a run: the versions of CDR align numbers of eight bytes differently.
+/// The largest size of a number in a run: the versions of CDR align numbers of eight bytes differently.
 const WIDEST: usize = 4;
-/// The longest array in a run.
+/// The maximum length of an array in a run.
 const LONGEST: usize = 64;
 
 impl Part {
@@ -92,7 +92,7 @@ impl Run {
         self.packed.push(part);
     }
 
-    /// Sets the values that have a role.
+    /// Reads the values that have a role.
     #[inline]
     pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
         let (bytes, extent) = layout.run(self)?;

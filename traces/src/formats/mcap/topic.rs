@@ -1,9 +1,9 @@
-//! Topics and their channels: only the topic tells the bus.
+//! Topics and their channels: the topic alone determines the bus.
 
 /// The suffix of the topic of a channel's CAN FD frames.
 const FD: &str = "/fd";
 
-/// The channel of a topic: `/can0` and `/can0/fd` are `can0`.
+/// The channel of a topic: `can0` for `/can0` and `/can0/fd`.
 pub(crate) fn channel(topic: &str) -> &str {
     let name = topic.trim_start_matches('/');
     match name.strip_suffix(FD) {

@@ -22,7 +22,7 @@ const MOST_PLANNED_BYTES: usize = MOST_SCHEMA_BYTES / 4;
 /// The schemas and topics of a file.
 #[derive(Default)]
 pub(crate) struct Topics {
-    /// The topics that the user asked for; empty for all.
+    /// The topics that the user asked for; empty for all topics.
     pub(crate) wanted: Vec<String>,
     schemas: HashMap<u16, records::SchemaHeader>,
     texts: HashMap<u16, Vec<u8>>,
@@ -42,9 +42,9 @@ pub(crate) struct Topics {
 pub(crate) enum Slot {
     #[default]
     Undeclared,
-    /// Its messages are no CAN frames, or not wanted.
+    /// The messages of the channel are no CAN frames, or the user did not ask for them.
     Other,
-    /// Its messages would be CAN frames, but their encoding or schema is damaged or unknown.
+    /// The messages would be CAN frames, but their encoding or schema is damaged or unknown.
     Unreadable,
     Can(Box<Decoder>),
 }
@@ -53,7 +53,7 @@ pub(crate) enum Slot {
 pub(crate) struct Decoder {
     encoding: Encoding,
     pub(crate) channel: ChannelId,
-    /// The number of the channel in the file, and its number of messages.
+    /// The number of the channel in the file.
     number: u16,
     pub(crate) messages: u64,
     /// Number of messages with a frame and without; messages without schema may have none.
@@ -89,12 +89,12 @@ impl Decoder {
 const MOST_SEEN: usize = 20;
 
 impl Topics {
-    /// Begins without schemas; `wanted` are the topics that the user asked for, empty for all.
+    /// An empty state without schemas; `wanted` are the topics that the user asked for, empty for all.
     pub(crate) fn new(wanted: Vec<String>) -> Self {
         Self { wanted, ..Self::default() }
     }
 
-    /// Keeps a schema.
+    /// Stores a schema.
     pub(crate) fn schema(&mut self, record: &[u8]) -> Result<(), Flaw> {
         let parsed = lengths::schema_fits(record).then(|| mcap::parse_record(op::SCHEMA, record));
         let Some(Ok(records::Record::Schema { header, data })) = parsed else {
@@ -162,7 +162,7 @@ impl Topics {
             let expected = format!("channels of CAN frames with at most {MOST_PLANNED_BYTES} bytes of schemas");
             return Err(Flaw::unsupported(expected, ""));
         }
-        // Without a schema only the messages can show whether they are CAN frames.
+        // Without a schema, only the messages show whether they are CAN frames.
         self.found |= !matches!(&encoding, Encoding::Json(plan) if !plan.is_certain());
         let name = self.channels.intern(topic::channel(&channel.topic));
         let decoder = Decoder { encoding, channel: name, number: channel.id, messages: 0, frames: 0, frameless: 0 };
@@ -173,7 +173,7 @@ impl Topics {
     }
 
     /// A CAN channel with fewer messages than the file's statistics state: its name, the stated number and the actual
-    /// one.
+    /// number.
     pub(crate) fn missing(&self, statistics: &records::Statistics) -> Option<(&str, u64, u64)> {
         self.slots.iter().find_map(|slot| {
             let Slot::Can(decoder) = slot else { return None };
@@ -209,7 +209,7 @@ impl Topics {
             .map_or(("", ""), |schema| (schema.name.as_str(), schema.encoding.as_str()));
         let ros = || match ros_definition::parse(name, &String::from_utf8_lossy(text)) {
             Ok(definitions) => Ok(Plan::new(&definitions)),
-            // An unsupported schema need not concern CAN frames.
+            // An unsupported schema is a damage only if it seems to be one of CAN frames.
             Err(error) if looks_like_can(name) => Err(Flaw::unsupported(error, format!("schema {name}"))),
             Err(_) => Ok(None),
         };
@@ -233,12 +233,12 @@ impl Topics {
     }
 }
 
-/// Whether the message's name proves that it is a CAN frame, with any fields.
+/// Whether the name of the message proves that it is a CAN frame, whatever its fields.
 fn is_can_frame(name: &str) -> bool {
     name.starts_with("can_msgs/") || Shape::is_named_fd(name.rsplit('/').next().unwrap_or_default())
 }
 
-/// Whether the message's name suggests a CAN frame, so that the user would miss it.
+/// Whether the name of the message suggests a CAN frame, so that the user would miss its frames.
 fn looks_like_can(name: &str) -> bool {
     let last = name.rsplit(['/', '.', ':']).next().unwrap_or_default();
     name.starts_with("can_msgs/") || last.contains("CAN") || last.contains("Can") || Shape::is_named_fd(last)

@@ -19,14 +19,14 @@ const FRAME: &str =
 const FD_FRAME: &str =
     "std_msgs/Header header\nuint32 id\nbool is_extended\nbool is_error\nuint8 len\nuint8[<=64] data\n";
 
-/// The name of the metadata with the comment of the following message, and of its value.
+/// The name of the metadata record with the comment of the following message, and of the value in it.
 pub(crate) const COMMENT: &str = "comment";
 
 struct McapWriter {
     mcap: mcap::Writer<NoSeek<Box<dyn Write>>>,
     frame_schema: u16,
     fd_schema: u16,
-    /// The number of each channel in the file, by channel and CAN FD.
+    /// The number of each channel in the file, by channel and whether its frames are CAN FD.
     channels: HashMap<(ChannelId, bool), u16>,
     sequence: u32,
     /// The message being encoded.
@@ -72,7 +72,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
 }
 
 impl McapWriter {
-    /// The file's channel for a record's channel; declared at its first frame.
+    /// The file's channel for a record's channel. A channel is declared before its first frame.
     fn channel(&mut self, record: &Record, channels: &Channels) -> Result<u16, WriteError> {
         let key = (record.channel, record.frame.is_fd());
         if let Some(&channel) = self.channels.get(&key) {
@@ -85,7 +85,7 @@ impl McapWriter {
         Ok(channel)
     }
 
-    /// CDR, little-endian. The frame_id "can" is what every SocketCAN bridge writes.
+    /// Encodes the record in CDR, little-endian. Every SocketCAN bridge writes "can" as frame_id.
     fn encode(&mut self, record: &Record) {
         let frame = &record.frame;
         let nanos = record.timestamp.nanos();
@@ -106,7 +106,7 @@ impl McapWriter {
         // The message types hold at most 64 bytes.
         let length = frame.len() as u8;
         if frame.is_fd() {
-            // One byte aligns the length of the sequence.
+            // One byte of padding aligns the length of the sequence.
             message.extend_from_slice(&[extended, error, length, 0]);
             message.extend_from_slice(&u32::from(length).to_le_bytes());
             message.extend_from_slice(record.data());

@@ -5,17 +5,18 @@
 //! packet header   seconds, fraction, captured length, original length; then the captured bytes
 //! ```
 //!
-//! The headers are read and written by the crate pcap-file; here is what it does not know: the frames in the packets,
-//! and what becomes of a damaged file. Easily got wrong: the upper half of the link type is not part of it (it may
-//! tell the length of a frame check sequence); a snapshot length of 0 means none, which the crate refuses in its checked
-//! packets, so that the raw ones are read; a packet whose captured length is below its original length was cut.
+//! The crate pcap-file reads and writes the headers; this module adds the frames in the packets and the handling of
+//! damaged files. Pitfalls: the upper half of the link type field is not part of the link type (it may hold the length
+//! of a frame check sequence); a snapshot length of 0 means no limit, but the crate refuses it in its checked packets,
+//! so this module reads the raw ones; a packet whose captured length is below its original length was cut.
 //!
-//! Nothing in the file tells where a packet begins. So after a packet that is damaged the next header must look like
-//! one, else the next packet is searched for, byte by byte: lengths that fit each other and the link type, a time near
-//! the last one, a readable frame, and again such a header after it, or the end of the file.
+//! Nothing in the file marks the beginning of a packet. So after a damaged packet, the next header must be plausible;
+//! otherwise the next packet is searched for, byte by byte. A packet is accepted if its lengths fit each other and the
+//! link type, its time is near the last one, its frame is readable, and another plausible header or the end of the file
+//! follows.
 //!
-//! The format names no channel: all frames are on [`CHANNEL`], but with SLL2 the interface's index tells them
-//! apart (`if5`).
+//! The format names no channel: all frames are on [`CHANNEL`], except with SLL2, where the index of the interface
+//! distinguishes channels (`if5`).
 
 mod reader;
 mod writer;

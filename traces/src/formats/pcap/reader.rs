@@ -28,7 +28,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 
 struct PcapReader {
     source: Source,
-    /// `None` until the file header was read.
+    /// The file header; `None` until it was read.
     file: Option<File>,
     channels: Channels,
     /// Number of the last packet.
@@ -55,7 +55,7 @@ struct PacketFormat {
 }
 
 impl PacketFormat {
-    /// The packet at the beginning of the bytes.
+    /// Parses the packet at the beginning of the bytes.
     #[inline]
     fn packet(self, bytes: &[u8]) -> Result<(&[u8], RawPcapPacket<'_>), PcapParseError> {
         match self.order {
@@ -70,7 +70,7 @@ impl PacketFormat {
         Timestamp(u64::from(packet.ts_sec) * 1_000_000_000 + nanos)
     }
 
-    /// Number of units in a second.
+    /// Number of units of the fraction in a second.
     const fn limit(self) -> u32 {
         1_000_000_000 / self.unit
     }
@@ -160,7 +160,7 @@ impl PcapReader {
         Ok(File { format, channel: self.channels.intern(CHANNEL) })
     }
 
-    /// The quick way for a complete packet with a common frame; gives the same as [`PcapReader::packet`].
+    /// A quick reader for a complete packet with a common frame; gives the same as [`PcapReader::packet`].
     #[inline]
     fn common_packet(&mut self, file: File) -> Option<Record> {
         let window = self.source.window();
@@ -233,7 +233,8 @@ impl PcapReader {
         damage
     }
 
-    /// Decides by the bytes after a damaged packet of this size, header included, whether its lengths can be trusted.
+    /// Decides by the bytes after a damaged packet of this size, header included, whether the lengths of the packet are
+    /// right.
     fn damaged(&mut self, format: PacketFormat, size: usize, damage: Damage) -> Damage {
         match self.may_begin(format, size) {
             Ok(true) => self.source.consume(size),
@@ -243,7 +244,7 @@ impl PcapReader {
         damage
     }
 
-    /// Whether a packet may begin at `at`, or the file end there.
+    /// Whether a packet may begin at `at`, or the file ends at `at`.
     fn may_begin(&mut self, format: PacketFormat, at: usize) -> Result<bool, SourceError> {
         self.source.fill_to(at + PACKET_HEADER)?;
         let behind = self.source.window().get(at..).unwrap_or_default();
@@ -263,7 +264,7 @@ impl PcapReader {
         }
     }
 
-    /// Moves to the next bytes that are certainly a packet; returns whether there are any.
+    /// Moves to the next bytes that are certainly a packet; returns whether it found any.
     fn next_likely(&mut self, format: PacketFormat) -> Result<bool, SourceError> {
         self.source.consume(1);
         while self.source.fill_to(PACKET_HEADER)? {

@@ -1,4 +1,4 @@
-//! The blocks of pcapng: their types, plausibility, and the content that the crate reads.
+//! The blocks of pcapng: their types, their plausibility, and the content that the crate reads.
 
 use crate::Direction;
 use byteorder::{BigEndian, LittleEndian};
@@ -10,11 +10,11 @@ use pcap_file::pcapng::blocks::{
 };
 use pcap_file::pcapng::{BlockContentParseError, PcapNgBlock, PcapNgState, RawBlock, RawBlockParseError};
 
-/// Length of type and length before the body, and of the length after it.
+/// Total length of a block's type and of its length before and after the body.
 pub(crate) const FRAMING: usize = 12;
 /// Maximum length of a parsed block.
 pub(crate) const LONGEST: usize = 512 * 1024;
-/// A block with keys of other protocols, which the crate does not know.
+/// The type of a block with keys of other protocols, which the crate does not know.
 const DECRYPTION_SECRETS: u32 = 0x0A;
 
 /// A block's type, and the length before its body.
@@ -25,7 +25,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    /// Whether blocks of this type hold no frame and so may have any length.
+    /// Whether blocks of this type hold no frame, and so may have any length.
     pub(crate) const fn is_aside(self) -> bool {
         matches!(
             self.kind,
@@ -50,7 +50,7 @@ impl Head {
             )
     }
 
-    /// Whether a block may begin with these values.
+    /// Whether type and length are those of a possible block.
     pub(crate) const fn is_likely(self) -> bool {
         let length = self.length as usize;
         self.is_known() && length >= FRAMING && length <= LONGEST && length.is_multiple_of(4)
@@ -87,14 +87,14 @@ pub(crate) fn length(order: Endianness, bytes: &[u8; FRAMING]) -> u32 {
     word(order, [a, b, c, d])
 }
 
-/// The first fields of a block, and its byte order; a section header shows its own.
+/// The first fields of a block, and its byte order; a section header gives its own byte order.
 pub(crate) fn head(section: Option<Endianness>, bytes: &[u8; FRAMING]) -> Option<(Endianness, Head)> {
     let &[kind, length, third] = bytes.as_chunks().0 else { return None };
     let order = if is_section(bytes) { byte_order(third) } else { section }?;
     Some((order, Head { kind: word(order, kind), length: word(order, length) }))
 }
 
-/// The block at the beginning of the bytes.
+/// Parses the block at the beginning of the bytes.
 pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_>), RawBlockParseError> {
     match order {
         Endianness::Big => RawBlock::from_slice::<BigEndian>(bytes),
@@ -102,8 +102,8 @@ pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_
     }
 }
 
-/// A block's content. If only its options, which begin after `fixed` bytes, are unreadable, the content comes without
-/// them; the flag tells whether everything was read.
+/// Parses the content of a block. If only its options, which begin after `fixed` bytes, are unreadable, the content is
+/// returned without them; the flag tells whether the options were readable.
 pub(crate) fn content<'a, T: PcapNgBlock<'a>>(
     order: Endianness,
     state: &PcapNgState,
@@ -152,7 +152,7 @@ pub(crate) fn is_aside(order: Endianness, state: &PcapNgState, kind: u32, body: 
 /// An option's code and value.
 type BlockOption<'a> = (u16, &'a [u8]);
 
-/// Passes each option to `each`; returns whether all could be read.
+/// Calls `each` for each option; returns whether all options are readable.
 pub(crate) fn for_each_option<'a>(
     order: Endianness,
     mut options: &'a [u8],
@@ -180,7 +180,7 @@ fn option(order: Endianness, options: &[u8]) -> Option<(BlockOption<'_>, &[u8])>
     Some(((code, value), rest.get(usize::from(length).next_multiple_of(4)..).unwrap_or_default()))
 }
 
-/// The direction of a packet, bits 0 and 1 of its flags: 1 inbound, 2 outbound.
+/// The direction of a packet by bits 0 and 1 of its flags: 1 inbound, 2 outbound.
 pub(crate) const fn flags_direction(flags: u32) -> Direction {
     match flags & 3 {
         1 => Direction::Rx,

@@ -5,12 +5,12 @@ use crate::formats::socketcan::LinkType;
 use crate::{ChannelId, Channels, Timestamp};
 use pcap_file::Endianness;
 
-/// Codes of the options that are read.
+/// Codes of the options that this module reads.
 const IF_NAME: u16 = 2;
 const IF_TSRESOL: u16 = 9;
 const IF_TSOFFSET: u16 = 14;
 
-/// The longest channel name that is kept, in bytes; interface names have at most 15.
+/// Maximum length of a channel name in bytes; names of Linux interfaces have at most 15.
 const LONGEST_NAME: usize = 256;
 
 /// An interface of the current section.
@@ -29,23 +29,23 @@ pub(crate) struct Interface {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Clock {
     unit: Unit,
-    /// Offset in seconds.
+    /// Offset that is added to all times, in seconds.
     offset: i64,
 }
 
 /// The unit of a time stamp.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Unit {
-    /// This many nanoseconds.
+    /// The unit is this number of nanoseconds.
     Nanoseconds(u64),
-    /// A fraction: this many units make a nanosecond.
+    /// This number of units make one nanosecond.
     PerNanosecond(u64),
-    /// 2^-n seconds.
+    /// The unit is 2^-n seconds.
     BinaryFraction(u32),
 }
 
 impl Unit {
-    /// Parses the value of `if_tsresol`: bit 7 tells powers of two from powers of ten.
+    /// Parses the value of `if_tsresol`: bit 7 distinguishes powers of two from powers of ten.
     fn from_resolution(value: u8) -> Self {
         let exponent = u32::from(value & 0x7F);
         if value & 0x80 != 0 {
@@ -53,7 +53,7 @@ impl Unit {
         } else if exponent <= 9 {
             Self::Nanoseconds(10u64.pow(9 - exponent))
         } else {
-            // 0 stands for units so small that 2^64 of them make no nanosecond.
+            // 0 stands for a unit so small that 2^64 of them are less than a nanosecond.
             Self::PerNanosecond(10u64.checked_pow(exponent - 9).unwrap_or_default())
         }
     }
@@ -66,7 +66,7 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// `None` for times before 1970 or after 2554.
+    /// The time in nanoseconds since 1970; `None` for a time before 1970 or after 2554.
     #[inline]
     pub(crate) fn timestamp(self, time: u64) -> Option<Timestamp> {
         if let (Unit::Nanoseconds(unit), 0) = (self.unit, self.offset) {
@@ -83,7 +83,7 @@ impl Clock {
 }
 
 /// The `number`th interface of its section, with this link type and these options. The flag tells whether all options
-/// could be read.
+/// are readable.
 pub(crate) fn described(
     order: Endianness,
     link_number: u16,

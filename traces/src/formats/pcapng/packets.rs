@@ -24,19 +24,19 @@ use std::time::Duration;
 /// Maximum number of interfaces in a section.
 const MOST_INTERFACES: usize = 65_536;
 
-/// A section, as far as it was read.
+/// The state of a section, as far as it was read.
 #[derive(Default)]
 pub(crate) struct Section {
-    /// The state that the crate needs.
+    /// The state of the crate's parser.
     state: PcapNgState,
-    /// The interfaces; `None` for one with an unreadable description.
+    /// The interfaces; `None` for an interface with an unreadable description.
     pub(crate) interfaces: Vec<Option<Interface>>,
     pub(crate) latest: Option<Timestamp>,
     /// Whether a packet without time has occurred.
     pub(crate) untimed: bool,
 }
 
-/// The content of a block; its damage is reported before its frame.
+/// The content of a block; the damage is reported before the frame.
 #[derive(Default)]
 pub(crate) struct Content {
     pub(crate) damage: Option<Damage>,
@@ -49,7 +49,7 @@ impl From<Damage> for Content {
     }
 }
 
-/// A packet from any of the three kinds of packet blocks.
+/// A packet from a packet block of any of the three kinds.
 struct Packet<'a> {
     interface: u32,
     /// The time in units of the interface; `None` for a simple packet block.
@@ -57,15 +57,15 @@ struct Packet<'a> {
     original: u32,
     data: Cow<'a, [u8]>,
     direction: Direction,
-    /// Number of frames lost before this one.
+    /// Number of frames lost before this packet.
     drops: u64,
     comment: Option<Cow<'a, str>>,
-    /// Whether its options could be read.
+    /// Whether the options of the packet are readable.
     whole: bool,
 }
 
 impl Section {
-    /// Begins a section without interfaces.
+    /// Begins a section, without interfaces yet.
     pub(crate) fn begin(&mut self, endianness: Endianness) {
         let header = SectionHeaderBlock { endianness, ..SectionHeaderBlock::default() };
         self.state.update_from_block(&header.into_block());
@@ -112,15 +112,15 @@ impl Section {
         if number >= MOST_INTERFACES {
             return unreadable(place, "at most 65536 interfaces", "");
         }
-        // The crate refuses a block for a reserved bit or an option that it can't parse; so the fields are read here.
+        // The crate refuses a block for a reserved bit or an invalid option; so the fields are read here.
         let fields = body.first_chunk::<8>().map(|&[l0, l1, _, _, s0, s1, s2, s3]| [l0, l1, 0, 0, s0, s1, s2, s3]);
         let description = fields.and_then(|fields| {
             let (read, _) = block::content::<InterfaceDescriptionBlock<'_>>(order, &self.state, &fields, 8).ok()?;
             Some((read.linktype, read.snaplen))
         });
         let (linktype, snaplen) = description.unwrap_or((DataLink::NULL, 0));
-        // The crate is told that the interface counts nanoseconds, so that it returns times unconverted (see the
-        // module's docs).
+        // The crate gets the resolution of a nanosecond for each interface, so that it returns times unconverted (see
+        // the module's docs).
         let options = vec![InterfaceDescriptionOption::IfTsResol(InterfaceTsResolution::NANO)];
         self.state.update_from_block(&InterfaceDescriptionBlock { linktype, snaplen, options }.into_block());
         if description.is_none() {
@@ -171,7 +171,7 @@ impl Section {
             if let Some(Some(interface)) = self.interfaces.get_mut(interface) {
                 interface.dropped = interface.dropped.saturating_add(drops);
             }
-            // Of two damages, the frame's own is reported: it says more than the loss before it.
+            // If there are two damages, the frame's own is reported: it says more than the loss before the frame.
             let dropped = Damage::dropped(drops, place);
             return Content { damage: Some(damage.unwrap_or(dropped)), record };
         }
@@ -214,7 +214,7 @@ impl Section {
         if packet.direction != Direction::Unknown {
             record.direction = packet.direction;
         }
-        // A packet without time, between packets with times, gets the time of the latest one before.
+        // A packet without time, between packets with times, gets the latest time before it.
         record.timestamp = self.latest.unwrap_or_default();
         match packet.time {
             None => self.untimed = true,
@@ -265,7 +265,7 @@ fn packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -> Parsed<
         _ => None,
     });
     let direction = block::flags_direction(flags.unwrap_or_default());
-    // FFFFh means unknown.
+    // FFFFh means that the number is unknown.
     let drops = if drop_count == u16::MAX { 0 } else { drop_count.into() };
     Ok(Packet {
         interface: interface_id.into(),

@@ -72,7 +72,7 @@ impl PcapngReader {
         Damage::source(error, self.place())
     }
 
-    /// The quick way for the next block, if it is of the usual form.
+    /// A quick reader for the next block, if it has the usual form.
     #[inline]
     fn usual_block(&mut self) -> Option<Record> {
         if self.order != Some(Endianness::Little) {
@@ -148,7 +148,7 @@ impl PcapngReader {
         Some(self.damage(DamageKind::Unfinished, expected, "its end"))
     }
 
-    /// The damage for a section header without magic number, or a missing one.
+    /// The damage for a section header that is missing or has no magic number.
     fn no_section(&mut self) -> Damage {
         let Some(&head) = self.source.window().first_chunk() else {
             return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
@@ -192,7 +192,7 @@ impl PcapngReader {
         }
         let missing = self.missing_end_of_section();
         self.source.consume(length);
-        // The length -1 means unknown.
+        // A length of -1 means unknown.
         self.section_end = u64::try_from(section_length).ok().and_then(|n| self.source.offset().checked_add(n));
         self.order = Some(order);
         self.section.begin(order);
@@ -250,7 +250,7 @@ impl PcapngReader {
         }
     }
 
-    /// Moves to the next bytes with the two equal lengths of a block of known type; returns whether there are any.
+    /// Moves to the next bytes that have the two equal lengths of a block of known type; returns whether it found any.
     fn next_likely(&mut self) -> Result<bool, SourceError> {
         self.source.consume(1);
         while self.source.fill_to(FRAMING)? {
@@ -278,14 +278,14 @@ impl PcapngReader {
     }
 }
 
-/// Major version, length of the section, and whether all options could be read.
+/// Parses a section header: major version, length of the section, and whether all options are readable.
 fn header(order: Endianness, block: &RawBlock<'_>) -> Option<(u16, i64, bool)> {
     let state = PcapNgState::default();
     let (header, whole) = block::content::<SectionHeaderBlock<'_>>(order, &state, &block.body, 16).ok()?;
     Some((header.major_version, header.section_length, whole))
 }
 
-/// The expected and the found text for an invalid block.
+/// The expected text and the found text for an invalid block.
 fn explained(error: &RawBlockParseError) -> (String, String) {
     use PcapNgFormatError::{BlockLengthMismatch, BlockNotAligned, BlockTooShort};
     match error {

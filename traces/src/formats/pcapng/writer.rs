@@ -15,10 +15,10 @@ use pcap_file::{DataLink, Endianness};
 use std::io::Write;
 use std::time::Duration;
 
-/// Length of a block's type and its length before and after the body.
+/// Total length of a block's type and of its length before and after the body.
 const FRAMING: usize = 12;
 
-/// The longest name that an option can hold, in bytes; a channel's has no more.
+/// Maximum length of a name in an option, in bytes; longer channel names are cut.
 const LONGEST_NAME: usize = u16::MAX as usize;
 
 struct PcapngWriter {
@@ -65,7 +65,7 @@ impl PcapngWriter {
         Ok(())
     }
 
-    /// The interface of a record's channel; described at its first frame.
+    /// The interface of a record's channel. An interface is described before its first frame.
     fn interface(&mut self, record: &Record, channels: &Channels) -> Result<u32, WriteError> {
         let at = usize::from(record.channel.0);
         if let Some(Some(number)) = self.interfaces.get(at) {

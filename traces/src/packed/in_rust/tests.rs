@@ -8,7 +8,7 @@ fn all(reader: io::Result<impl Read>) -> (Vec<u8>, bool) {
     (content, read.is_ok())
 }
 
-/// Text that packs well, and bytes that don't.
+/// Text that compresses well, and bytes that do not.
 fn content() -> impl Strategy<Value = Vec<u8>> {
     let repeated = (proptest::collection::vec(any::<u8>(), 1..40), 1..4000_usize).prop_map(|(part, n)| part.repeat(n));
     prop_oneof![repeated, proptest::collection::vec(any::<u8>(), 0..20_000)]
@@ -20,7 +20,7 @@ proptest! {
     #[test]
     fn both_libraries_read_the_same(first in content(), second in content(), level in 1..20) {
         let frame = |content: &[u8]| ::zstd::encode_all(content, level).unwrap();
-        // A skippable frame stands between them.
+        // A skippable frame is between the two frames.
         let packed = [frame(&first), vec![0x50, 0x2A, 0x4D, 0x18, 3, 0, 0, 0, 1, 2, 3], frame(&second)].concat();
         let both = [&first[..], &second[..]].concat();
         prop_assert_eq!(all(zstd(&packed[..])), (both.clone(), true));

@@ -44,7 +44,7 @@ pub(super) fn edit(range: std::ops::Range<usize>, text: impl Into<String>) -> Ed
     Edit { range, text: text.into() }
 }
 
-/// Inserts a new line after that one.
+/// Inserts a new line after `line`.
 pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     let at = source.whole_line(line);
     let end = source.line_end();
@@ -53,7 +53,7 @@ pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     edit(at.end..at.end, text)
 }
 
-/// Without another hint, an object without sub-indexes is a VAR.
+/// Corrects a missing or unknown object code: without another hint, an object without sub-indexes is a VAR.
 fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let section = source.section_in(finding.line)?;
     let has = |name| section.field(name).is_some();

@@ -1,4 +1,4 @@
-//! Lists and counts.
+//! Fixes of lists and counts.
 
 use super::lines::{edit, insert_after};
 use super::{Fix, Source};
@@ -51,7 +51,7 @@ fn described(finding: &Finding) -> Option<u32> {
     finding.problem.found.split(' ').next()?.parse().ok()
 }
 
-/// The found value is the number and the unit counted.
+/// Corrects a count. The finding gives the right number and the counted unit.
 fn count(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let number = described(finding)?;
     if let Some(field) = source.field_in(finding.line) {
@@ -107,7 +107,7 @@ fn add(finding: &Finding, source: &Source<'_>, description: &DeviceDescription) 
     if finding.problem.rule == &rules::list::WRONG {
         edits.push(edit(source.whole_line(finding.line), ""));
     }
-    // An object in both lists is only removed from the wrong one.
+    // An object that is also in the right list is only removed from the wrong one.
     if times <= 1 {
         let key = entries.iter().map(|(key, _)| *key).max().unwrap_or(0).checked_add(1)?;
         let last = entries.last().map(|(_, field)| *field).or_else(|| section.all_fields().last());

@@ -13,7 +13,7 @@ use std::ops::Range;
 /// The fix of a finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// Its effect, such as `write 01:30PM`.
+    /// The effect of the fix, such as `write 01:30PM`.
     pub title: String,
     /// The changes of the text; empty if the fix only changes the character set.
     pub edits: Vec<Edit>,

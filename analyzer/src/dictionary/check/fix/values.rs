@@ -6,7 +6,7 @@ use crate::dictionary::eds::{access_of_habit, number};
 use crate::dictionary::moment;
 use crate::dictionary::rules;
 
-/// For an EDS: the finding is at the value.
+/// The fix in an EDS, where the finding is at the value.
 pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let rule = finding.problem.rule;
     let text = source.text.get(finding.span.clone())?;
@@ -27,7 +27,7 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     Some(Fix::replace(finding.span.clone(), fixed))
 }
 
-/// For XML: digits without prefix.
+/// The fix in XML, where numbers are digits without prefix.
 pub(super) fn of_xml(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let text = source.text.get(finding.span.clone())?;
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;

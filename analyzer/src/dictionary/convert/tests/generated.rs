@@ -1,4 +1,4 @@
-//! Round trips of descriptions that are made at random.
+//! Round trips of randomly generated descriptions.
 
 use super::{assert_same, form_of, in_xdd, meaning, read};
 use crate::dictionary::convert::write;
@@ -9,18 +9,18 @@ use crate::dictionary::value::Value;
 use crate::identity::{NodeId, SubIndex};
 use proptest::prelude::*;
 
-/// A text that stays as it is in a line.
+/// A text that stays the same when it is written into a line.
 fn text() -> impl Strategy<Value = String> {
     "([!-~\u{A1}-\u{17F}][ -~\u{20AC}]{0,20}[!-~\u{E9}])?".prop_map(|text| text.trim().to_owned())
 }
 
-/// Anything.
+/// Any text, also with control characters and markup.
 fn hostile() -> impl Strategy<Value = String> {
     prop_oneof![text(), "\\PC{0,8}", "[\u{0}-\u{20}=;\\[\\]\"<>&\u{2028}\u{85}\u{FEFF}]{0,8}"]
 }
 
 fn value(data_type: DataType, raw: u64, text: &str) -> Option<Value> {
-    // A comment, or nothing, is no string.
+    // An empty text, or a comment, is not read back as a string.
     let string = Some(text).filter(|text| !text.is_empty() && !text.starts_with(';'));
     Some(match data_type.class()? {
         DataClass::VisibleString => {

@@ -12,7 +12,7 @@ use crate::object;
 /// The data types that a file lists in `DummyUsage`.
 const BASIC_TYPES: std::ops::RangeInclusive<u16> = 0x0001..=0x0007;
 
-/// The version of CiA 306 that is written.
+/// The version of CiA 306 of the written files.
 const EDS_VERSION: &str = "4.0";
 /// The largest number of PDOs of each direction.
 const MOST_PDOS: u16 = 512;
@@ -67,7 +67,7 @@ fn file_info(sheet: &mut Sheet, file: &FileInfo) {
 fn device_info(sheet: &mut Sheet, description: &DeviceDescription) {
     let device = &description.device;
     sheet.section("DeviceInfo");
-    // By CiA 306 the numbers are the defaults of 1018h; some formats give them only once.
+    // By CiA 306 the numbers are the defaults of 1018h; a description in XML may have them only there.
     let or_identity = |number: Option<u32>, sub| number.or_else(|| identity(description, sub));
     sheet.text("VendorName", &device.vendor_name, 0);
     sheet.code("VendorNumber", or_identity(device.vendor_number, 1));
@@ -110,7 +110,7 @@ fn identity(description: &DeviceDescription, sub: u8) -> Option<u32> {
 }
 
 fn commissioning(sheet: &mut Sheet, commissioning: &Commissioning) {
-    // CiA 306 spells it with one m.
+    // The spelling of CiA 306, with one m.
     sheet.section("DeviceComissioning");
     if let Some(id) = commissioning.node_id {
         sheet.number("NodeID", id.raw());

@@ -11,7 +11,7 @@ use super::lists::list_of;
 use crate::dictionary::description::DeviceDescription;
 use crate::dictionary::loss::{Loss, Losses};
 
-/// The text of a file that reads as this description, and the parts that it can't hold.
+/// The text of a file that reads as this description, and the parts of the description that the file can't hold.
 pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     let mut sheet = Sheet::default();
     header::write(&mut sheet, description);
@@ -30,7 +30,7 @@ pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     (sheet.text, sheet.losses.0)
 }
 
-/// Reports objects in lists without a description.
+/// Reports listed objects that are not described.
 fn lost_lists(losses: &mut Losses, description: &DeviceDescription) {
     let lists = &description.lists;
     for &(index, line) in lists.mandatory.iter().chain(&lists.optional).chain(&lists.manufacturer) {
@@ -77,7 +77,7 @@ impl Sheet {
         self.field(name, &value.into().to_string());
     }
 
-    /// Writes a number in hexadecimal; nothing if it is unknown.
+    /// Writes a number in hexadecimal, or nothing if it is unknown.
     fn code(&mut self, name: &str, value: Option<u32>) {
         if let Some(value) = value {
             self.field(name, &format!("0x{value:X}"));

@@ -8,8 +8,8 @@ use crate::dictionary::problem::Problems;
 use crate::dictionary::value::Value;
 use canvass_traces::hex;
 
-/// The text that reads as that setting of an entry of that type; `None` if there is none: an empty string, a string
-/// with control characters or blanks at its ends, a type without values.
+/// The text that reads as the setting of an entry with the data type; `None` if no text does: for an empty string, a
+/// string with control characters or blanks at its ends, a type without values.
 pub(in crate::dictionary) fn text_of(setting: &Setting, data_type: DataType) -> Option<String> {
     candidates(setting, data_type).into_iter().find(|text| {
         let back = read(text, data_type, Place::default(), &mut Problems::default());
@@ -32,7 +32,7 @@ fn candidates(setting: &Setting, data_type: DataType) -> Vec<String> {
         Value::Unsigned(value) => vec![value.to_string()],
         Value::Real32(value) => vec![format!("{value:?}"), bits(value.to_bits().into())],
         Value::Real64(value) => vec![format!("{value:?}"), bits(value.to_bits())],
-        // Characters beyond Latin-1 are read as their UTF-8 bytes.
+        // The reader gives characters beyond Latin-1 as their UTF-8 bytes.
         Value::VisibleString(bytes) => {
             std::iter::once(latin_1(bytes)).chain(String::from_utf8(bytes.clone())).collect()
         }
@@ -49,7 +49,7 @@ fn latin_1(bytes: &[u8]) -> String {
     bytes.iter().map(|&byte| char::from(byte)).collect()
 }
 
-/// Whether the settings are the same; NaN equals NaN.
+/// Whether the settings are equal; NaN equals NaN.
 fn is_same(one: &Setting, other: &Setting) -> bool {
     let raw = |setting: &Setting| setting.fixed().and_then(Value::to_raw);
     let kind = |setting: &Setting| setting.fixed().map(std::mem::discriminant);

@@ -17,7 +17,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
         let entry = comparison.description.dictionary.entry(at).ok();
         let is_told = entry.is_some_and(|entry| entry.configured.is_some() || entry.default.is_some());
         let (Some(described), Some(found)) = (described, comparison.survey.number(at)) else { continue };
-        // Files that leave the numbers open have 0.
+        // A file that leaves a number open has 0.
         if !is_told && described != 0 && u64::from(described) != found {
             let found = u32::try_from(found).unwrap_or(u32::MAX);
             let [described, found] = [described, found].map(|code| Side::Fact(Fact::Code(code)));

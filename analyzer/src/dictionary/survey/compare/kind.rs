@@ -50,7 +50,7 @@ pub enum MismatchKind {
 /// Whether a difference proves an error in the description or the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Weight {
-    /// One of the two is wrong.
+    /// The description or the device is wrong.
     Differs,
     /// The device may have been configured.
     MayBeConfiguration,
@@ -59,7 +59,7 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// The name in JSON.
+    /// The name of the weight in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Differs => "differs",

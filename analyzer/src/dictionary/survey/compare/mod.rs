@@ -24,17 +24,17 @@ use std::fmt;
 /// A difference between a description and a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
-    /// What differs.
+    /// The kind of the difference.
     pub kind: MismatchKind,
-    /// Whether one of the two is wrong.
+    /// Whether the description or the device is wrong for certain.
     pub weight: Weight,
-    /// Its place.
+    /// The object, entry or PDO that differs.
     pub subject: Subject,
     /// The name of the object or entry, from the description or else from the standard; may contain any characters.
     pub name: String,
-    /// The described side.
+    /// The value or state in the description.
     pub described: Side,
-    /// The side of the device.
+    /// The value or state in the device.
     pub found: Side,
 }
 
@@ -47,7 +47,7 @@ pub enum Side {
     Exists,
     /// No PDO can carry the entry.
     NotMappable,
-    /// A value that a description can have, too.
+    /// A value that a description can have.
     Fact(Fact),
     /// Limits.
     Limits(Option<Value>, Option<Value>),
@@ -75,7 +75,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// All differences between the device at `node`, as far as it was read, and its description; by index.
+/// All differences between the device at `node`, as far as it was read, and its description; sorted by index.
 pub fn compare(description: &DeviceDescription, survey: &Survey, node: NodeId) -> Vec<Mismatch> {
     let mut comparison = Comparison { description, survey, node, told: BTreeSet::new(), found: Vec::new() };
     identity::compare(&mut comparison);
@@ -105,12 +105,12 @@ fn place(subject: Subject) -> (u16, u16) {
     }
 }
 
-/// The two sides, and the differences found.
+/// The description, the answers of the device, and the differences found.
 struct Comparison<'a> {
     description: &'a DeviceDescription,
     survey: &'a Survey,
     node: NodeId,
-    /// Entries whose value is reported with their PDO.
+    /// Entries whose value is reported with their PDO, and so not again.
     told: BTreeSet<Multiplexer>,
     found: Vec<Mismatch>,
 }

@@ -24,7 +24,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>) {
     }
 }
 
-/// Whether the device answers for every read entry that there is no such object.
+/// Whether the device answers for every read entry that the object does not exist.
 fn is_absent(comparison: &Comparison<'_>, object: &Object) -> bool {
     let at = |entry: &Entry| Multiplexer { index: object.index, sub: entry.sub };
     let mut answers = object.entries().iter().filter_map(|entry| comparison.survey.get(at(entry))).peekable();
@@ -55,7 +55,7 @@ fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, ans
     comparison.report(kind, Weight::Differs, Subject::Entry(at), described, Side::Answer(answer.clone()));
 }
 
-/// In 1003h, errors that have not occurred have no sub-index or no value.
+/// Whether the entry is an error in 1003h; an error that has not occurred has no sub-index or no value.
 fn is_empty_history(at: Multiplexer) -> bool {
     at.index.0 == object::PREDEFINED_ERROR_FIELD && at.sub.0 > 0
 }

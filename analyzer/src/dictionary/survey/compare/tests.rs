@@ -1,4 +1,4 @@
-//! Each kind of difference, made in what a device answers, and found.
+//! Each kind of difference is made in the answers of a device and found.
 
 use super::{Mismatch, MismatchKind, Weight, compare};
 use crate::dictionary::survey::{Answer, Survey};
@@ -14,7 +14,7 @@ fn read(text: &str) -> DeviceDescription {
     DeviceDescription::read(text.as_bytes()).unwrap()
 }
 
-/// What a device answers that is as described; where nothing is told it gives zeros.
+/// The answers of a device that matches its description; a value without default is zero.
 fn as_described(description: &DeviceDescription) -> Survey {
     let answer = |entry: &crate::dictionary::Entry| {
         let zeros = || Some(vec![0; entry.data_type.bytes()?]);
@@ -36,10 +36,10 @@ fn shown(mismatch: &Mismatch) -> String {
     format!("{}{weight} {} {} -> {}", mismatch.kind.id(), mismatch.subject, mismatch.described, mismatch.found)
 }
 
-/// What is found if the device answers otherwise there, and the description is changed so.
+/// The differences found if the device gives these answers, and the description is changed from `from` to `to`.
 fn found((from, to): (&str, &str), answers: &[(u16, u8, Answer)]) -> Vec<String> {
     assert!(EDS.contains(from), "{from}");
-    // Half a DCF: one object has a configured value, which the device has not.
+    // A DCF in part: one object keeps a configured value, which the device does not have.
     let text = EDS.replace("ParameterValue=0x85\n", "").replace("ParameterValue=1\n", "").replacen(from, to, 1);
     let description = read(&text);
     let mut survey = as_described(&description);
@@ -60,7 +60,7 @@ const AS_IT_IS: (&str, &str) = ("", "");
 #[test]
 fn a_device_as_described_has_no_difference() {
     assert_eq!(found(AS_IT_IS, &[]), [""; 0]);
-    // What it was not asked for is no difference either.
+    // An entry that was not read is no difference.
     assert_eq!(compare(&read(EDS), &Survey::default(), NODE), []);
 }
 
@@ -110,7 +110,7 @@ fn access_is_told_as_far_as_reading_tells() {
     let hidden = ("DataType=0x0005\nAccessType=ro\nPDOMapping=1", "DataType=0x0005\nAccessType=wo\nPDOMapping=1");
     assert_eq!(found(hidden, &[]), [""; 0]);
     assert_eq!(found(hidden, &[(0x2001, 0, bytes(&[0]))]), ["access 2001h:00 wo -> 1 byte: 00"]);
-    // A value that is not there at the moment is no difference.
+    // A value that is not available at the moment is no difference.
     assert_eq!(found(AS_IT_IS, &[(0x2001, 0, Answer::Aborted(AbortCode::NO_DATA))]), [""; 0]);
     let other = found(AS_IT_IS, &[(0x2001, 0, Answer::Aborted(AbortCode::HARDWARE))]);
     assert!(other.len() == 1 && other[0].starts_with("refused 2001h:00 ro -> abort 0606 0000h"), "{other:?}");
@@ -131,7 +131,7 @@ fn values_weigh_what_they_can() {
     assert_eq!(found(own, &[(0x2000, 0, bytes(&[6, 0]))]), ["state?? 2000h:00 5 -> 6"]);
     let constant = ("AccessType=rw\nDefaultValue=5\nPDOMapping=1", "AccessType=const\nDefaultValue=5\nPDOMapping=0");
     assert_eq!(found(constant, &[(0x2000, 0, bytes(&[6, 0]))]), ["constant 2000h:00 5 -> 6"]);
-    // What it measures is no difference.
+    // A measured value is no difference.
     let measured = ("AccessType=rw\nDefaultValue=5\nPDOMapping=1", "AccessType=ro\nDefaultValue=5\nPDOMapping=1");
     assert_eq!(found(measured, &[(0x2000, 0, bytes(&[6, 0]))]), [""; 0]);
     let configured = ("AccessType=rw\nDefaultValue=5\n", "AccessType=rw\nDefaultValue=5\nParameterValue=7\n");
@@ -169,7 +169,7 @@ fn pdos_are_told_as_a_whole() {
     assert_eq!(found(fixed, &cob_id), ["cob-id 1800h:01 00000181h -> 00000282h"]);
 }
 
-/// Ids stand in reports and in what others make of them.
+/// Reports and the programs that read them use the ids.
 #[test]
 fn ids_and_meanings_are_each_their_own() {
     let ids: BTreeSet<&str> = MismatchKind::ALL.iter().map(|kind| kind.id()).collect();
@@ -177,7 +177,7 @@ fn ids_and_meanings_are_each_their_own() {
     assert_eq!((ids.len(), meanings.len()), (MismatchKind::ALL.len(), MismatchKind::ALL.len()));
 }
 
-/// Whatever a device answers, nothing panics, and what is shown does not act.
+/// Whatever a device answers, nothing panics, and control characters are shown escaped.
 #[test]
 fn hostile_answers_are_only_shown() {
     for length in 0..20u8 {

@@ -62,7 +62,7 @@ fn default(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, valu
     }
 }
 
-/// Devices often fill their names with blanks or zeros, and files leave these out.
+/// Whether two names differ only in length: devices fill names with blanks or zeros, and files leave these out.
 fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
     let (Value::VisibleString(described), Value::VisibleString(found)) = (described, found) else { return false };
     let is_filler = |byte: &&u8| **byte == 0 || byte.is_ascii_whitespace();
@@ -71,7 +71,7 @@ fn is_shortened(at: Multiplexer, described: &Value, found: &Value) -> bool {
     matches!(at.index.0, 0x1008..=0x100A) && (described.is_empty() || same)
 }
 
-/// The kind of a value that is not the default; `None` if it means nothing.
+/// The kind of a difference from the default; `None` if such a difference means nothing.
 fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
     let at = Multiplexer { index: object.index, sub: entry.sub };
     let kind = match (at.index.0, at.sub.0) {
@@ -104,7 +104,7 @@ fn weighed(object: &Object, entry: &Entry) -> Option<(MismatchKind, Weight)> {
     Some((kind, weight))
 }
 
-/// Files that leave a part of the identity open have 0.
+/// Whether the file leaves this part of the identity open, by the value 0.
 fn is_open(entry: &Entry) -> bool {
     entry.start_value(NodeId::MIN).and_then(|value| value.to_raw()) == Some(0)
 }

@@ -1,7 +1,7 @@
 //! Makes a description from a device's answers, as a start if none exists.
 //!
-//! Standard objects get the standard's names, types and access; those of other objects are guessed from the values
-//! read, and marked. Limits remain unknown.
+//! Standard objects get the standard's names, types and access. Those of other objects are guessed from the values
+//! read, and marked as guesses. Limits remain unknown.
 
 mod access;
 mod device;
@@ -21,7 +21,7 @@ use crate::identity::{Index, Multiplexer, NodeId, SubIndex};
 use crate::wire::pdo::MappingEntry;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A description, and its guesses.
+/// A description made from a device's answers, with its guesses.
 #[derive(Clone, Debug)]
 pub struct Scanned {
     /// The description.
@@ -37,7 +37,7 @@ pub enum Guess {
     TypeOf(usize),
     /// The data type, for an entry without a value.
     Type,
-    /// The data type: that of the standard does not have the value's number of bytes.
+    /// The data type: the value has a number of bytes that the standard's type does not have.
     TypeBeside(usize),
     /// The access type: only writing would show whether the entry can be written.
     Access,
@@ -47,7 +47,7 @@ pub enum Guess {
 pub struct Scan<'a> {
     /// The device's answers.
     pub survey: &'a Survey,
-    /// Its node-ID.
+    /// The node-ID of the device.
     pub node: NodeId,
     /// The bit rate in kbit/s, if known.
     pub bit_rate: Option<u16>,
@@ -83,10 +83,10 @@ impl Scan<'_> {
     }
 }
 
-/// Indexes below are data types.
+/// The first index of an object; indexes below are data types.
 const FIRST: u16 = 0x1000;
 
-/// The data about the whole device.
+/// The answers of the device, and the facts derived from them.
 struct Facts<'a> {
     survey: &'a Survey,
     node: NodeId,
@@ -111,7 +111,7 @@ impl<'a> Facts<'a> {
         Self { survey, node: scan.node, profile, in_rpdos: mapped(0x1600), in_tpdos: mapped(0x1A00) }
     }
 
-    /// The standard's entry, if the device's object has the standard's form: with or without sub-indexes.
+    /// The standard's object, if the device's object has the same structure: with or without sub-indexes.
     fn standard(&self, at: Multiplexer) -> Option<ObjectName> {
         object_name(at, self.profile).filter(|name| name.object.code.is_single() != self.has_subs(at.index))
     }

@@ -1,4 +1,4 @@
-//! What is made of answers: types, access, defaults, and what is said to be guessed.
+//! Descriptions made from answers: types, access, defaults, and marks of guesses.
 
 use super::{Guess, Scan, Scanned};
 use crate::dictionary::check::check;
@@ -17,7 +17,7 @@ fn value(bytes: &[u8]) -> Answer {
     Answer::Value(bytes.to_vec())
 }
 
-/// An encoder with a PDO, and these.
+/// The description of an encoder with a PDO that also gives the answers in `more`.
 fn scanned(more: &[(u16, u8, Answer)]) -> Scanned {
     let mut survey: Survey = [
         (0x1000, 0, value(&[0x96, 1, 2, 0])),
@@ -48,7 +48,7 @@ fn entry(scanned: &Scanned, index: u16, sub: u8) -> &Entry {
     scanned.description.dictionary.entry(Multiplexer::new(index, sub)).unwrap()
 }
 
-/// `UNSIGNED32 rw $NODEID+180h`, with what is guessed.
+/// An entry such as `UNSIGNED32 rw $NODEID+180h`, with its guesses.
 fn shown(scanned: &Scanned, index: u16, sub: u8) -> String {
     let entry = entry(scanned, index, sub);
     let default = entry.default.as_ref().map(|default| format!(" {default}")).unwrap_or_default();
@@ -70,7 +70,7 @@ fn standard_objects_are_as_their_standard_says() {
     assert_eq!((position.name.as_str(), position.code), ("Position value", ObjectCode::VAR));
     assert!(entry(&one, 0x6004, 0).pdo_mappable && !entry(&one, 0x1017, 0).pdo_mappable);
     assert_eq!(entry(&one, 0x1A00, 1).name, "Application object 1");
-    // No error has happened yet: it is an array all the same.
+    // 1003h is an array even if no error has happened yet.
     assert_eq!(one.description.dictionary.object(Index(0x1003)).unwrap().code, ObjectCode::ARRAY);
     let device = &one.description.device;
     assert_eq!((device.vendor_number, device.product_name.as_str(), device.tpdos), (Some(0x13), "Encoder", 1));
@@ -114,11 +114,11 @@ fn sub_indexes_make_arrays_and_records() {
     assert_eq!(code(&scanned(&parts(&[1], &[2]))), ObjectCode::ARRAY);
     let record = scanned(&parts(&[1], &[2, 0]));
     assert_eq!((code(&record), shown(&record, 0x2100, 0)), (ObjectCode::RECORD, "UNSIGNED8 ro 2".to_owned()));
-    // Sub-index 0 is no count, or is not there.
+    // Sub-index 0 is no count, or does not exist.
     assert_eq!(code(&scanned(&[(0x2100, 0, value(&[2, 0])), (0x2100, 2, value(&[1]))])), ObjectCode::RECORD);
     let headless = scanned(&[(0x2100, 0, Answer::Aborted(AbortCode::NO_SUB_INDEX)), (0x2100, 1, value(&[1]))]);
     assert_eq!(headless.description.dictionary.object(Index(0x2100)).unwrap().entries().len(), 1);
-    // A standard's array that the device has as a single value.
+    // The standard has an array, the device a single value.
     let single = scanned(&[(0x6020, 0, value(&[1, 2, 3, 4]))]);
     assert_eq!(single.description.dictionary.object(Index(0x6020)).unwrap().code, ObjectCode::VAR);
     assert_eq!(shown(&single, 0x6020, 0), "UNSIGNED32 ro (TypeOf(4)) (Access)");
@@ -137,7 +137,7 @@ fn what_pdos_carry_tells_access_and_type() {
     assert_eq!(shown(&mapped, 0x2000, 0), "UNSIGNED8 rww (TypeOf(1))");
     assert!(entry(&mapped, 0x2000, 0).pdo_mappable);
     assert_eq!(mapped.description.dummy_usage.get(&5), Some(&true));
-    // A later version of the profile has four bytes.
+    // The value has four bytes, as in a later version of the profile.
     assert_eq!(shown(&mapped, 0x6030, 1), "INTEGER32 ro (TypeBeside(4))");
     assert_eq!(mapped.guesses[&Multiplexer::new(0x6030, 1)], [Guess::TypeBeside(4)]);
 }
@@ -181,8 +181,8 @@ fn any_index() -> impl Strategy<Value = u16> {
 }
 
 proptest! {
-    /// Whatever a device answers, the file is read back as it was meant, has no error that is not waived, and the device
-    /// does not differ from it.
+    /// Whatever a device answers, the file reads back as the same description, has no error without waiver, and does
+    /// not differ from the device.
     #[test]
     fn any_device_is_as_its_own_description(answers in proptest::collection::vec((any_index(), 0u8..4, any_answer()), 0..40)) {
         let answers = answers.into_iter().map(|(index, sub, answer)| (Multiplexer::new(index, sub), answer));

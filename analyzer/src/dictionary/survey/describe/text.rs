@@ -9,8 +9,8 @@ use crate::identity::{Multiplexer, SubIndex};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Scanned {
-    /// The text of an EDS. Each guessed entry has a comment. Properties that a check would report as errors have one,
-    /// too: the device really has them.
+    /// The text of an EDS. Each guessed entry has a comment. A property that a check would report as an error has a
+    /// waiver as comment, because the device really has the property.
     pub fn eds(&self) -> String {
         let (text, _) = eds::write(&self.description);
         let text = with_comments(&text, &self.by_section());

@@ -5,7 +5,7 @@ use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::survey::Answer;
 use crate::identity::Multiplexer;
 
-/// The data type, and the guess in it. `counts`: the entry is the count of an object's entries.
+/// The data type, and whether it is guessed. `counts`: the entry is the count of an object's entries.
 pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (DataType, Option<Guess>) {
     let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.data_type);
     let bytes = match facts.survey.get(at) {
@@ -24,7 +24,7 @@ pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (DataType,
     }
 }
 
-/// The type of that length closest to the standard's: later versions of a profile have longer values.
+/// The type of the value's length that is closest to the standard's: later versions of a profile have longer values.
 fn of_length(standard: DataType, bytes: &[u8]) -> DataType {
     let same = |data_type: &&DataType| data_type.class() == standard.class() && data_type.bytes() == Some(bytes.len());
     match standard.class() {
@@ -34,7 +34,7 @@ fn of_length(standard: DataType, bytes: &[u8]) -> DataType {
     .unwrap_or_else(|| by_content(bytes))
 }
 
-/// Integers have one, two, four or eight bytes; printable bytes are a text.
+/// The type guessed from the bytes: integers have one, two, four or eight bytes; printable bytes are a text.
 fn by_content(bytes: &[u8]) -> DataType {
     match bytes.len() {
         1 => DataType::UNSIGNED8,

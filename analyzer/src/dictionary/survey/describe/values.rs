@@ -47,7 +47,8 @@ fn is_constant(facts: &Facts<'_>, at: Multiplexer) -> bool {
     profile.is_some_and(|profile| with_role(profile, Role::Constant).any(|index| index == at.index))
 }
 
-/// COB-IDs of the predefined connection set follow the node-ID; so do other COB-IDs of PDOs that end in the node-ID.
+/// The value as a formula with the node-ID, for a COB-ID of the predefined connection set, and for any other COB-ID of
+/// a PDO that ends in the node-ID.
 fn with_node_id(facts: &Facts<'_>, at: Multiplexer, raw: u64) -> Setting {
     let node = u32::from(facts.node.raw());
     match u32::try_from(raw).map(CobId) {

@@ -26,7 +26,7 @@ impl Markup {
         self.start(name, attributes, "/>\n");
     }
 
-    /// Writes an element with a text; nothing if there is no text.
+    /// Writes an element with a text, or nothing if there is no text.
     pub fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: Option<&str>) {
         if let Some(text) = text {
             self.start(name, attributes, ">");

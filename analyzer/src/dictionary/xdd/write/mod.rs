@@ -9,7 +9,7 @@ use crate::dictionary::loss::{Loss, LossKind, Losses};
 use crate::object;
 use markup::Markup;
 
-/// The text of a file that reads as this description, and the parts that it can't hold.
+/// The text of a file that reads as this description, and the parts of the description that the file can't hold.
 pub fn write(description: &DeviceDescription) -> (String, Vec<Loss>) {
     let mut sheet = Sheet { markup: Markup::new(), losses: Losses::default() };
     lost(&mut sheet.losses, description);
@@ -37,7 +37,7 @@ impl Sheet {
     }
 }
 
-/// Reports the parts for which CiA 311, as far as this program reads it, has no place.
+/// Reports the parts of the description for which CiA 311, as far as canvass reads it, has no place.
 fn lost(losses: &mut Losses, description: &DeviceDescription) {
     let file = &description.file;
     losses.no_place(0, "[FileInfo] FileRevision", &file.revision);

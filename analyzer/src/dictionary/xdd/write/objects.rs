@@ -1,4 +1,4 @@
-//! `CANopenObject` and `CANopenSubObject`.
+//! Writes the elements `CANopenObject` and `CANopenSubObject`.
 
 use super::Sheet;
 use crate::dictionary::eds::text_of;
@@ -55,7 +55,7 @@ fn sub_object(sheet: &mut Sheet, object: &Object, entry: &Entry) {
     sheet.markup.empty("CANopenSubObject", &attributes);
 }
 
-/// All attributes of an entry but its name.
+/// All attributes of an entry except its name.
 fn entry_attributes(sheet: &mut Sheet, place: &str, entry: &Entry) -> [Attribute; 9] {
     let mut value = |name: &str, setting: &Option<Setting>| {
         let setting = setting.as_ref()?;
@@ -86,7 +86,7 @@ fn entry_attributes(sheet: &mut Sheet, place: &str, entry: &Entry) -> [Attribute
     ]
 }
 
-/// CiA 311 has four access types; the mapping tells the direction in PDOs.
+/// The access type and `PDOmapping`. CiA 311 has four access types; `PDOmapping` tells the direction in PDOs.
 fn access(sheet: &mut Sheet, place: &str, entry: &Entry) -> (&'static str, &'static str) {
     let one_way = matches!(entry.access, Access::Rwr | Access::Rww);
     let access = if one_way { Access::Rw } else { entry.access };

@@ -1,4 +1,4 @@
-//! The two profiles of a file: the device, and its communication.
+//! Writes the two profiles of a file: the device profile and the communication profile.
 
 use super::markup::Attributes;
 use super::{Sheet, objects};
@@ -64,7 +64,7 @@ fn open(sheet: &mut Sheet, description: &DeviceDescription, class: &str, body: &
     markup.leaf("ProfileTechnology", &[], Some("CANopen"));
     markup.close();
     markup.close();
-    // Both profiles have the same attributes, whose losses are reported once.
+    // Both profiles have the same attributes; their losses are reported only once.
     let known = sheet.losses.0.len();
     let attributes = body_attributes(sheet, file, body);
     if class == "Device" {

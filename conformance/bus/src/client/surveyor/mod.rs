@@ -1,4 +1,4 @@
-//! Reads the object dictionary of a device: every described entry, or every index of a range. Nothing is written.
+//! Reads the object dictionary of a device: every described entry, or every index of a range. It writes nothing.
 
 use super::exchange::Exchange;
 use super::sdo::{Outcome, Transfer};
@@ -13,13 +13,13 @@ use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// Maximum number of requests for an entry when the bus is interrupted each time.
+/// Maximum number of requests for an entry, if the bus is interrupted during each of them.
 const MOST_INTERRUPTED: u32 = 8;
-/// Number of silent indexes after which a device that does not answer for absent objects is not asked for more.
+/// Number of silent indexes after which a survey gives up a device that does not answer for absent objects.
 const MOST_SILENT: u32 = 16;
 /// Maximum length of a gap of reserved sub-indexes in an object.
 const MOST_ABSENT: u32 = 16;
-/// The highest sub-index of an entry: FFh holds the structure.
+/// The highest sub-index that is read: FFh holds the object's structure.
 const LAST_SUB: u8 = 0xFE;
 
 /// Why a survey ended early.
@@ -60,7 +60,7 @@ pub struct Surveyor<'a, 'b> {
 
 impl<'a, 'b> Surveyor<'a, 'b> {
     /// Begins a survey. `patience` is the timeout of each response; `watch` is called before each entry, and ends the
-    /// survey by `false`.
+    /// survey by returning `false`.
     pub fn new(
         exchange: &'a mut Exchange<'b>,
         node: NodeId,
@@ -114,7 +114,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
             }
             self.unread = None;
         }
-        // The entry was read, now or before.
+        // The entry was read, by this call or before.
         Ok(self.survey.get(at).unwrap_or(&Answer::Silent))
     }
 
@@ -148,7 +148,8 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         })
     }
 
-    /// If a device has not answered for some entries, reads an entry that every device has.
+    /// Checks that the device still answers, if it has not answered for some entries: reads an entry that every device
+    /// has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
         const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
         if self.ask_again(DEVICE_TYPE)? != Answer::Silent {
@@ -204,7 +205,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
     }
 
     /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`, and goes on while further ones exist:
-    /// in a mapping it counts only the used ones.
+    /// sub-index 0 of a mapping counts only the used ones.
     fn subs(&mut self, index: Index, least: u8) -> Result<(), SurveyError> {
         self.whole.insert(index);
         let counted = self.survey.count(index).unwrap_or(0).max(least);

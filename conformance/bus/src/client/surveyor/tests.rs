@@ -1,4 +1,4 @@
-//! Devices that answer, refuse, fall silent and never stop sending.
+//! Surveys of devices that answer, refuse, fall silent and never stop sending.
 
 use super::*;
 use crate::Bus;
@@ -8,7 +8,7 @@ use canvass_analyzer::wire::sdo::{Abort, Payload, Request, Response};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use std::collections::VecDeque;
 
-/// A bus with one device, whose answers a function gives; time passes only where somebody waits.
+/// A bus with one device, whose answers come from a function; time passes only while the tester waits.
 struct Device<F> {
     now: Timestamp,
     sent: VecDeque<Record>,
@@ -46,7 +46,7 @@ impl<F: FnMut(&Request) -> Option<Response>> Bus for Device<F> {
     }
 }
 
-/// Lets the surveyor do something with a device, and returns what was read, how that ended, and what was asked for.
+/// Runs a survey of a device; returns the answers, the result of the survey, and the requested entries.
 fn survey<T>(
     answer: impl FnMut(&Request) -> Option<Response>,
     read: impl FnOnce(&mut Surveyor<'_, '_>) -> Result<T, SurveyError>,
@@ -77,7 +77,7 @@ fn refused(multiplexer: Multiplexer, code: AbortCode) -> Option<Response> {
     Some(Response::Abort(Abort { multiplexer, code }))
 }
 
-/// A device type, and a list of two where one is counted.
+/// A device with a device type, and with a list in 1003h: sub-index 0 counts one entry, but two exist.
 fn small(request: &Request) -> Option<Response> {
     let at = asked(request)?;
     match (at.index.0, at.sub.0) {
@@ -95,7 +95,7 @@ fn an_area_is_read_with_the_sub_indexes_that_there_are() {
     let existing: Vec<String> =
         survey.answers().filter(|it| it.1.exists() == Some(true)).map(|it| it.0.to_string()).collect();
     assert_eq!(existing, ["1000h:00", "1003h:00", "1003h:01", "1003h:02"]);
-    // Each entry once, and of each object the first sub-index that is not there.
+    // Each entry is read once, and of each object the first sub-index that does not exist.
     assert_eq!(asked.len(), 10, "{asked:?}");
 }
 
@@ -143,7 +143,7 @@ fn silence_where_nothing_is_ends_an_area_and_not_the_survey() {
     let (survey, done, _) = survey(only_what_there_is, |surveyor| surveyor.area(0x1000..=0x1FFF));
     assert_eq!(done.unwrap(), Some(Index(0x1000 + 16)));
     assert_eq!(survey.get(Multiplexer::new(0x1001, 0)), Some(&Answer::Silent));
-    // A frame that was lost is asked for again.
+    // The surveyor repeats a request whose frame was lost.
     let mut lost = true;
     let loses_one = |request: &Request| if std::mem::take(&mut lost) { None } else { small(request) };
     let (survey, done, _) = self::survey(loses_one, |surveyor| surveyor.area(0x1000..=0x1000));

@@ -5,8 +5,8 @@
 //! BTR1  nttteeee   three samples, time segment 2 - 1, time segment 1 - 1
 //! ```
 
-/// Each bit rate in bit/s, and its registers: BTR0 in the upper byte. PEAK's own programs use the same values, so
-/// that two of its adapters have the same sample point.
+/// The registers of each bit rate in bit/s, with BTR0 in the upper byte. PEAK's own programs use the same values, so an
+/// adapter has the same sample point as one that these programs use.
 const KNOWN: [(u32, u16); 14] = [
     (1_000_000, 0x0014),
     (800_000, 0x0016),
@@ -33,7 +33,7 @@ pub(super) fn registers(bit_rate: u32) -> Option<u16> {
 mod tests {
     use super::*;
 
-    /// In bit/s, rounded down, by the meaning of the registers.
+    /// The bit rate in bit/s, rounded down, computed from the meaning of the registers.
     fn bit_rate(registers: u16) -> u32 {
         let [btr0, btr1] = registers.to_be_bytes().map(u32::from);
         let prescaler = (btr0 & 0x3F) + 1;

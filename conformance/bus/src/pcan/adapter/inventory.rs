@@ -7,7 +7,7 @@ use std::fmt;
 /// PEAK's library on this machine, and the channels that it finds.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Installed {
-    /// The library's version, if it gives it.
+    /// The version of the library, if the library gives it.
     pub version: Option<String>,
     /// The available channels.
     pub channels: Vec<Present>,
@@ -18,9 +18,9 @@ pub struct Installed {
 pub struct Present {
     /// The channel.
     pub channel: Channel,
-    /// Whether it can be used.
+    /// Whether the channel can be used.
     pub condition: Condition,
-    /// The adapter's name, such as `PCAN-USB`, if it gives it.
+    /// The name of the adapter, such as `PCAN-USB`, if the library gives it.
     pub adapter: Option<String>,
 }
 
@@ -31,7 +31,7 @@ pub enum Condition {
     Available,
     /// Another program uses it.
     Occupied,
-    /// PEAK's own viewer uses it; it can be shared at that program's bit rate.
+    /// PEAK's own viewer uses the channel, which can be shared at the viewer's bit rate.
     Shared,
 }
 
@@ -60,7 +60,7 @@ pub fn installed() -> Result<Installed, PcanError> {
     Ok(Installed { version, channels: Channel::all().filter_map(present).collect() })
 }
 
-/// `PCAN_USBBUS1 (PCAN-USB)`.
+/// The channel and its adapter: `PCAN_USBBUS1 (PCAN-USB)`.
 impl fmt::Display for Present {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.channel)?;

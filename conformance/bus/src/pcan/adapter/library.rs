@@ -1,7 +1,7 @@
 //! PEAK's library, loaded on demand: the functions of `PCANBasic.h` that a bus needs. Only this module calls them.
 //!
-//! It is loaded from the usual places of the system: on Windows from the program's folder and the system's folder,
-//! never from the working directory, where anyone may have put a file.
+//! The library is loaded from the usual places of the system: on Windows from the program's folder and the system's
+//! folder, never from the working directory, where any user may have put a file.
 #![expect(unsafe_code, reason = "functions of a library in C")]
 
 use super::message::{Message, Stamp};
@@ -38,7 +38,7 @@ pub(super) struct Library {
     write: Write,
     get_value: Value,
     set_value: Value,
-    /// Keeps the functions loaded, so it is dropped last.
+    /// Keeps the functions loaded, so it is the last field that is dropped.
     _loaded: libloading::Library,
 }
 
@@ -85,8 +85,8 @@ impl Library {
                 reason: told(&error),
             }
         };
-        // SAFETY: the types are those that PCANBasic.h declares for these names, with `__stdcall` where that is not C's own
-        // convention. The functions are kept together with the library.
+        // SAFETY: PCANBasic.h declares these types for these names, with `__stdcall` where it differs from C's convention.
+        // The functions are kept together with the library.
         unsafe {
             Ok(Self {
                 initialize: *loaded.get(b"CAN_Initialize").map_err(lacks("CAN_Initialize"))?,
@@ -101,43 +101,43 @@ impl Library {
         }
     }
 
-    /// Opens a channel with these bit rate registers. The other three arguments are for cards without automatic
-    /// detection.
+    /// Opens a channel with the given registers for the bit rate. The other three arguments of the library's function
+    /// are for cards without automatic detection.
     pub fn initialize(&self, channel: Channel, registers: u16) -> Status {
-        // SAFETY: as declared; all are numbers.
+        // SAFETY: the function is called as declared; all arguments are numbers.
         Status(unsafe { (self.initialize)(channel.handle(), registers, 0, 0, 0) })
     }
 
     /// Closes a channel, whether it is open or not.
     pub fn uninitialize(&self, channel: Channel) -> Status {
-        // SAFETY: as declared; a number.
+        // SAFETY: the function is called as declared; the argument is a number.
         Status(unsafe { (self.uninitialize)(channel.handle()) })
     }
 
     /// The library's status of a channel's bus.
     pub fn status(&self, channel: Channel) -> Status {
-        // SAFETY: as declared; a number.
+        // SAFETY: the function is called as declared; the argument is a number.
         Status(unsafe { (self.status)(channel.handle()) })
     }
 
     /// The next message of the receive queue, if the library has written one.
     pub fn read(&self, channel: Channel) -> (Status, Message, Stamp) {
         let (mut message, mut stamp) = (Message::UNTOUCHED, Stamp::default());
-        // SAFETY: both are of the layout that the library writes, and live until it returns.
+        // SAFETY: both structures have the layout that the library writes, and live until the call returns.
         let status = unsafe { (self.read)(channel.handle(), &raw mut message, &raw mut stamp) };
         (Status(status), message, stamp)
     }
 
     /// Puts a message into the transmit queue.
     pub fn write(&self, channel: Channel, mut message: Message) -> Status {
-        // SAFETY: the message is of the layout that the library reads, and lives until it returns.
+        // SAFETY: the message has the layout that the library reads, and lives until the call returns.
         Status(unsafe { (self.write)(channel.handle(), &raw mut message) })
     }
 
     /// Fills a buffer with a parameter's value.
     fn get(&self, channel: Channel, parameter: Parameter, buffer: &mut [u8]) -> Status {
         let length = u32::try_from(buffer.len()).unwrap_or(u32::MAX);
-        // SAFETY: the library writes at most `length` bytes, which are there.
+        // SAFETY: the library writes at most `length` bytes, the length of the buffer.
         Status(unsafe { (self.get_value)(channel.handle(), parameter.0, buffer.as_mut_ptr().cast(), length) })
     }
 
@@ -161,7 +161,8 @@ impl Library {
     pub fn set(&self, channel: Channel, parameter: Parameter, value: &[u8]) -> Status {
         let mut value = value.to_vec();
         let length = u32::try_from(value.len()).unwrap_or(u32::MAX);
-        // SAFETY: the library reads `length` bytes, which are there; should it write them, they are nobody else's.
+        // SAFETY: the library reads `length` bytes, the length of the buffer; if it wrote them, no other code would use
+        // them.
         Status(unsafe { (self.set_value)(channel.handle(), parameter.0, value.as_mut_ptr().cast(), length) })
     }
 
@@ -185,7 +186,7 @@ fn load(file: &Path) -> Result<libloading::Library, libloading::Error> {
     unsafe { libloading::Library::new(file) }
 }
 
-/// An error with its cause, which has the system's own text.
+/// The text of an error and its cause, which contains the system's own text.
 fn told(error: &libloading::Error) -> String {
     match std::error::Error::source(error) {
         Some(source) => format!("{error}: {source}"),

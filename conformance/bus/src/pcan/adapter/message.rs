@@ -3,26 +3,26 @@
 use crate::pcan::Status;
 use canvass_traces::{CanId, ErrorClass, Frame, Timestamp};
 
-/// `TPCANMsg`.
+/// A message in the layout of `TPCANMsg`.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Message {
     pub id: u32,
-    /// [`kind`].
+    /// The bits of the message's type, see [`kind`].
     pub kind: u8,
     /// The data length code, 0 to 8.
     pub length: u8,
     pub data: [u8; 8],
 }
 
-/// `TPCANTimestamp`.
+/// A time stamp in the layout of `TPCANTimestamp`.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Stamp {
     pub millis: u32,
     /// Number of overflows of `millis`.
     pub overflows: u16,
-    /// 0 to 999.
+    /// Microseconds, 0 to 999.
     pub micros: u16,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Stamp {
 pub(super) mod kind {
     pub const REMOTE: u8 = 0x01;
     pub const EXTENDED: u8 = 0x02;
-    /// A frame that was sent by this channel.
+    /// This channel itself sent the frame.
     pub const ECHO: u8 = 0x20;
     pub const ERROR: u8 = 0x40;
     pub const STATUS: u8 = 0x80;
@@ -43,15 +43,15 @@ pub(super) enum Content {
     Frame(Frame),
     /// The state of the bus or of a queue.
     Status(Status),
-    /// The library has not filled the message, or it can't be a classical frame.
+    /// The library has not filled the message, or its content is no classical frame.
     Nothing,
 }
 
 impl Message {
-    /// A message that no library writes: if it is still unchanged, it was not filled.
+    /// A message that no library writes. If it is unchanged after a call, the library has not filled it.
     pub const UNTOUCHED: Self = Self { id: u32::MAX, kind: u8::MAX, length: u8::MAX, data: [u8::MAX; 8] };
 
-    /// A data or remote frame in the form for sending; `None` for other frames.
+    /// The message for sending a data or remote frame; `None` for other frames.
     pub fn to_send(frame: &Frame) -> Option<Self> {
         if frame.is_error() || frame.is_fd() || frame.is_xl() || frame.is_head() {
             return None;
@@ -85,8 +85,8 @@ impl Message {
         Frame::new(id, self.data.get(..usize::from(self.length))?)
     }
 
-    /// An error frame in Linux's form. Of the controller's error code capture, the identifier has the kind of error,
-    /// the first byte the direction and the second the position in the frame; the next two bytes are the counters.
+    /// An error frame in Linux's form. From the controller's error code capture, the identifier gets the kind of error,
+    /// the first byte the direction and the second the position in the frame; two further bytes are the error counters.
     fn error_frame(&self) -> Option<Frame> {
         const COUNTERS: u32 = 0x200;
         const BUS_ERROR: u32 = 0x80;
@@ -95,7 +95,7 @@ impl Message {
         const ACKNOWLEDGE_SLOT: u8 = 25;
         let [direction, place, receive, transmit, ..] = self.data;
         let is_transmitting = direction == 0;
-        // A bit error, a form error, a stuff error, or another error.
+        // The error is a bit error, a form error, a stuff error, or another error.
         let violation = match self.id {
             1 => 0x01,
             2 => 0x02,
@@ -109,13 +109,13 @@ impl Message {
         };
         let told = class & PROTOCOL != 0;
         let violation = if told { violation | if is_transmitting { 0x80 } else { 0 } } else { 0 };
-        // Linux numbers the positions like the controller.
+        // Linux numbers the positions like the controller does.
         let place = if told { place } else { 0 };
         Frame::error(ErrorClass(class), &[0, 0, violation, place, 0, 0, transmit, receive])
     }
 }
 
-/// Whether an error frame reports an error, not only the counters.
+/// Whether an error frame reports an error, not only the error counters.
 pub(super) fn is_error(frame: &Frame) -> bool {
     frame.error_class().is_some_and(|class| class.0 != 0x200)
 }
@@ -150,7 +150,7 @@ mod tests {
             prop_assert_eq!(message.content(), Content::Frame(frame));
         }
 
-        /// Whatever a library writes.
+        /// Checks any message that a library may write.
         #[test]
         fn no_message_is_taken_for_what_it_is_not(id: u32, kind: u8, length: u8, data: [u8; 8]) {
             let message = Message { id, kind, length, data };
@@ -185,11 +185,11 @@ mod tests {
             };
             (frame.error_class().unwrap().0, frame.data().to_vec(), is_error(&frame))
         };
-        // A stuff error in the data that this controller received.
+        // A stuff error in the data of a frame that this controller received.
         assert_eq!(error(4, 1, 10), (0x288, vec![0, 0, 0x04, 10, 0, 0, 136, 3], true));
-        // A bit error in the identifier that it sent.
+        // A bit error in the identifier of a frame that this controller sent.
         assert_eq!(error(1, 0, 2), (0x288, vec![0, 0, 0x81, 2, 0, 0, 136, 3], true));
-        // Nobody has acknowledged.
+        // No node has acknowledged.
         assert_eq!(error(8, 0, 25), (0x2A0, vec![0, 0, 0, 0, 0, 0, 136, 3], true));
         assert_eq!(error(0, 0, 0), (0x200, vec![0, 0, 0, 0, 0, 0, 136, 3], false));
     }

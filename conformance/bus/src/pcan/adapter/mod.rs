@@ -1,4 +1,4 @@
-//! The bus: opens a channel and sends; a thread of its own receives.
+//! The bus: opens a channel and sends; another thread receives.
 
 mod bit_rate;
 mod inventory;
@@ -36,8 +36,8 @@ struct Shared {
     listen_only: bool,
     clock: SteadyClock,
     inbox: Inbox,
-    /// A request to change the bit rate: the receiving thread does it, because the channel must be closed and that
-    /// thread reads from it.
+    /// A request to change the bit rate. The receiving thread handles it, because the channel must be closed while that
+    /// thread does not read from it.
     change: Mutex<Option<Change>>,
 }
 
@@ -47,28 +47,29 @@ struct Change {
     done: Sender<Result<(), PcanError>>,
 }
 
-/// Maximum wait for a full transmit queue. The longest frame takes 16 ms at 10 kbit/s.
+/// Maximum wait if the transmit queue is full. The longest frame takes 16 ms at 10 kbit/s.
 const PATIENCE: Duration = Duration::from_millis(2_000);
 
-/// Interval between two tries. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
+/// Interval between two attempts to send. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
 const ROOM: std::time::Duration = std::time::Duration::from_micros(500);
 
-/// Maximum duration of a change of the bit rate: closing and opening the channel, and the same to go back.
+/// Maximum duration of a change of the bit rate: closing and opening the channel, and the same to return to the old
+/// one.
 const CHANGE: std::time::Duration = std::time::Duration::from_secs(5);
 
 impl Pcan {
-    /// Opens a channel, with the library that is installed.
+    /// Opens a channel, with the installed library.
     ///
     /// # Errors
-    /// [`PcanError`], which says what to do.
+    /// [`PcanError`] with a remedy.
     pub fn open(opening: Opening) -> Result<Self, PcanError> {
         Self::with(Library::installed()?, opening)
     }
 
-    /// As [`Pcan::open`], with the library in that file.
+    /// Opens a channel like [`Pcan::open`], with the library in the file `library`.
     ///
     /// # Errors
-    /// [`PcanError`], which says what to do.
+    /// [`PcanError`] with a remedy.
     pub fn open_with(library: &Path, opening: Opening) -> Result<Self, PcanError> {
         Self::with(Library::at(library)?, opening)
     }
@@ -89,7 +90,7 @@ impl Pcan {
         Ok(Self { shared, receiver: Some(receiver), bit_rate })
     }
 
-    /// Puts a message into the transmit queue, and waits for room there.
+    /// Puts a message into the transmit queue, and waits for room in it.
     fn write(&self, message: Message, began: Timestamp) -> Result<(), PcanError> {
         let Shared { library, channel, .. } = &*self.shared;
         let channel = *channel;
@@ -131,7 +132,7 @@ impl Bus for Pcan {
             return Err(PcanError::ListenOnly { channel: self.shared.channel }.into());
         }
         let began = self.now();
-        // The frame is recorded before it is written: the answer may arrive before this thread goes on.
+        // The frame is recorded before it is written: the answer may arrive before this thread continues.
         let record = Record::new(began, ChannelId(0), *frame).with_direction(Direction::Tx);
         self.shared.inbox.deliver(&mut vec![record.clone()]);
         if let Err(error) = self.write(message, began) {
@@ -168,13 +169,13 @@ impl Bus for Pcan {
         self.shared.inbox.limit(frames);
     }
 
-    /// Closes the channel and opens it again.
+    /// Closes the channel and opens it again at the new bit rate.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         let (done, answer) = channel();
         let change = Change { bit_rate, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
-            // The change must not happen later, when it is no longer expected.
+            // The change must not happen later, when the caller no longer expects it.
             self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
             let status = self.shared.library.status(self.shared.channel);
             let action = "change the bit rate of";
@@ -190,7 +191,7 @@ impl Drop for Pcan {
     fn drop(&mut self) {
         self.shared.inbox.close();
         if let Some(receiver) = self.receiver.take() {
-            // Whether it panicked does not matter any more.
+            // A panic of the thread does not matter any more.
             let _ = receiver.join();
         }
     }

@@ -1,4 +1,4 @@
-//! The thread that fetches frames from the library, and opens the channel again when the adapter was unplugged.
+//! The thread that fetches frames from the library, and reopens the channel after the adapter was unplugged.
 
 use super::bit_rate::registers;
 use super::library::Parameter;
@@ -11,16 +11,16 @@ use canvass_traces::{ChannelId, Direction, ErrorClass, Frame, Record, Timestamp}
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Maximum wait for frames, after which the thread checks whether to end.
+/// Maximum wait for frames, after which the thread checks whether it must end.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Interval between two questions for the state of the bus.
+/// Interval between two queries of the state of the bus.
 const STATE: Duration = Duration::from_millis(50);
 
-/// Interval between two tries to find a lost adapter.
+/// Interval between two attempts to find a lost adapter.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// Number of messages that are fetched before they are delivered.
+/// Maximum number of messages that are fetched before they are delivered.
 const BATCH: usize = 256;
 
 pub(super) struct Receiver {
@@ -30,10 +30,10 @@ pub(super) struct Receiver {
     wake: Option<Wake>,
     hardware: HardwareClock,
     records: Vec<Record>,
-    /// Time and result of the last question for the state of the bus.
+    /// Time and result of the last query of the state of the bus.
     asked: Instant,
     state: BusState,
-    /// Whether the last status reported lost frames: the next one may repeat that.
+    /// Whether the last status reported lost frames: the next status may report the same loss again.
     told_of_losses: bool,
 }
 
@@ -60,7 +60,7 @@ impl BusState {
     }
 }
 
-/// Classes of Linux's error frames for bus-off and its end.
+/// Classes of Linux's error frames for bus-off, and for the end of bus-off.
 const BUS_OFF: ErrorClass = ErrorClass(0x40);
 const RESTARTED: ErrorClass = ErrorClass(0x100);
 
@@ -87,7 +87,7 @@ impl Receiver {
         let channel = *channel;
         let failed = |action| move |status| PcanError::Failed { channel, action, status };
         let done = |status: Status| if status.failure() == Status::OK { Ok(()) } else { Err(status) };
-        // It is set before the channel is opened, so that the adapter never acknowledges a frame.
+        // Listen-only is set before the channel is opened, so that the adapter never acknowledges a frame.
         let silent = library.set(channel, Parameter::LISTEN_ONLY, &u32::from(*listen_only).to_ne_bytes());
         if *listen_only {
             done(silent).map_err(failed("make a listener of"))?;
@@ -179,7 +179,7 @@ impl Receiver {
                     has_lost |= status.has_lost();
                     self.note_state(BusState::of(status), status);
                 }
-                // The message is no frame; a status alone ends the queue.
+                // The message is no frame; a status without a message ends the queue.
                 Content::Nothing if status.news() != Status::OK => {
                     self.note_state(BusState::of(status), status);
                     break;
@@ -201,7 +201,7 @@ impl Receiver {
         if frame.is_error() && is_error(&frame) {
             self.shared.inbox.note(|health| health.error_frames += 1);
         }
-        // Own frames were delivered when they were sent.
+        // An own frame was delivered when it was sent.
         if !own {
             let time = self.time(stamp);
             self.push(frame, time);
@@ -212,13 +212,13 @@ impl Receiver {
         self.records.push(Record::new(time, ChannelId(0), frame).with_direction(Direction::Rx));
     }
 
-    /// The time on the system's clock. A library without time stamps leaves them at zero.
+    /// The time of a frame on the system's clock. A library without time stamps leaves them at zero.
     fn time(&mut self, stamp: Stamp) -> Timestamp {
         let now = self.shared.clock.now();
         if stamp == Stamp::default() { now } else { self.hardware.system_time(stamp.time(), now) }
     }
 
-    /// Asks for the state of the bus.
+    /// Queries the state of the bus.
     fn ask(&mut self) {
         self.asked = Instant::now();
         let status = self.shared.library.status(self.shared.channel);
@@ -234,7 +234,7 @@ impl Receiver {
         self.shared.inbox.deliver(&mut self.records);
     }
 
-    /// The library reports only that frames were lost, not their number.
+    /// Counts a loss of frames as one: the library does not report the number of lost frames.
     fn note_losses(&self) {
         let channel = self.shared.channel;
         self.shared.inbox.note(|health| {

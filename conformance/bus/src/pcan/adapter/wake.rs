@@ -1,18 +1,18 @@
-//! Waits for received frames by the library's own means: an event on Windows, a file descriptor on Linux.
+//! Waits for received frames by the means of the library: an event on Windows, a file descriptor on Linux.
 
 use super::library::{Library, Parameter};
 use crate::pcan::Channel;
 use std::io;
 use std::time::Duration;
 
-/// Polling interval of a channel without a signal.
+/// Polling interval for a channel without a signal.
 const POLL: Duration = Duration::from_millis(1);
 
 /// The signal for received frames.
 pub(super) enum Wake {
     /// The system's signal.
     Signal(system::Signal),
-    /// No signal; the channel is polled.
+    /// No signal: the channel is polled.
     Poll,
 }
 
@@ -89,7 +89,7 @@ mod system {
         #[expect(unsafe_code, reason = "the standard library has no events")]
         pub fn wait(&self, patience: Duration) -> io::Result<()> {
             let millis = u32::try_from(patience.as_millis()).unwrap_or(u32::MAX - 1);
-            // SAFETY: the handle is that of an event which lives as long as self.
+            // SAFETY: the handle is that of an event, which lives as long as `self`.
             let ended = unsafe { WaitForSingleObject(self.0.as_raw_handle(), millis) };
             if ended == WAIT_FAILED { Err(io::Error::last_os_error()) } else { Ok(()) }
         }
@@ -102,7 +102,7 @@ mod system {
         if handle.is_null() {
             return Err(io::Error::last_os_error());
         }
-        // SAFETY: the handle was just created, and this is its only owner.
+        // SAFETY: the handle was just created, and this value is its only owner.
         Ok(unsafe { OwnedHandle::from_raw_handle(handle) })
     }
 }

@@ -1,4 +1,4 @@
-//! The quick way for usual packets gives what the long way gives.
+//! The quick reader for usual packets gives the same records as the full reader.
 
 use super::*;
 use pcap_file::pcapng::blocks::{ENHANCED_PACKET_BLOCK, INTERFACE_DESCRIPTION_BLOCK, SECTION_HEADER_BLOCK};
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 const EPB_FLAGS: u16 = 2;
 const EPB_DROPCOUNT: u16 = 4;
 
-/// A block of the type, in that byte order, with its length at both ends.
+/// A block of this type, in either byte order, with its length at both ends.
 fn framed(big: bool, kind: u32, body: &[u8]) -> Vec<u8> {
     let length = word(big, 12 + body.len() as u32);
     [&word(big, kind)[..], &length, body, &length].concat()
@@ -35,7 +35,7 @@ fn packet(big: bool, interface: u32, cut: u32, data: &[u8], options: &[u8]) -> V
     framed(big, ENHANCED_PACKET_BLOCK, &[words.as_flattened(), &filled, options].concat())
 }
 
-/// Flags alone, or with something that makes them unusual.
+/// Packet options: flags alone, or with another option, which makes the packet unusual.
 fn options(big: bool) -> impl Strategy<Value = Vec<u8>> {
     let flags = move |value: u32| [&half(big, EPB_FLAGS)[..], &half(big, 4), &word(big, value)].concat();
     let drops = [&half(big, EPB_DROPCOUNT)[..], &half(big, 8), &[0; 3], &[1], &[0; 4]].concat();
@@ -51,7 +51,7 @@ fn options(big: bool) -> impl Strategy<Value = Vec<u8>> {
     ]
 }
 
-/// What the reader gives with and without its way for usual packets.
+/// The items that the reader gives, with or without the quick reader.
 fn read(bytes: &[u8], usual: bool) -> Vec<String> {
     let mut reader = PcapngReader::new(Source::from_bytes(bytes));
     let mut seen = Vec::new();
