@@ -118,7 +118,7 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// Interval at which the device checks for errors that come and go without a write; `None` if it has no such errors.
+    /// Interval of the checks for errors that come and go without a write; `None` if there are no such errors.
     fn watch(&self) -> Option<Duration> {
         None
     }
