@@ -1314,7 +1314,7 @@ pub enum Fault {
     SdoBlockAbortIgnored,
 }
 
-/// What there is to say of a fault beside its name and its summary.
+/// The properties of a fault besides its name and its summary.
 struct Row {
     /// The id of a model on which the fault shows.
     model: &'static str,

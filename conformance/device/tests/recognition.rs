@@ -6,8 +6,9 @@ use canvass_analyzer::network::{Candidate, Fact};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_device::models::Model;
 
-/// Models to whose devices the manuals give the same device type, name and identity. If the PDOs of a node fit both,
-/// the node is recognised as the first model, with the second as an alternative; if they fit neither, as none of them.
+/// Models to whose devices the manuals give the same device type, name and identity. If the PDOs of both models are
+/// alike, a node with these values is recognised as the first model, with the second as an alternative; otherwise as
+/// neither of them.
 const SAME: &[(&str, &str)] = &[("kuebler-sendix-58x8", "kuebler-sendix-f58"), ("kuebler-c100", "kuebler-d125")];
 
 /// Whether a node could be of both models: they have no object with known values that differ.

@@ -2,16 +2,16 @@
 //!
 //! ```text
 //! can0                              a SocketCAN interface
-//! socketcan:can0                    the same
+//! socketcan:can0                    the same interface
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
-//! slcan:tcp://HOST:PORT[@BITRATE]   one that is reached over TCP
+//! slcan:tcp://HOST:PORT[@BITRATE]   a serial CAN adapter that is reached over TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
-//! slcan:listen://PORT               the same, for programs on this machine only
+//! slcan:listen://PORT               as above, for a program on this machine only
 //! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library
-//! pcan:CHANNEL@BITRATE+listen-only  the same, without sending and acknowledging anything
+//! pcan:CHANNEL@BITRATE+listen-only  an adapter of PEAK that neither sends nor acknowledges
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
-//! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    with all that can be said, and with several
-//!                                   devices
+//! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    the full form, also
+//!                                   with several devices
 //! ```
 //!
 //! `MODEL` may be a device description too: `sim:my.eds`.

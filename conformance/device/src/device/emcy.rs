@@ -1,4 +1,4 @@
-//! EMCY: sends the device's own errors (1014h, 1015h), and receives those of other nodes (1028h).
+//! EMCY: sends the errors of the device (1014h, 1015h), and receives the errors of other nodes (1028h).
 
 use super::context::Context;
 use super::nmt;
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::emcy;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Sends EMCY messages, and handles those of other nodes.
+/// Sends EMCY messages, and handles EMCY messages of other nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmcyService;
 

@@ -1,11 +1,11 @@
 //! Motions as a user types them, such as the `~MOTION` of a simulated device.
 //!
 //! ```text
-//! still  still=STEPS          stands, at that physical position
+//! still  still=STEPS          at rest, at that physical position
 //! rpm=N                       N revolutions per minute; negative is backwards
 //! mm/s=N                      N millimetres per second, of a linear sensor
 //! sine=AMPLITUDE,PERIOD       to and fro: revolutions or millimetres to both sides, seconds
-//! ramp=RPM,SECONDS            from rest to that speed in that time, then on
+//! ramp=RPM,SECONDS            from rest to that speed in that time, then steady
 //! csv=FILE                    through the points of a file: seconds and revolutions or millimetres
 //! ```
 

@@ -203,7 +203,7 @@ impl Store {
     fn save(&mut self, groups: Groups, parameters: &Parameters, retained: Option<i64>, node: NodeId) {
         for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if entry.writable && groups.has(entry.at, &self.storage) {
-                // A default COB-ID is not stored, so that it goes on following the node-ID.
+                // A default COB-ID is not stored, so that it still follows the node-ID.
                 *slot = (*entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
         }

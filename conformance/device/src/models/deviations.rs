@@ -2,13 +2,13 @@
 //!
 //! ```toml
 //! [[deviation]]
-//! standard = "CiA 301"                   # where the standard says otherwise
-//! expected = "100Ch is rw"               # what it says
-//! device = "100Ch is ro"                 # what the manual says
-//! source = "6.2"                         # where in the manual
-//! object = "100C:00"                     # what it is about
-//! breaches = [                           # the breaches that this explains, and no others
-//!     { case = "301/guarding/time", does = "abort 0601 0002h" },   # its own `object` where it is another
+//! standard = "CiA 301"                   # the standard from which the device differs
+//! expected = "100Ch is rw"               # the requirement of the standard
+//! device = "100Ch is ro"                 # the statement of the manual
+//! source = "6.2"                         # the place in the manual
+//! object = "100C:00"                     # the subject of the difference
+//! breaches = [                           # the breaches that this row explains; it explains no others
+//!     { case = "301/guarding/time", does = "abort 0601 0002h" },   # with `object`, if the subject is another
 //! ]
 //! ```
 

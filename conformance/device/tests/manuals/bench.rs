@@ -43,7 +43,7 @@ impl Bench {
             self.now = self.now.max(due);
             self.device.handle_timeout(self.now);
             self.drain(&mut sent);
-            // The time goes on as on a bus, by at least 1 ns an event.
+            // Time goes on with every event, as on a bus.
             self.now += Duration(1);
         }
         self.now = self.now.max(deadline);

@@ -123,7 +123,7 @@ fn modes() {
     }
     bench.ask("7E5#0400000000000000");
     assert_eq!(bench.ask("7E5#2400000000000000"), NONE);
-    // The device ignores frames whose length or command specifier does not exist.
+    // The slave ignores frames that are no LMT requests: by their length or command specifier, or as remote frames.
     bench.ask("7E5#0401000000000000");
     for frame in ["7E5#24", "7E5#", "7E5#4400000000000000", "7E5#5A00000000000000", "7E5#0900000000000000", "7E5#R"] {
         assert_eq!(bench.ask(frame), NONE, "{frame}");

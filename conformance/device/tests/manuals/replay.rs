@@ -1,8 +1,8 @@
 //! Sends the frames that the manuals print to a simulated device, which must answer as printed.
 //!
 //! The rows are those of the analyzer's tests (`analyzer/tests/manuals/`). The test sends the master's frames and waits
-//! for the device's frames. A script for each file (`*.script`) gives the actions that a row needs before it, and the
-//! rows with another answer, with the reason:
+//! for the device's frames. A script for each file (`*.script`) gives the actions that a row needs before it. If the
+//! device answers differently, the script also gives its answer and the reason:
 //!
 //! ```text
 //! @ SECTION; CAN-ID; BYTES[ #N]    the row (the N-th of these bytes); what follows concerns it
@@ -28,7 +28,7 @@ struct Replay {
     bench: Bench,
     /// The frames that the device has sent since the master's last frame.
     heard: Vec<String>,
-    /// Number of frames that were expected and received.
+    /// Number of printed frames that the device had to send.
     expected: usize,
     skipped: usize,
     complaints: Vec<String>,

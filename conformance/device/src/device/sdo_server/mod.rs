@@ -277,7 +277,7 @@ impl SdoServer {
         Next::abort(named.unwrap_or(Multiplexer::new(0, 0)), AbortCode::COMMAND_SPECIFIER)
     }
 
-    /// Takes over the next state and sends the answer.
+    /// Enters the next state of the transfer and queues the answer.
     fn proceed(&mut self, now: Timestamp, next: Next, objects: &Objects) {
         self.transfer = next.transfer;
         self.expires = match self.transfer {
