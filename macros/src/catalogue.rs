@@ -1,4 +1,4 @@
-//! What `#[derive(Catalogue)]` becomes.
+//! The expansion of `#[derive(Catalogue)]`.
 
 use crate::doc;
 use proc_macro2::TokenStream;
@@ -7,7 +7,7 @@ use syn::parse::Parse;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Data, DeriveInput, Error, Expr, Ident, Result, Token, Variant};
 
-/// A field of a row that is not the usual one: `model = "reference-406"`.
+/// A field of a row with a value other than in `Row::USUAL`: `model = "reference-406"`.
 struct Pair {
     field: Ident,
     value: Expr,
@@ -21,7 +21,7 @@ impl Parse for Pair {
     }
 }
 
-/// The list of the variants, the name and the text of each, and its row where one of them has one.
+/// Expands to the list of the variants, the name and the text of each, and their rows if any variant has `#[row(…)]`.
 pub fn catalogue(item: TokenStream) -> Result<TokenStream> {
     let DeriveInput { ident, data, .. } = syn::parse2(item)?;
     let Data::Enum(data) = data else {
@@ -33,7 +33,7 @@ pub fn catalogue(item: TokenStream) -> Result<TokenStream> {
     let rows = data.variants.iter().map(|variant| row(&variant.attrs)).collect::<Result<Vec<_>>>()?;
     let row = rows.iter().any(|row| !row.is_empty()).then(|| {
         quote! {
-            /// What is said of it beside its name and its summary.
+            /// The properties of an entry besides its name and its summary.
             const fn row(self) -> &'static Row {
                 const ROWS: &[Row] = &[#(Row { #(#rows,)* ..Row::USUAL }),*];
                 &ROWS[self as usize]
@@ -43,16 +43,16 @@ pub fn catalogue(item: TokenStream) -> Result<TokenStream> {
     Ok(quote! {
         #[allow(clippy::needless_update)]
         impl #ident {
-            /// All, in the order of their definition.
+            /// All entries, in the order of their definition.
             pub const ALL: &'static [Self] = &[#(Self::#variants),*];
 
-            /// The name on the command line.
+            /// The name of the entry on the command line.
             pub const fn id(self) -> &'static str {
                 const IDS: &[&str] = &[#(#ids),*];
                 IDS[self as usize]
             }
 
-            /// What it is, in a sentence.
+            /// The description of the entry in one sentence.
             pub const fn summary(self) -> &'static str {
                 const SUMMARIES: &[&str] = &[#(#summaries),*];
                 SUMMARIES[self as usize]
@@ -79,7 +79,7 @@ fn row(attributes: &[Attribute]) -> Result<Vec<TokenStream>> {
     Ok(pairs.iter().map(|Pair { field, value }| quote!(#field: #value)).collect())
 }
 
-/// `AnswersIn900Ms` is `answers-in-900-ms`.
+/// The name of a variant on the command line: `AnswersIn900Ms` is `answers-in-900-ms`.
 fn kebab_case(name: &str) -> String {
     let mut id = String::new();
     let mut before = None;

@@ -2,14 +2,14 @@
 
 use syn::{Attribute, Expr, ExprLit, Lit, Meta};
 
-/// The whole comment: lines joined by spaces, empty lines kept between paragraphs.
+/// The whole doc comment: lines joined by spaces, empty lines kept between paragraphs.
 pub fn text(attributes: &[Attribute]) -> String {
     let mut text = String::new();
     lines(attributes).for_each(|line| append(&mut text, line.trim()));
     text.trim().to_owned()
 }
 
-/// Lines are joined by spaces, empty ones separate paragraphs.
+/// Appends a line of a doc comment: after a space, or as a paragraph break if the line is empty.
 pub fn append(text: &mut String, line: &str) {
     if line.is_empty() {
         text.push_str("\n\n");
@@ -21,7 +21,7 @@ pub fn append(text: &mut String, line: &str) {
     text.push_str(line);
 }
 
-/// The comment line by line.
+/// The lines of the doc comment.
 pub fn lines(attributes: &[Attribute]) -> impl Iterator<Item = String> {
     attributes.iter().filter_map(|attribute| match &attribute.meta {
         Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {

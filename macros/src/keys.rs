@@ -1,4 +1,4 @@
-//! What stands between the parentheses of both attributes: pairs of key and value, each key once.
+//! The syntax that both attributes share: pairs of key and value, each key at most once.
 
 use proc_macro2::Span;
 use syn::parse::ParseStream;
@@ -7,21 +7,21 @@ use syn::{Error, Ident, Result, Token, bracketed};
 
 /// The keys of an attribute while they are read.
 pub trait Keys: Default {
-    /// What the attribute stands on: `case`, `rule`.
+    /// The item that the attribute describes: `case` or `rule`.
     const ITEM: &str;
-    /// All keys, for the message about an unknown one.
+    /// All keys, for the message about an unknown key.
     const KNOWN: &str;
 
-    /// Reads the value of a key and returns whether it had one already; `None` for a key that there is not.
+    /// Reads the value of a key and returns whether the key had a value already; `None` if the key is unknown.
     fn read(&mut self, key: &str, value: ParseStream) -> Result<Option<bool>>;
 
-    /// The value of a key that has to be there; `example` is the key with a value.
+    /// The value of a required key; `example` is the key with a value, for the error message.
     fn required<T>(value: Option<T>, example: &str, whole: Span) -> Result<T> {
         value.ok_or_else(|| Error::new(whole, format!("the {} lacks `{example}`", Self::ITEM)))
     }
 }
 
-/// Reads all pairs.
+/// Reads all pairs of an attribute.
 pub fn read<K: Keys>(input: ParseStream) -> Result<K> {
     let mut keys = K::default();
     while !input.is_empty() {
@@ -42,14 +42,15 @@ pub fn read<K: Keys>(input: ParseStream) -> Result<K> {
     Ok(keys)
 }
 
-/// A list in brackets.
+/// Reads a list in brackets.
 pub fn list(input: ParseStream, item: fn(ParseStream) -> Result<Ident>) -> Result<Vec<Ident>> {
     let content;
     bracketed!(content in input);
     Ok(Punctuated::<Ident, Token![,]>::parse_terminated_with(&content, item)?.into_iter().collect())
 }
 
-/// Whether a text can be a part of an id: ids are typed on command lines.
+/// Whether a text can be a part of an id. Ids are typed on command lines, so only lower-case letters, digits and
+/// hyphens are allowed.
 pub fn is_id_part(part: &str) -> bool {
     !part.is_empty() && part.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
 }

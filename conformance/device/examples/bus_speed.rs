@@ -1,6 +1,5 @@
-//! How many SDO exchanges per second one thread of this machine simulates:
-//! `cargo run --release --example bus_speed [EXCHANGES]`. The seconds are those of the processor, where Linux tells them,
-//! so that it matters little what else the machine does.
+//! How many SDO exchanges per second one thread of this machine simulates: `cargo run --release --example bus_speed
+//! [EXCHANGES]`. On Linux the example counts processor time, so that other load on the machine matters little.
 
 use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_device::Device;
@@ -42,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The time that this thread has been on a processor.
+/// The processor time of this thread.
 fn processor_time() -> Option<Time> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(Time::from_nanos(text.split_whitespace().next()?.parse().ok()?))

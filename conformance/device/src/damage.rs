@@ -43,15 +43,15 @@ const DAMAGES: [(Fault, &str, &str); 18] = [
 ];
 
 impl Fault {
-    /// Whether the fault is in the description; the device itself then has none.
+    /// Whether the fault is only in the description; the device itself is then fault-free.
     pub fn is_in_description(self) -> bool {
         DAMAGES.iter().any(|(fault, ..)| *fault == self)
     }
 }
 
 impl Model {
-    /// The description that the maker of that firmware delivers with the device: with the faults and liberties of
-    /// descriptions.
+    /// The description that a maker delivers with a device of this firmware, with the firmware's faults and liberties
+    /// of descriptions.
     pub fn description_with(&self, firmware: impl Into<Firmware>) -> DeviceDescription {
         let firmware = firmware.into();
         let mut description = self.rewritten(&firmware).unwrap_or_else(|| self.description().clone());
@@ -61,7 +61,7 @@ impl Model {
         description
     }
 
-    /// The rewritten description; `None` if it is unaltered, or can't be read.
+    /// The rewritten description; `None` if no fault or liberty alters it, or if it can't be read.
     fn rewritten(&self, firmware: &Firmware) -> Option<DeviceDescription> {
         let damages: Vec<_> = DAMAGES.iter().filter(|(fault, ..)| firmware.has(*fault)).collect();
         if damages.is_empty() && !liberty::changes_text(firmware.liberties) {
@@ -77,7 +77,7 @@ impl Model {
 mod tests {
     use super::*;
 
-    /// A damage whose text is not in the file would damage nothing.
+    /// Every damage replaces a text that is in the file; otherwise it would have no effect.
     #[test]
     fn every_damage_finds_its_place() {
         let text = Model::by_id("reference-301").unwrap().eds_text().unwrap();

@@ -1,4 +1,4 @@
-//! Firmware faults that a simulated device can be given, drawn from defects of real devices and stacks.
+//! Firmware faults that a simulated device can have, drawn from defects of real devices and stacks.
 
 mod unfuzzed;
 
@@ -1314,47 +1314,48 @@ pub enum Fault {
     SdoBlockAbortIgnored,
 }
 
-/// What there is to say of a fault beside its name and its summary.
+/// The properties of a fault besides its name and its summary.
 struct Row {
-    /// The id of a model on which it shows.
+    /// The id of a model on which the fault shows.
     model: &'static str,
-    /// Whether the fuzzer finds it.
+    /// Whether the fuzzer claims to find the fault.
     fuzz: Fuzz,
 }
 
 impl Row {
-    /// Of most faults.
+    /// The values of most faults.
     const USUAL: Self = Self { model: "reference-301", fuzz: Found };
 }
 
 /// Whether the fuzzer finds a fault.
 #[derive(Clone, Copy)]
 enum Fuzz {
-    /// It claims to.
+    /// The fuzzer claims to find the fault.
     Found,
-    /// It claims to, if it is allowed this.
+    /// The fuzzer claims to find the fault if the user allows this touch.
     Allowed(&'static str),
-    /// It does not claim to, for this reason.
+    /// The fuzzer does not claim to find the fault, for this reason.
     Never(Unfuzzed),
 }
 
 impl Fault {
-    /// The id of a model on which it shows.
+    /// The id of a model on which the fault shows.
     pub const fn model(self) -> &'static str {
         self.row().model
     }
 
-    /// Whether the fuzzer claims to find it, without being allowed more.
+    /// Whether the fuzzer claims to find the fault without further touches allowed.
     pub const fn is_fuzzed(self) -> bool {
         matches!(self.row().fuzz, Found)
     }
 
-    /// What the fuzzer has to be allowed so that it finds it; `None`: nothing, or it does not find it.
+    /// The touch that the user must allow so that the fuzzer finds the fault; `None`: no touch, or the fuzzer does not
+    /// claim to find it.
     pub const fn fuzz_needs(self) -> Option<&'static str> {
         if let Allowed(touch) = self.row().fuzz { Some(touch) } else { None }
     }
 
-    /// Why the fuzzer does not claim to find it; `None`: it does, if it is allowed what that needs.
+    /// The reason why the fuzzer does not claim to find the fault; `None`: the fuzzer claims to find it.
     pub const fn unfuzzed(self) -> Option<&'static str> {
         if let Never(reason) = self.row().fuzz { Some(reason.summary()) } else { None }
     }
@@ -1367,7 +1368,7 @@ pub struct Faults([u64; WORDS]);
 const WORDS: usize = Fault::ALL.len().div_ceil(u64::BITS as usize);
 
 impl Faults {
-    /// A firmware without any of them.
+    /// The empty set: a firmware without faults.
     pub const NONE: Self = Self([0; WORDS]);
 
     /// The set with one more fault.
@@ -1376,12 +1377,12 @@ impl Faults {
         self
     }
 
-    /// Whether the set holds it.
+    /// Whether the set contains the fault.
     pub const fn has(self, fault: Fault) -> bool {
         self.0[fault as usize / u64::BITS as usize] & Self::bit(fault) != 0
     }
 
-    /// Whether the set holds none.
+    /// Whether the set is empty.
     pub fn is_empty(self) -> bool {
         self == Self::NONE
     }

@@ -1,26 +1,26 @@
-//! What is in a simulated device beside its model: a firmware, right or wrong.
+//! The firmware of a simulated device, beside its model.
 
 use crate::{Fault, Faults, Liberties, Liberty};
 
-/// The firmware of a simulated device, by what distinguishes it from the plain one of its model.
+/// The firmware of a simulated device: its differences from the plain firmware of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
 pub struct Firmware {
-    /// What it does wrong.
+    /// The faults of the firmware, against the standard.
     pub faults: Faults,
-    /// What it does in its own way, as the standard lets it.
+    /// The liberties of the firmware, which the standard allows.
     pub liberties: Liberties,
 }
 
 impl Firmware {
-    /// Without any fault or liberty.
+    /// A firmware without faults and liberties.
     pub const PLAIN: Self = Self { faults: Faults::NONE, liberties: Liberties::NONE };
 
-    /// Whether it has that fault.
+    /// Whether the firmware has this fault.
     pub const fn has(&self, fault: Fault) -> bool {
         self.faults.has(fault)
     }
 
-    /// Whether it takes that liberty.
+    /// Whether the firmware takes this liberty.
     pub const fn takes(&self, liberty: Liberty) -> bool {
         self.liberties.has(liberty)
     }

@@ -1,13 +1,13 @@
-//! Simulated CANopen devices: which there are, what they do, and what a faulty firmware makes of them.
+//! Simulated CANopen devices: their models, their behaviour, and the effects of a faulty firmware.
 //!
 //! - [`Device`]: a device without I/O and clock; [`Motion`]: the motion of the measured quantity; [`Memory`]: the
 //!   stored values;
-//! - [`models`]: the built-in models and those of a user's own description;
+//! - [`models`]: the built-in models, and models made of a user's own description;
 //! - [`Application`], [`Profile`]: the seam for device profiles; [`profiles`]: the built-in ones;
-//! - [`Fault`], [`Faults`]: defects of its firmware;
-//! - [`Liberty`], [`Liberties`]: what the standard leaves free, and firmwares do in their own ways;
-//! - [`Firmware`]: both together;
-//! - [`address`]: the addresses of buses as they are typed, simulated devices among them.
+//! - [`Fault`], [`Faults`]: defects of a firmware;
+//! - [`Liberty`], [`Liberties`]: behaviour that the standard leaves free, and that differs between firmwares;
+//! - [`Firmware`]: the faults and liberties of a device;
+//! - [`address`]: the addresses of buses as a user types them, simulated devices among them.
 
 #![warn(clippy::disallowed_methods)]
 #![allow(missing_docs, reason = "an internal crate: where the name says it all, there is no comment")]

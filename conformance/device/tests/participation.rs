@@ -1,6 +1,6 @@
 //! A simulated device takes part in any bus.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// All code here is test code; the attribute tells clippy that it may unwrap.
 #![cfg(test)]
 
 use canvass_bus::{Participation, SimulatedBus, participate};
@@ -8,7 +8,7 @@ use canvass_device::models::Model;
 use canvass_device::{Device, Faults};
 use canvass_traces::Timestamp;
 
-/// On a bus with virtual time a device boots, and is heard by nobody but the observer.
+/// On a bus with virtual time a device boots, and only the observer receives its frames.
 #[test]
 fn a_device_takes_part_in_any_bus() {
     let model = Model::by_id("kuebler-sendix-58x8").unwrap();

@@ -1,4 +1,4 @@
-//! Nodes are recognised as the built-in models that they are, and as no other.
+//! A node is recognised as the built-in model that it is, and as no other model.
 
 #![cfg(test)]
 
@@ -6,11 +6,12 @@ use canvass_analyzer::network::{Candidate, Fact};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_device::models::Model;
 
-/// Models whose manuals give them the same device type, name and identity. A node that shows these is taken for the
-/// first of them where their PDOs are alike, with the other one named beside it, and for neither where they are not.
+/// Models to whose devices the manuals give the same device type, name and identity. If the PDOs of both models are
+/// alike, a node with these values is recognised as the first model, with the second as an alternative; otherwise as
+/// neither of them.
 const SAME: &[(&str, &str)] = &[("kuebler-sendix-58x8", "kuebler-sendix-f58"), ("kuebler-c100", "kuebler-d125")];
 
-/// Whether a node could be of both: no object that tells them apart is known of both with different values.
+/// Whether a node could be of both models: they have no object with known values that differ.
 fn can_be_both(a: &Candidate, b: &Candidate) -> bool {
     let contradicts = |(object, fact): &(Multiplexer, Fact)| {
         let other = b.facts.iter().find(|other| other.0 == *object).map(|other| &other.1);
@@ -40,7 +41,7 @@ fn models_can_be_told_apart_but_for_those_that_are_known_to_be_the_same() {
     }
 }
 
-/// What a model shows by its own description is what it is recognised by.
+/// Each model is recognised by the facts of its own description.
 #[test]
 fn every_model_has_facts_enough_and_its_own_defaults_fit_them() {
     for model in Model::all() {

@@ -1,4 +1,4 @@
-//! The keys of the attribute.
+//! The keys of `#[case]`.
 
 use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
@@ -6,7 +6,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::token::Bracket;
 use syn::{Error, Ident, LitStr, Path, Result};
 
-/// What stands between the parentheses of `#[case(…)]`.
+/// The values of the keys between the parentheses of `#[case(…)]`.
 pub struct Attributes {
     pub id: LitStr,
     pub standard: String,
@@ -20,7 +20,7 @@ pub struct Attributes {
     pub cct: Option<LitStr>,
 }
 
-/// `[VisibleState]`, or `super::needs[Turning, VisibleState]` where some stand in a module of their own.
+/// The needs of a case: `[VisibleState]`, or `super::needs[Turning, VisibleState]` if that module defines some of them.
 #[derive(Default)]
 pub struct Needs {
     pub module: Option<Path>,
@@ -34,7 +34,7 @@ impl Parse for Needs {
     }
 }
 
-/// The attributes of a case while they are parsed.
+/// The keys of `#[case]` while they are read; `None` for a key that was not given yet.
 #[derive(Default)]
 struct CaseKeys {
     id: Option<LitStr>,
@@ -101,14 +101,14 @@ impl CaseKeys {
     }
 }
 
-/// The variant's name, with or without its enum before it.
+/// The name of a variant, with or without the name of its enum before it.
 fn name(input: ParseStream) -> Result<Ident> {
     let path: Path = input.parse()?;
     let last = path.segments.last().map(|segment| segment.ident.clone());
     last.ok_or_else(|| Error::new(input.span(), "expected a name"))
 }
 
-/// Lower case, digits, hyphens, and slashes between parts that are not empty.
+/// Checks that an id has at least two parts separated by slashes, each of lower-case letters, digits and hyphens.
 fn check_id(id: &LitStr) -> Result<()> {
     let text = id.value();
     if text.contains('/') && text.split('/').all(is_id_part) {
@@ -117,7 +117,7 @@ fn check_id(id: &LitStr) -> Result<()> {
     Err(Error::new(id.span(), "an id is lower-case words in a path, such as \"301/sdo/download/read-only\""))
 }
 
-/// `CiA 301 7.2.8.2.3.1` -> `CiA 301` and `7.2.8.2.3.1`.
+/// Splits a clause into its standard and its section: `CiA 301 7.2.8.2.3.1` -> `CiA 301` and `7.2.8.2.3.1`.
 fn split_clause(clause: &LitStr, confidence: &Ident) -> Result<(String, Option<String>)> {
     let text = clause.value();
     let mut words = text.split(' ');

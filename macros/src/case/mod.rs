@@ -1,4 +1,4 @@
-//! What `#[case]` becomes.
+//! The expansion of `#[case]`.
 
 mod attributes;
 
@@ -9,7 +9,7 @@ use quote::{ToTokens, quote};
 use std::collections::BTreeSet;
 use syn::{Error, Ident, ItemFn, Result};
 
-/// The function as it was, and its registration.
+/// Expands `#[case]` to the unchanged function and its registration.
 pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let attributes: Attributes = syn::parse2(attribute)?;
     let function: ItemFn = syn::parse2(item)?;
@@ -50,10 +50,10 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     })
 }
 
-/// The rows of the table of allowed answers that a case asks: those that it names, and those that the attribute adds for
-/// the functions that it calls.
+/// The rows of the table of allowed answers that a case uses: rows named in its body, and rows that the attribute adds
+/// for the functions that the body calls.
 fn situations(body: TokenStream, mut known: Vec<Ident>) -> Vec<Ident> {
-    // `Situation`, `:`, `:`, the row.
+    // Number of colons seen since `Situation`; the row follows the second one.
     let mut after: Option<usize> = None;
     for token in body {
         match (&token, after) {
@@ -75,7 +75,7 @@ fn situations(body: TokenStream, mut known: Vec<Ident>) -> Vec<Ident> {
     known
 }
 
-/// The static that a need is: `VisibleState` -> `VISIBLE_STATE`.
+/// The name of the static for a need: `VisibleState` -> `VISIBLE_STATE`.
 fn static_of(need: &Ident) -> Ident {
     let mut name = String::new();
     for letter in need.to_string().chars() {
@@ -94,7 +94,7 @@ fn option(value: Option<impl quote::ToTokens>) -> TokenStream {
     }
 }
 
-/// The doc comment as one text: lines joined by spaces, empty lines kept as paragraphs.
+/// The doc comment of the function as one text: lines joined by spaces, empty lines kept between paragraphs.
 fn requirement(function: &ItemFn) -> Result<String> {
     let text = doc::text(&function.attrs);
     if text.is_empty() {

@@ -1,11 +1,11 @@
-//! The keys of the attribute.
+//! The keys of `#[rule]`.
 
 use crate::keys::{self, Keys, is_id_part, list};
 use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
 use syn::{Error, Expr, Ident, LitStr, Result};
 
-/// What stands between the parentheses of `#[rule(…)]`.
+/// The values of the keys between the parentheses of `#[rule(…)]`.
 pub struct Attributes {
     pub id: LitStr,
     pub severity: Ident,
@@ -17,24 +17,24 @@ pub struct Attributes {
     pub of: Of,
 }
 
-/// The services whose frames a rule is shown.
+/// The services whose frames a rule gets.
 pub enum Services {
     All,
     These(Vec<Ident>),
 }
 
-/// What a rule is about.
+/// The subject of a rule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Of {
-    /// A bus.
+    /// One bus.
     Bus,
     /// A whole capture.
     Capture,
-    /// Other code reports what it finds.
+    /// No subject of its own: other code reports the findings.
     Nothing,
 }
 
-/// The attributes of a rule while they are parsed.
+/// The keys of `#[rule]` while they are read; `None` for a key that was not given yet.
 #[derive(Default)]
 struct RuleKeys {
     id: Option<LitStr>,
@@ -110,12 +110,12 @@ fn services(input: ParseStream) -> Result<Services> {
     Ok(Services::These(list(input, Ident::parse)?))
 }
 
-/// `KnownTpdos`, or `[KnownTpdos, EndedTransfers]`.
+/// Reads one name or several: `KnownTpdos`, or `[KnownTpdos, EndedTransfers]`.
 fn one_or_several(input: ParseStream) -> Result<Vec<Ident>> {
     if input.peek(Ident) { Ok(vec![input.parse()?]) } else { list(input, Ident::parse) }
 }
 
-/// A family and a name of lower-case words.
+/// Checks that an id is a family and a name, each of lower-case words.
 fn check_id(id: &LitStr) -> Result<()> {
     let text = id.value();
     match text.split_once('/') {

@@ -1,4 +1,4 @@
-//! What a doc comment says of a rule.
+//! The doc comment of a rule.
 
 use crate::doc::{append, lines};
 use proc_macro2::Span;
@@ -13,7 +13,7 @@ pub struct Doc {
     pub advice: String,
 }
 
-/// The parts, distinguished by the headings `# Why` and `# What to do`.
+/// Splits a doc comment into its parts, at the headings `# Why` and `# What to do`.
 pub fn doc(attributes: &[Attribute], whole: Span) -> Result<Doc> {
     let mut parts: [String; 4] = Default::default();
     let mut at = 0;

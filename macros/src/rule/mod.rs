@@ -1,4 +1,4 @@
-//! What `#[rule]` becomes.
+//! The expansion of `#[rule]`.
 
 mod attributes;
 mod doc;
@@ -11,7 +11,7 @@ use quote::quote;
 use syn::{Fields, ItemStruct, Result};
 use threshold::{Begin, begin};
 
-/// The struct as it was, how it is made, and its registration.
+/// Expands `#[rule]` to the unchanged struct, its constructor, and its registration.
 pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let attributes: Attributes = syn::parse2(attribute)?;
     let mut state: ItemStruct = syn::parse2(item)?;
@@ -35,7 +35,7 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
         #state
 
         impl #name {
-            /// What is said of it.
+            /// The description of the rule.
             pub(crate) const METADATA: &'static crate::findings::Metadata = &crate::findings::Metadata {
                 id: #id,
                 severity: crate::findings::Severity::#severity,
@@ -63,21 +63,21 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     })
 }
 
-/// How the fields of a rule's state begin.
+/// The initial values of the fields of a rule's state.
 struct Begins {
-    /// What is said of the thresholds.
+    /// The descriptions of the thresholds.
     thresholds: Vec<TokenStream>,
     fields: TokenStream,
-    /// Whether any field depends on what the user has set.
+    /// Whether the initial value of any field depends on the user's thresholds.
     is_limited: bool,
 }
 
-/// How a rule's state begins.
+/// The constructor of a rule's state.
 fn new(begins: &Begins) -> TokenStream {
     let parameter = if begins.is_limited { quote!(thresholds) } else { quote!(_) };
     let fields = &begins.fields;
     quote! {
-        /// Its state before the first frame.
+        /// The state of the rule before the first frame.
         fn new(#parameter: &crate::findings::Thresholds) -> Self {
             Self #fields
         }

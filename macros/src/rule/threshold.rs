@@ -1,21 +1,21 @@
-//! The fields of a rule that the user can set.
+//! The fields of a rule that are thresholds, which the user can set.
 
 use crate::doc;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 use syn::{Attribute, Error, Field, Ident, LitInt, LitStr, Path, Result};
 
-/// How a field of a rule's state begins.
+/// The initial value of a field of a rule's state.
 pub enum Begin {
-    /// As the user has set it, or by default.
+    /// The value that the user has set, or the default of the threshold.
     Threshold(Threshold),
-    /// As that function says.
+    /// The result of this function for the thresholds.
     From(Path),
-    /// By its type's default.
+    /// The default of the field's type.
     Default,
 }
 
-/// A limit that can be set.
+/// A threshold: a limit that the user can set.
 pub struct Threshold {
     name: String,
     meaning: String,
@@ -25,7 +25,7 @@ pub struct Threshold {
     max: u64,
 }
 
-/// What a threshold is counted in.
+/// The unit of a threshold.
 enum Unit {
     Milliseconds,
     Microseconds,
@@ -33,7 +33,7 @@ enum Unit {
     Count(String),
 }
 
-/// Takes the attributes `#[threshold]` and `#[from]` off a field.
+/// Removes the attributes `#[threshold]` and `#[from]` from a field and returns the initial value that they give.
 pub fn begin(field: &mut Field) -> Result<Begin> {
     let mut begin = Begin::Default;
     let mut kept = Vec::new();
@@ -99,7 +99,7 @@ impl Threshold {
         Ok(read)
     }
 
-    /// What is said of it.
+    /// The description of the threshold.
     pub fn metadata(&self) -> TokenStream {
         let Self { name, meaning, default, unit, min, max } = self;
         let unit = unit.value();
@@ -110,7 +110,7 @@ impl Threshold {
         }
     }
 
-    /// Its value, of the type that its unit has.
+    /// The value of the threshold, in the type of its unit; `at` is its position among the thresholds of the rule.
     pub fn value(&self, at: usize) -> TokenStream {
         let method = self.unit.method();
         quote!(thresholds.#method(Self::METADATA, #at))

@@ -2,16 +2,16 @@
 //!
 //! ```text
 //! can0                              a SocketCAN interface
-//! socketcan:can0                    the same
+//! socketcan:can0                    the same interface
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
-//! slcan:tcp://HOST:PORT[@BITRATE]   one that is reached over TCP
+//! slcan:tcp://HOST:PORT[@BITRATE]   a serial CAN adapter that is reached over TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
-//! slcan:listen://PORT               the same, for programs on this machine only
+//! slcan:listen://PORT               as above, for a program on this machine only
 //! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library
-//! pcan:CHANNEL@BITRATE+listen-only  the same, without sending and acknowledging anything
+//! pcan:CHANNEL@BITRATE+listen-only  an adapter of PEAK that neither sends nor acknowledges
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
-//! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    with all that can be said, and with several
-//!                                   devices
+//! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    the full form, also
+//!                                   with several devices
 //! ```
 //!
 //! `MODEL` may be a device description too: `sim:my.eds`.
@@ -31,24 +31,24 @@ use canvass_traces::Timestamp;
 use std::fmt;
 use std::str::FromStr;
 
-/// The place of a bus.
+/// The address of a bus.
 #[derive(Clone, Debug)]
 pub enum BusAddress {
-    /// An interface of Linux.
+    /// A network interface of Linux.
     SocketCan {
-        /// Its name, such as `can0`.
+        /// The name of the interface, such as `can0`.
         interface: String,
     },
     /// A serial adapter that speaks SLCAN.
     SlCan {
-        /// The path of its port.
+        /// The path of the adapter's port.
         port: String,
-        /// The bit rate in bit/s, if given.
+        /// The bit rate in bit/s, if the address gives one.
         bit_rate: Option<u32>,
     },
     /// An adapter of PEAK.
     Pcan(Opening),
-    /// A simulated bus with these devices, at least one.
+    /// A simulated bus with these devices: at least one.
     Simulated(Vec<SimulatedDevice>),
 }
 
@@ -74,10 +74,10 @@ impl fmt::Debug for Opened {
     }
 }
 
-/// Opens the bus at that address.
+/// Opens the bus at an address.
 ///
 /// # Errors
-/// [`BusError`] if the address names no bus, or one that can't be opened.
+/// [`BusError`] if the text is no address of a bus, or if the bus can't be opened.
 pub fn open(address: &str) -> Result<Opened, BusError> {
     open_seeded(address, 0)
 }
@@ -127,7 +127,7 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
     }
 }
 
-/// The simulated bus itself, for callers that switch its devices off and on or copy it.
+/// Makes the simulated bus itself, for callers that switch its devices off and on or copy the bus.
 ///
 /// # Errors
 /// [`BusError::Address`] if a device description or a motion can't be read.
@@ -175,7 +175,7 @@ impl FromStr for BusAddress {
 }
 
 fn socketcan(interface: &str) -> Result<BusAddress, String> {
-    // Linux: IFNAMSIZ is 16 with its terminating zero.
+    // Linux limits names to IFNAMSIZ: 16 bytes with the terminating zero.
     let is_name = |c: char| c.is_ascii_graphic() && c != '/';
     if interface.is_empty() || interface.len() > 15 || !interface.chars().all(is_name) {
         return Err("expected the name of a CAN interface, such as can0".to_owned());
@@ -211,7 +211,7 @@ fn pcan(rest: &str) -> Result<BusAddress, String> {
 /// The highest bit rate of classical CAN.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
-/// A bit rate in bit/s, 1000 to 1 000 000.
+/// Parses a bit rate, 1000 to 1 000 000 bit/s.
 pub(super) fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1_000),

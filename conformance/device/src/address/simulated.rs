@@ -1,16 +1,16 @@
-//! The devices of a simulated bus, as its address names them.
+//! The devices of a simulated bus, as an address names them.
 //!
 //! ```text
 //! sim:DEVICE[+FAULT...][+DEVICE[+FAULT...]...]
 //! DEVICE = MODEL|FILE[:NODE][@BITRATE][~MOTION][~~LIBERTY...]
 //! ```
 //!
-//! `~~` adds a liberty to the device before it: something that the standard leaves free, and that this device does in its
-//! own way. It may follow a fault, too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
-//! (`.eds`, `.dcf`, `.xdd`, `.xdc`), one more device. The bit rate of the first device is that of the bus; another
-//! device with another one does not understand what is on the bus. `NODE` is 1 to 127, or 255 for a device that waits
-//! for LSS to give it a node-ID. Without it a device has the node-ID of its model or, where an earlier device has that,
-//! the next one that is free.
+//! `~~` adds a liberty to the device before it: a behaviour that the standard leaves free. `~~` may also follow a
+//! fault. `+` adds a fault to the device before it, or one more device if the name of a model or of a device
+//! description (`.eds`, `.dcf`, `.xdd`, `.xdc`) follows. The bit rate of the first device is that of the bus; another
+//! device with a different bit rate does not understand the frames on the bus. `NODE` is 1 to 127, or 255 for a device
+//! that waits for LSS to assign its node-ID. Without `NODE`, a device has the node-ID of its model or, if an earlier
+//! device has that node-ID, the next free one.
 
 use super::parse_bit_rate;
 use crate::models::{self, Model};
@@ -23,18 +23,18 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// A device of a simulated bus, as typed.
+/// A device of a simulated bus, as the user typed it.
 #[derive(Clone, Debug)]
 pub struct SimulatedDevice {
-    /// Its model or description.
+    /// The model or description of the device.
     pub device: DeviceName,
-    /// Its node-ID, if given.
+    /// The node-ID, if the address gives one.
     pub node: Option<GivenNode>,
-    /// Its bit rate in bit/s, if given.
+    /// The bit rate in bit/s, if the address gives one.
     pub bit_rate: Option<u32>,
-    /// The motion of its measured quantity, if given.
+    /// The motion of the measured quantity, if the address gives one.
     pub motion: Option<MotionSpec>,
-    /// The faults and liberties of its firmware.
+    /// The faults and liberties of the firmware.
     pub firmware: Firmware,
 }
 
@@ -50,20 +50,20 @@ pub enum DeviceName {
 /// The node-ID in an address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GivenNode {
-    /// This node-ID.
+    /// A node-ID from 1 to 127.
     Id(NodeId),
-    /// No node-ID: LSS must assign one.
+    /// No node-ID: LSS must assign it.
     Unconfigured,
 }
 
 /// A device on a simulated bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Attached {
-    /// Its model.
+    /// The model of the device.
     pub model: &'static Model,
-    /// Its node-ID; `None` while it has none.
+    /// The node-ID; `None` while the device has none.
     pub node: Option<NodeId>,
-    /// Its faults and liberties, including those of its description.
+    /// The faults and liberties of the firmware, including those of its description.
     pub firmware: Firmware,
 }
 
@@ -218,7 +218,7 @@ fn unreadable(path: &str, reason: &str) -> BusError {
     BusError::Address { address: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// The node-IDs of the devices: the given one, else that of the model, else the next free one.
+/// The node-IDs of the devices: each has the given node-ID, else the model's, else the next free one.
 pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Option<NodeId>> {
     let mut taken: Vec<NodeId> = devices.iter().filter_map(|(device, _)| device.given_id()).collect();
     let assign = |(device, model): &(&SimulatedDevice, &'static Model)| match device.node {

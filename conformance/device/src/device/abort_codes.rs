@@ -1,10 +1,10 @@
-//! The abort codes of a firmware: a wrong one, or one of several that the standard allows for the same reason.
+//! The abort codes of a firmware: a wrong code, or one of several codes that the standard allows for the same reason.
 
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::wire::sdo::AbortCode;
 
 impl Firmware {
-    /// The firmware's code for the standard's one.
+    /// The code that the firmware sends where the standard demands `code`.
     pub(super) fn abort_code(&self, code: AbortCode) -> AbortCode {
         let wrong = match code {
             AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW => {
@@ -37,7 +37,7 @@ impl Firmware {
         if self.has(Fault::SdoReadOnlyWrongCode) { AbortCode::DEVICE_STATE } else { AbortCode::READ_ONLY }
     }
 
-    /// A code that is as right as the given one.
+    /// The code by the firmware's liberties, which is as correct as the given one.
     const fn free_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW if self.takes(Liberty::LengthCodeGeneral) => {
@@ -55,7 +55,7 @@ impl Firmware {
         if self.takes(Liberty::LimitCodePrecise) { AbortCode::VALUE_TOO_HIGH } else { AbortCode::INVALID_VALUE }
     }
 
-    /// For an object that can't be mapped.
+    /// The code for an object that can't be mapped.
     pub(super) const fn entry_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::NOT_MAPPABLE if self.takes(Liberty::EntryCodeMissing) => AbortCode::NO_OBJECT,
@@ -64,7 +64,7 @@ impl Firmware {
         }
     }
 
-    /// For a number of mapped objects that is not possible.
+    /// The code for an impossible number of mapped objects.
     pub(super) const fn count_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::PDO_LENGTH if self.takes(Liberty::CountCodeMissing) => AbortCode::NO_OBJECT,
@@ -72,7 +72,7 @@ impl Firmware {
         }
     }
 
-    /// For another CAN-ID of a COB-ID that is valid.
+    /// The code for changing the CAN-ID of a valid COB-ID.
     pub(super) const fn cob_id_code(&self, code: AbortCode) -> AbortCode {
         match () {
             () if self.takes(Liberty::CobIdCodeGeneral) => AbortCode::GENERAL,

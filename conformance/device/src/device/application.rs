@@ -19,13 +19,13 @@ use std::sync::LazyLock;
 
 /// A device profile whose devices can be simulated.
 pub trait Profile: Sync {
-    /// Its number, as in the low word of 1000h.
+    /// The number of the profile, as in the low word of 1000h.
     fn number(&self) -> u16;
 
-    /// The application of a device of that model, if the model has this profile.
+    /// The application of a device of this model; `None` if the model has another profile.
     fn application(&self, model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>>;
 
-    /// Changes the values of the object dictionary in which the firmware has faults.
+    /// Changes the values of the object dictionary according to the faults of the firmware.
     fn plant(&self, _: &mut Parameters, _: &Firmware) {}
 }
 
@@ -43,14 +43,14 @@ static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
 
 /// The behaviour of a device in the objects of its profile. It does no I/O and reads no clock.
 pub trait Application: fmt::Debug + Send {
-    /// The same application in the same state.
+    /// A copy of the application in the same state.
     fn boxed_clone(&self) -> Box<dyn Application>;
 
     /// The live value of an object from 2000h on; `None` for an object that holds the value last written.
     fn value(&self, now: Timestamp, at: Multiplexer, device: &Surroundings<'_>) -> Option<u64>;
 
-    /// The value of an object in a PDO, if it differs from [`Application::value`]: `again` if the PDO has the object a
-    /// second time.
+    /// The value of an object in a PDO; `None` if it is the same as [`Application::value`]. `again` is set if the
+    /// object occurs in the PDO a second time.
     fn process_value(&self, _: Timestamp, _: Multiplexer, _again: bool, _: &Surroundings<'_>) -> Option<u64> {
         None
     }
@@ -63,7 +63,7 @@ pub trait Application: fmt::Debug + Send {
         Ok(())
     }
 
-    /// Whether a faulty firmware accepts a value beyond the limit that another object sets.
+    /// Whether a faulty firmware accepts a value beyond a limit that another object sets.
     fn overlooks_limits(&self, _: Multiplexer) -> bool {
         false
     }
@@ -76,13 +76,13 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// The objects that a write of that value resets to their defaults, stored values included.
+    /// The objects that a write of this value resets to their defaults; stored values of these objects are erased too.
     fn resets(&self, _: Multiplexer, _value: u64) -> &'static [u16] {
         &[]
     }
 
-    /// Whether a faulty firmware does not copy the object to those that hold the same value: when that value is
-    /// written; for `None`, when parameters are loaded or read.
+    /// Whether a faulty firmware fails to copy the object to the objects linked with it: with a value, when that value
+    /// is written; with `None`, when parameters are loaded or read.
     fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
         false
     }
@@ -92,7 +92,7 @@ pub trait Application: fmt::Debug + Send {
         None
     }
 
-    /// Whether TPDOs act on a write of the object.
+    /// Whether a write of the object changes the configuration of TPDOs.
     fn changes_tpdos(&self, _: Multiplexer) -> bool {
         false
     }
@@ -105,7 +105,7 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// The value that the device stores besides the parameters.
+    /// The value that the device stores in addition to the parameters.
     fn retained(&self) -> i64 {
         0
     }
@@ -118,12 +118,12 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// Interval for checking errors that come and go without any write; `None` if there are none.
+    /// Interval of the checks for errors that come and go without a write; `None` if there are no such errors.
     fn watch(&self) -> Option<Duration> {
         None
     }
 
-    /// The possible errors of the application, each with whether it is present.
+    /// All possible errors of the application, each with whether it is present.
     fn errors(&self, _: Timestamp, _: &Surroundings<'_>) -> ApplicationErrors {
         ApplicationErrors::default()
     }
@@ -153,7 +153,7 @@ impl Surroundings<'_> {
 /// An error of the application.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ApplicationError {
-    /// The identity of the error; other details may differ.
+    /// The identity of the error; errors with equal numbers are the same error, whatever their other fields.
     pub number: u16,
     /// The error code of the EMCY message.
     pub code: EmcyCode,
@@ -161,24 +161,24 @@ pub struct ApplicationError {
     pub register: u8,
     /// Bytes 3 to 7 of the EMCY message.
     pub manufacturer: [u8; 5],
-    /// The sub-index of 1029h for the device's reaction.
+    /// The sub-index of 1029h that sets the device's reaction.
     pub behaviour: Option<u8>,
 }
 
-/// Errors of an application, each with whether it is present: an array, as every change checks them.
+/// Errors of an application, each with whether it is present. An array avoids an allocation at every change.
 pub type ApplicationErrors = [Option<(ApplicationError, bool)>; 4];
 
-/// The application of a device of that model, if a profile has one for it.
+/// The application of a device of this model; `None` if no profile has one for it.
 pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<Box<dyn Application>> {
     PROFILES.iter().find_map(|profile| profile.application(model, motion, firmware))
 }
 
-/// Changes the object dictionary by the faults of the firmware in objects of profiles.
+/// Changes the object dictionary according to the firmware's faults in objects of profiles.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     PROFILES.iter().for_each(|profile| profile.plant(parameters, firmware));
 }
 
-/// Finds the errors of the application and reports them.
+/// Monitors the errors of the application and reports their changes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorWatch {
     /// Time of the next check.
@@ -186,7 +186,7 @@ pub(super) struct ErrorWatch {
 }
 
 impl ErrorWatch {
-    /// A monitor that is off.
+    /// The state without monitoring.
     pub const fn new() -> Self {
         Self { due: Timestamp::MAX }
     }

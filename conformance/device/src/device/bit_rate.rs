@@ -1,4 +1,4 @@
-//! The bit rate of the device, and its change (CiA 305, "activate bit timing").
+//! The bit rate of the device, and the change of the bit rate (CiA 305, "activate bit timing").
 
 use super::Device;
 use super::context::Context;
@@ -6,12 +6,12 @@ use super::lss_slave::bit_rate;
 use crate::Fault;
 use canvass_traces::{Duration, Timestamp};
 
-/// A change in progress: silence, the change, silence again.
+/// A change of the bit rate in progress: silence, the change, silence again.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Activation {
     /// Time of the change; [`Timestamp::MAX`] after it.
     change: Timestamp,
-    /// The time from which it may send again.
+    /// The time from which the device may send again.
     end: Timestamp,
 }
 
@@ -27,7 +27,7 @@ impl Device {
         self.activation.as_ref().map_or(Timestamp::MAX, Activation::timeout)
     }
 
-    /// Sets the bit rate in bit/s, independently of the bus. A device as delivered has that of the bus.
+    /// Sets the bit rate in bit/s, independently of the bus. Without this call the device has the bit rate of the bus.
     pub fn set_bit_rate(&mut self, bit_rate: u32) {
         self.bit_rate = Some(bit_rate);
         self.delivered_bit_rate = Some(bit_rate);
@@ -57,7 +57,7 @@ impl Device {
         }
     }
 
-    /// Takes the stored bit rate, else the default one, at power-on and reset node.
+    /// Uses the stored bit rate, else the default one, at power-on and reset node.
     pub(super) fn take_stored_bit_rate(&mut self) {
         let Context { objects, store, .. } = &self.context;
         let sheet = objects.model.sheet();

@@ -13,10 +13,10 @@ use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
 
 impl Objects {
-    /// Checks whether the object accepts that number now.
+    /// Checks whether the object accepts a number now.
     ///
     /// # Errors
-    /// The abort code of this model if it does not.
+    /// The abort code of this model if the object does not accept the number.
     pub(super) fn check(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         if let Some(command) = StoreCommand::of(at, &self.model.sheet().storage) {
             return self.check_signature(at, command, value);
@@ -42,7 +42,7 @@ impl Objects {
             return Ok(());
         }
         let checked = match command {
-            // With this fault, one check accepts both signatures.
+            // A firmware with this fault accepts any signature.
             _ if self.firmware.has(Fault::StoreSignatureUnchecked) => false,
             StoreCommand::Save(_) => true,
             StoreCommand::Restore(_) => !self.firmware.has(Fault::RestoreSignatureUnchecked),
@@ -50,7 +50,8 @@ impl Objects {
         if checked { command.check(value, &self.model.sheet().storage) } else { Ok(()) }
     }
 
-    /// Checks node-ID and bit rate: a valid value, or "not configured" if the device is delivered so.
+    /// Checks node-ID and bit rate: the value must be valid; "not configured" is valid if the device is delivered
+    /// without node-ID.
     fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
@@ -103,7 +104,7 @@ impl Objects {
         }
     }
 
-    /// Checks by the application's rules and the sheet.
+    /// Checks a value by the application's rules and the sheet.
     fn check_application(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         self.compare(at, value)?;
         match &self.application {

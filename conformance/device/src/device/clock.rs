@@ -1,4 +1,5 @@
-//! The clock of a device, which TIME sets and sends, and the high resolution time stamp (1013h).
+//! The clock of a device, which TIME sets and which the device sends as TIME, and the high resolution time stamp
+//! (1013h).
 
 use super::parameters::Parameters;
 use crate::models::Network;
@@ -11,26 +12,26 @@ use canvass_traces::{Duration, Timestamp};
 /// The device's clock; at power-on it shows the beginning of 1984.
 #[derive(Clone, Debug)]
 pub(super) struct Clock {
-    /// Milliseconds since 1984-01-01 at `set`.
+    /// The time at `set`, in milliseconds since 1984-01-01.
     base: u64,
     set: Timestamp,
     /// The value written to 1013h, and its time.
     stamp: (u32, Timestamp),
     cob_id: CobId,
     consumes: bool,
-    /// The period of TIME; zero if it is not sent.
+    /// The period of TIME; zero if the device does not send TIME.
     period: Duration,
     due: Timestamp,
     firmware: Firmware,
 }
 
-/// 1012h bit 31: consumes TIME.
+/// 1012h bit 31: the device consumes TIME.
 pub(super) const CONSUMES: u32 = 1 << 31;
-/// 1012h bit 30: produces TIME.
+/// 1012h bit 30: the device produces TIME.
 pub(super) const PRODUCES: u32 = 1 << 30;
 
 impl Clock {
-    /// A clock at power-on.
+    /// The clock at power-on.
     pub const fn new(now: Timestamp, firmware: &Firmware) -> Self {
         Self {
             base: 0,
@@ -44,7 +45,7 @@ impl Clock {
         }
     }
 
-    /// Takes over 1012h.
+    /// Applies the value of 1012h.
     pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
         self.cob_id = CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32);
         self.consumes = network.time_consumer && self.cob_id.0 & CONSUMES != 0;
@@ -53,23 +54,23 @@ impl Clock {
         self.restart(now, may_send);
     }
 
-    /// Restarts sending, or stops it.
+    /// Restarts the production of TIME, or stops it.
     pub fn restart(&mut self, now: Timestamp, may_send: bool) {
         let sends = may_send && self.period > Duration::ZERO && !self.firmware.has(Fault::TimeNotProduced);
         self.due = if sends { now + self.period } else { Timestamp::MAX };
     }
 
-    /// The CAN-ID on which the device consumes TIME, if it does.
+    /// The CAN-ID on which the device consumes TIME; `None` if it consumes none.
     pub fn can_id(&self) -> Option<u16> {
         self.consumes.then_some(self.cob_id.can_id() as u16)
     }
 
-    /// The CAN-ID of the produced TIME.
+    /// The CAN-ID on which the device produces TIME.
     pub const fn own_can_id(&self) -> u16 {
         self.cob_id.can_id() as u16
     }
 
-    /// Handles TIME.
+    /// Sets the clock to a received TIME.
     pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
         if !self.firmware.has(Fault::TimeIgnored) {
             self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
@@ -82,7 +83,7 @@ impl Clock {
         self.stamp = (micros, now);
     }
 
-    /// 1013h: microseconds, from 0 again after 2^32.
+    /// The value of 1013h: microseconds, starting at 0 again after 2^32.
     pub const fn micros(&self, now: Timestamp) -> u32 {
         let (written, at) = self.stamp;
         let now = if self.firmware.has(Fault::ClockStands) { at } else { now };

@@ -11,7 +11,7 @@ pub(super) enum Condition {
     Application(ApplicationError),
     /// The master's guarding requests are missing.
     Guarding,
-    /// The heartbeat of that node is missing.
+    /// The heartbeat of this node is missing.
     Heartbeat { node: u8 },
     /// The RPDO of this number, from 1, is shorter than its mapping.
     RpdoTooShort { rpdo: u16 },
@@ -28,7 +28,7 @@ pub(super) enum Condition {
 }
 
 impl Condition {
-    /// The identity of the condition; other details may differ.
+    /// The identity of the condition: conditions with equal keys are the same one, whatever their other fields.
     pub const fn key(self) -> (u8, u16) {
         match self {
             Self::Application(error) => (0, error.number),
@@ -57,7 +57,7 @@ impl Condition {
         }
     }
 
-    /// The bits of the error register. Bit 0 is always among them, if the device supports it.
+    /// The bits of the error register. Bit 0 is always set, if the device supports it.
     pub fn register(self, quirks: &Quirks) -> u8 {
         if let Self::Hardware { register: documented @ 1.., .. } = self {
             return documented;
@@ -67,7 +67,7 @@ impl Condition {
             Self::Application(error) => error.register,
             _ => 0,
         };
-        // A lost master is a communication error, whatever its code.
+        // The loss of the master is a communication error, whatever its EMCY code.
         let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
         let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | of_profile;
         match quirks.error_register_bits {
@@ -77,13 +77,13 @@ impl Condition {
         }
     }
 
-    /// The sub-index of 1029h for the device's reaction.
+    /// The sub-index of 1029h that sets the device's reaction.
     pub const fn behaviour(self) -> Option<u8> {
         match self {
             Self::Guarding | Self::Heartbeat { .. } => Some(1),
             Self::Application(error) => error.behaviour,
-            // Temperature and sensor errors belong to the profile, communication errors to communication, others to
-            // the manufacturer.
+            // 1029h:01 is for communication errors, 1029h:02 for errors of the profile (temperature, sensor), 1029h:03
+            // for errors of the manufacturer.
             Self::Hardware { code, .. } => Some(match code.0 {
                 0x4000..0x5000 | 0x5050..0x5060 | 0xFF00 => 2,
                 0x8000..0x9000 => 1,
@@ -93,7 +93,7 @@ impl Condition {
         }
     }
 
-    /// Bytes 3 to 7.
+    /// Bytes 3 to 7 of the EMCY message.
     pub const fn manufacturer(self) -> [u8; 5] {
         match self {
             Self::Hardware { bytes, .. } => bytes,

@@ -21,7 +21,7 @@ pub(super) struct Context {
     pub phase: Phase,
     pub objects: Objects,
     pub store: Store,
-    /// Until this time the device neither receives nor sends; [`Timestamp::ZERO`] if it works.
+    /// The device neither receives nor sends before this time; [`Timestamp::ZERO`] if it is not silent.
     pub silent_until: Timestamp,
     /// Frames ready to be sent.
     pub outbox: VecDeque<Frame>,
@@ -29,17 +29,17 @@ pub(super) struct Context {
     pub events: VecDeque<Event>,
     /// Whether COB-IDs have changed.
     pub routes_changed: bool,
-    /// Whether the window of synchronous PDOs is over.
+    /// Whether the window of synchronous PDOs has closed.
     pub sync_closed: bool,
-    /// Whether heartbeats are sent, so that guarding is not answered.
+    /// Whether the device sends heartbeats; it then does not answer node guarding.
     pub is_heartbeat_active: bool,
 }
 
-/// Maximum number of waiting frames: a device that can't send loses further frames.
+/// Maximum number of waiting frames: a device that can't send loses all further frames.
 const LONGEST_OUTBOX: usize = 256;
 
 impl Context {
-    /// A context before the first start.
+    /// The context before the first start of the device.
     pub fn new(node: Option<NodeId>, objects: Objects, store: Store) -> Self {
         Self {
             node,
@@ -69,17 +69,17 @@ impl Context {
         &self.objects.firmware
     }
 
-    /// Whether the firmware has that fault.
+    /// Whether the firmware has this fault.
     pub const fn has(&self, fault: Fault) -> bool {
         self.objects.has(fault)
     }
 
-    /// Whether the firmware takes that liberty.
+    /// Whether the firmware takes this liberty.
     pub const fn takes(&self, liberty: Liberty) -> bool {
         self.objects.takes(liberty)
     }
 
-    /// The node-ID that defaults follow.
+    /// The node-ID from which default COB-IDs are calculated.
     pub fn node_or_placeholder(&self) -> NodeId {
         self.node.unwrap_or(PLACEHOLDER)
     }
@@ -103,12 +103,12 @@ impl Context {
         }
     }
 
-    /// Requests an action of the device.
+    /// Queues a request to the device as a whole.
     pub fn order(&mut self, order: Order) {
         self.events.push_back(Event::Order(order));
     }
 
-    /// Reports that a condition is present or gone.
+    /// Sets or clears an error condition, and reacts to its change.
     pub fn report(&mut self, condition: Condition, present: bool) {
         let reacts_to_return = self.firmware().has(Fault::ConsumerReturnLeaves);
         let next = if self.objects.errors.set(condition, present) && (present || reacts_to_return) {
@@ -122,13 +122,13 @@ impl Context {
         next.into_iter().for_each(|phase| self.order(Order::Enter(phase)));
     }
 
-    /// As [`Context::report`] of a present condition, but without an EMCY.
+    /// Reacts to a present condition as [`Context::report`] does, but without an EMCY.
     pub fn react(&mut self, condition: Condition) {
         self.reaction(condition).into_iter().for_each(|phase| self.order(Order::Enter(phase)));
     }
 
-    /// The NMT state after an error, by 1029h. Without its first entry the device leaves operational when the master
-    /// or a watched node is missing.
+    /// The NMT state after an error, by 1029h. Without 1029h:01 the device leaves operational when the master or a
+    /// monitored node is missing.
     fn reaction(&self, condition: Condition) -> Option<Phase> {
         let firmware = self.firmware();
         let sub = condition.behaviour().filter(|_| !firmware.has(Fault::ErrorBehaviourIgnored))?;

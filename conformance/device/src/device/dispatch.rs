@@ -44,7 +44,7 @@ impl Device {
         self.follow_up(now);
     }
 
-    /// Passes the services' events to the other services, or carries them out.
+    /// Delivers the queued events to the services, and carries out requests to the device.
     pub(super) fn follow_up(&mut self, now: Timestamp) {
         while let Some(event) = self.context.events.pop_front() {
             match event {
@@ -67,14 +67,15 @@ impl Device {
         }
     }
 
-    /// Recomputes all routes, because COB-IDs or the node-ID have changed.
+    /// Recomputes all routes after a change of a COB-ID or the node-ID.
     pub(super) fn find_routes(&mut self) {
         self.context.routes_changed = false;
         self.routes = Routes::new();
         self.services.find_routes(&self.context, &mut self.routes);
     }
 
-    /// Moves ready frames to the outbox, and computes the time of the next event; to be called after every event.
+    /// Moves ready frames to the outbox, and computes the time of the next event. The device calls this after every
+    /// event.
     pub(super) fn settle(&mut self, now: Timestamp) {
         if self.context.routes_changed {
             self.find_routes();
@@ -96,7 +97,7 @@ impl Device {
         };
     }
 
-    /// As [`Device::settle`], after an event that concerned only the SDO servers.
+    /// As [`Device::settle`], after an event that changed only the SDO servers.
     fn settle_sdo(&mut self, now: Timestamp) {
         if self.beside_sdo == Timestamp::ZERO {
             return self.settle(now);
@@ -105,7 +106,7 @@ impl Device {
         self.wake = self.beside_sdo.min(self.services.sdo.next());
     }
 
-    /// The service of a frame of the device itself.
+    /// The service that sent this frame of the device.
     pub(super) fn service_of(&self, frame: &Frame) -> Option<Service> {
         let (can_id, node) = (frame.id().as_standard()?, self.context.node?);
         let clock = &self.context.objects.clock;
@@ -119,13 +120,13 @@ impl Device {
         })
     }
 
-    /// Whether a waiting synchronous PDO is too late to be sent.
+    /// Whether the window of a waiting synchronous PDO has closed.
     fn is_too_late(&self, pending: &Frame) -> bool {
         let can_id = pending.id().as_standard();
         self.context.sync_closed && can_id.is_some_and(|id| self.services.tpdos.use_synchronously(id))
     }
 
-    /// Handles a frame as the services get it.
+    /// Handles a frame in the form in which the services get it.
     fn receive(&mut self, now: Timestamp, frame: &Frame) {
         let confuses = self.context.has(Fault::ExtendedFrameObeyed);
         let standard = frame.id().as_standard();
@@ -246,8 +247,8 @@ mod tests {
     use crate::models::Model;
     use canvass_traces::{CanId, Duration};
 
-    /// A heartbeat that is awaited when a reset comes is not waited for during initialisation: what is due then can't be
-    /// served, and the device would be woken without end.
+    /// A reset ends the wait for a heartbeat. Otherwise the wait would be due during initialisation, where nobody
+    /// handles it, and the device would wake up without end.
     #[test]
     fn nothing_wakes_a_device_that_initialises() {
         let model = Model::by_id("reference-301").unwrap();
@@ -255,7 +256,7 @@ mod tests {
         let frame = |id, data: &[u8]| Frame::new(CanId::standard_masked(id), data).unwrap();
         let booted = device.poll_timeout().unwrap();
         device.handle_timeout(booted);
-        // Node 11 is awaited every 50 ms, and heard once.
+        // The consumer time of node 11 is 50 ms, and one heartbeat of it comes.
         device.handle(booted, &frame(0x60A, &[0x23, 0x16, 0x10, 0x01, 50, 0, 11, 0]));
         device.handle(booted, &frame(0x70B, &[5]));
         let reset = booted + Duration::from_millis(1);

@@ -1,4 +1,4 @@
-//! EMCY: sends the device's own errors (1014h, 1015h), and receives those of other nodes (1028h).
+//! EMCY: sends the errors of the device (1014h, 1015h), and receives the errors of other nodes (1028h).
 
 use super::context::Context;
 use super::nmt;
@@ -13,12 +13,12 @@ use canvass_analyzer::wire::emcy;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Sends EMCY messages, and handles those of other nodes.
+/// Sends EMCY messages, and handles EMCY messages of other nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmcyService;
 
 impl EmcyService {
-    /// The next EMCY, if there is one and it may be sent.
+    /// The next EMCY that may be sent now; `None` if there is none.
     fn next(now: Timestamp, context: &mut Context) -> Option<Frame> {
         if now < Self.timeout(context) {
             return None;
@@ -26,11 +26,11 @@ impl EmcyService {
         let inhibit =
             Duration::from_micros(100 * context.objects.parameters.number_or_zero(object::INHIBIT_TIME_EMCY, 0));
         if inhibit > Duration::ZERO && context.has(Fault::EmcyMutedByInhibitTime) {
-            // The waiting messages are lost.
+            // This faulty firmware loses its waiting messages.
             while context.objects.errors.poll(now, Duration::ZERO).is_some() {}
             return None;
         }
-        // A message disabled by 1014h is dropped, and the next one may follow at once.
+        // While bit 31 of 1014h is set, the message is dropped and the next message may follow at once.
         loop {
             let emcy = context.objects.errors.poll(now, inhibit)?;
             let cob_id = Self::cob_id(context)?;
@@ -46,7 +46,7 @@ impl EmcyService {
         if context.serves(nmt::Service::Emcy) { context.objects.errors.timeout() } else { Timestamp::MAX }
     }
 
-    /// The predefined COB-ID.
+    /// The COB-ID of EMCY in the predefined connection set.
     fn usual(context: &Context) -> Option<CobId> {
         Some(CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw())))
     }
@@ -59,7 +59,7 @@ impl EmcyService {
 }
 
 impl Service for EmcyService {
-    /// Handles the EMCY of a node in 1028h.
+    /// Handles the EMCY of a node that 1028h names.
     fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         if frame.len() == 8 && context.phase.is_running() {
             context.objects.received_emcy = u64::from_le_bytes(frame.bytes());
@@ -107,7 +107,7 @@ impl Service for EmcyService {
     }
 }
 
-/// Checks a write to 1014h: 11 bits, not restricted, and another CAN-ID only while bit 31 is set.
+/// Checks a write to 1014h: a CAN-ID of 11 bits that is not restricted. The CAN-ID may change only while bit 31 is set.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -119,7 +119,7 @@ pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmw
     check_peer_cob_id(value, old, firmware, !firmware.has(Fault::EmcyIdChangeWhileValid))
 }
 
-/// As [`check_cob_id`], for the COB-IDs of 1028h and of the further SDO channels.
+/// Checks a write to a COB-ID of 1028h or of a further SDO channel, by the rules of [`check_cob_id`].
 ///
 /// # Errors
 /// "Invalid value" otherwise.

@@ -1,4 +1,4 @@
-//! The errors of a device, in the error register (1001h), the history (1003h) and the EMCY messages.
+//! The errors of a device, as the error register (1001h), the history (1003h) and the EMCY messages show them.
 
 use super::condition::Condition;
 use crate::models::Quirks;
@@ -8,34 +8,34 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
 use std::collections::VecDeque;
 
-/// The state of errors.
+/// The errors of a device.
 #[derive(Clone, Debug)]
 pub(super) struct Errors {
     present: Vec<Condition>,
-    /// 1003h, newest first.
+    /// The entries of 1003h, newest first.
     history: VecDeque<u32>,
-    /// Number of entries of the history.
+    /// Maximum number of entries of the history.
     capacity: usize,
-    /// Messages that were not sent yet.
+    /// EMCY messages that wait to be sent.
     queue: VecDeque<Emcy>,
-    /// 1015h: the time before which no EMCY is sent.
+    /// The time before which 1015h forbids the next EMCY.
     inhibited_until: Timestamp,
-    /// Bits that a faulty firmware forgets to clear.
+    /// Bits of the error register that a faulty firmware forgets to clear.
     stuck: u8,
     quirks: Quirks,
     firmware: Firmware,
 }
 
-/// Maximum number of waiting EMCY messages; the oldest stay.
+/// Maximum number of waiting EMCY messages; further messages are lost.
 const LONGEST_QUEUE: usize = 16;
 
-/// Number of counted errors, if 1003h shows fewer.
+/// Number of errors that the device counts if 1003h shows fewer.
 const MOST_COUNTED: usize = 16;
 
 impl Errors {
-    /// The state without errors; the history holds `capacity` entries.
+    /// The state without errors; `capacity` is the number of entries of 1003h.
     pub fn new(capacity: usize, quirks: &Quirks, firmware: &Firmware) -> Self {
-        // Errors that can only be cleared one by one are counted beyond the shown ones.
+        // If errors can only be cleared one by one, the device counts more of them than 1003h shows.
         let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
             quirks: quirks.clone(),
@@ -49,7 +49,7 @@ impl Errors {
         }
     }
 
-    /// 1001h.
+    /// The value of 1001h.
     pub fn register(&self) -> u8 {
         let register =
             self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
@@ -60,7 +60,7 @@ impl Errors {
         }
     }
 
-    /// The entry of 1003h, of which sub-index 0 is the number of errors.
+    /// The value of an entry of 1003h; sub-index 0 is the number of errors.
     ///
     /// # Errors
     /// "No data" for an entry that is still empty.
@@ -106,18 +106,18 @@ impl Errors {
         }
     }
 
-    /// Clears the register when the last error of the history is gone.
+    /// Clears the error register, and reports that no error is left.
     fn acknowledge(&mut self) {
         self.present.clear();
         self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
     }
 
-    /// Whether a condition is there.
+    /// Whether a condition is present.
     pub fn is_present(&self, condition: Condition) -> bool {
         self.present.iter().any(|present| present.key() == condition.key())
     }
 
-    /// Sets a condition. Only a change is reported; returns whether there was one.
+    /// Sets or clears a condition. Only a change is reported; returns whether there was one.
     pub fn set(&mut self, condition: Condition, present: bool) -> bool {
         let position = self.present.iter().position(|other| other.key() == condition.key());
         match (position, present) {
@@ -150,7 +150,7 @@ impl Errors {
         true
     }
 
-    /// The code of the EMCY.
+    /// The EMCY code of a condition.
     fn code(&self, condition: Condition) -> EmcyCode {
         match condition {
             _ if self.firmware.takes(Liberty::GenericErrorCodes) => EmcyCode::GENERIC,
@@ -192,18 +192,18 @@ impl Errors {
     pub fn timeout(&self) -> Timestamp {
         match self.queue.is_empty() {
             true => Timestamp::MAX,
-            // Messages that get lost are due at once.
+            // A firmware that loses inhibited messages must do so at once.
             false if self.firmware.has(Fault::EmcyLostWhenInhibited) => Timestamp::ZERO,
             false => self.inhibited_until,
         }
     }
 
-    /// Handles a write to 1015h, for a device whose inhibit time then begins.
+    /// Begins an inhibit time, for a device that begins it with a write to 1015h.
     pub fn inhibit_until(&mut self, end: Timestamp) {
         self.inhibited_until = end;
     }
 
-    /// Handles the state stopped.
+    /// Handles entering the state stopped.
     pub fn on_stopped(&mut self) {
         if self.firmware.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
@@ -211,7 +211,7 @@ impl Errors {
         }
     }
 
-    /// Handles leaving stopped: messages from meanwhile may be sent now.
+    /// Handles leaving the state stopped: messages that were queued meanwhile may be sent now.
     pub fn after_stopped(&mut self) {
         if self.firmware.takes(Liberty::StoppedEmcyDropped) {
             self.queue.clear();
@@ -221,8 +221,8 @@ impl Errors {
         }
     }
 
-    /// Handles a reset: conditions are detected anew, waiting messages are lost, the history stays until power-off,
-    /// unless a reset clears it too.
+    /// Handles a reset: conditions are detected anew, and waiting messages are lost. The history stays until power-off,
+    /// unless the device clears it at a reset too.
     pub fn reset(&mut self) {
         self.present.clear();
         if !self.firmware.has(Fault::EmcySurvivesReset) {

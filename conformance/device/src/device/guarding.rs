@@ -13,7 +13,7 @@ use canvass_traces::{Duration, Timestamp};
 #[derive(Clone, Debug)]
 pub(super) struct NodeGuarding {
     toggle: bool,
-    /// Guard time times life time factor; zero if the master is not monitored.
+    /// The life time: guard time times life time factor; zero if the device does not monitor the master.
     life_time: Duration,
     /// The time at which the master counts as lost; [`Timestamp::MAX`] until its first remote frame.
     due: Timestamp,
@@ -31,7 +31,7 @@ impl NodeGuarding {
         *self = Self { toggle, ..Self::new() };
     }
 
-    /// Takes over 100Ch, in milliseconds, and 100Dh.
+    /// Applies the values of 100Ch, in milliseconds, and of 100Dh.
     fn set(&mut self, now: Timestamp, guard_millis: u64, factor: u64, firmware: &Firmware) {
         let life_time = Duration::from_millis(guard_millis).times(life_time_factor(factor, firmware));
         if life_time == Duration::ZERO && firmware.has(Fault::LifeGuardingNotStopped) {
@@ -43,7 +43,7 @@ impl NodeGuarding {
         self.due = if watched { now + life_time } else { Timestamp::MAX };
     }
 
-    /// Handles a remote frame.
+    /// The answer to a remote frame; restarts the life time.
     fn answer(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
         if self.life_time == Duration::ZERO && firmware.has(Fault::GuardingSilentWhenOff) {
             return None;
@@ -60,14 +60,14 @@ impl NodeGuarding {
         Some(ErrorControl { toggle, state })
     }
 
-    /// Takes over 100Ch and 100Dh from the context.
+    /// Applies the current values of 100Ch and 100Dh.
     fn configure(&mut self, now: Timestamp, context: &Context) {
         let number = |index| context.objects.parameters.number_or_zero(index, 0);
         self.set(now, number(object::GUARD_TIME), number(object::LIFE_TIME_FACTOR), context.firmware());
     }
 
-    /// Handles the master's request for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA
-    /// 301, 7.2.8.2.2).
+    /// Handles the master's remote frame. While the device sends heartbeats, it does not answer node guarding (CiA 301,
+    /// 7.2.8.2.2).
     pub fn on_request(&mut self, now: Timestamp, context: &mut Context) {
         let sheet = context.objects.model.sheet();
         let beside = !context.is_heartbeat_active || context.has(Fault::GuardingBesideHeartbeat);
@@ -84,7 +84,7 @@ impl NodeGuarding {
     }
 }
 
-/// The life time factor of 100Dh.
+/// The life time factor that the firmware uses for the value of 100Dh.
 fn life_time_factor(factor: u64, firmware: &Firmware) -> u64 {
     let factor = if firmware.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
     factor + u64::from(firmware.has(Fault::LifeTimeFactorOffByOne) && factor > 0)
@@ -106,7 +106,7 @@ impl Service for NodeGuarding {
         if now < self.due {
             return;
         }
-        // The loss is reported once, until the master's next remote frame.
+        // The loss is reported only once, until the master's next remote frame.
         self.due = Timestamp::MAX;
         if !context.has(Fault::LifeGuardingUnreported) {
             context.report(Condition::Guarding, true);

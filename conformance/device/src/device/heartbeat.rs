@@ -8,27 +8,27 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
-/// The resolution of a coarse timer, in milliseconds.
+/// The resolution in milliseconds of the timer of a faulty firmware.
 const COARSE: u64 = 64;
 
-/// Sends the state periodically.
+/// Sends heartbeats periodically.
 #[derive(Clone, Debug)]
 pub(super) struct HeartbeatProducer {
     period: Duration,
     due: Timestamp,
-    /// Number of missed heartbeats that a faulty firmware sends later.
+    /// Number of heartbeats of a burst that a faulty firmware still has to send.
     burst: u8,
     /// The state in the last heartbeat.
     last: State,
 }
 
 impl HeartbeatProducer {
-    /// A producer that is off.
+    /// The state without heartbeats.
     pub const fn new() -> Self {
         Self { period: Duration::ZERO, due: Timestamp::MAX, burst: 0, last: State::PRE_OPERATIONAL }
     }
 
-    /// Restarts with the time of 1017h in milliseconds; 0 switches off.
+    /// Restarts with the producer heartbeat time in milliseconds; 0 switches heartbeats off.
     fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         if millis == 0 && firmware.has(Fault::HeartbeatNotStopped) {
             return;
@@ -40,8 +40,8 @@ impl HeartbeatProducer {
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
-    /// Handles the end of initialisation: the boot-up message is the first heartbeat, the next one follows one period
-    /// later.
+    /// Handles the end of initialisation: the boot-up message counts as the first heartbeat, so the next one follows a
+    /// period later.
     fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         self.start(now, millis, firmware);
         self.burst = 0;
@@ -51,13 +51,13 @@ impl HeartbeatProducer {
         }
     }
 
-    /// Handles initialisation: no heartbeat.
+    /// Handles the begin of initialisation, during which no heartbeats are sent.
     const fn stop(&mut self) {
         self.due = Timestamp::MAX;
         self.burst = 0;
     }
 
-    /// Whether heartbeats are produced.
+    /// Whether the device sends heartbeats.
     fn is_active(&self) -> bool {
         self.due < Timestamp::MAX
     }
@@ -67,7 +67,7 @@ impl HeartbeatProducer {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
-            // The next one is due relative to the planned time, so that delays do not add up.
+            // The next heartbeat is due relative to the planned time of this one, so that delays do not add up.
             self.due += self.period;
         }
         let wrong = firmware.has(Fault::HeartbeatWrongState);
@@ -78,7 +78,7 @@ impl HeartbeatProducer {
     }
 }
 
-/// The time between heartbeats, by 1017h.
+/// The time between heartbeats for a value of 1017h.
 fn period(millis: u64, firmware: &Firmware) -> Duration {
     let rounded = firmware.has(Fault::HeartbeatTimerRounded);
     let millis = if rounded { millis.next_multiple_of(COARSE) } else { millis };

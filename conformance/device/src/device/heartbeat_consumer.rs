@@ -1,4 +1,4 @@
-//! The heartbeat consumer (1016h): detects the absence of nodes that it has heard once.
+//! The heartbeat consumer (1016h): detects the loss of nodes after their first heartbeat.
 
 use super::condition::Condition;
 use super::context::Context;
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The consumed heartbeats, one for each sub-index of 1016h.
+/// The entries of 1016h, with the states of their nodes.
 #[derive(Clone, Debug)]
 pub(super) struct HeartbeatConsumer {
     watched: Vec<Watched>,
@@ -24,13 +24,13 @@ struct Watched {
     node: u8,
     /// The consumer time; zero if the entry is not in use.
     time: Duration,
-    /// The time at which the heartbeat is missing; [`Timestamp::MAX`] until the first one.
+    /// The time at which the node counts as lost; [`Timestamp::MAX`] until its first heartbeat.
     due: Timestamp,
     lost: bool,
 }
 
 impl HeartbeatConsumer {
-    /// A consumer without entries.
+    /// A consumer without monitored nodes.
     pub const fn new() -> Self {
         Self { watched: Vec::new() }
     }
@@ -66,7 +66,7 @@ impl HeartbeatConsumer {
         back
     }
 
-    /// A newly missing node, if there is one; called until there is none.
+    /// A node that is newly lost; `None` if there is none. The caller repeats this until `None`.
     fn next_lost(&mut self, now: Timestamp) -> Option<u8> {
         let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
         watched.due = Timestamp::MAX;
@@ -75,7 +75,7 @@ impl HeartbeatConsumer {
     }
 }
 
-/// Whether a written entry of 1016h acts at once.
+/// Whether a written entry of 1016h takes effect at once.
 fn acts(at: Multiplexer, context: &Context) -> bool {
     let needs_store = context.objects.model.sheet().network.heartbeat_consumer_needs_store;
     !needs_store || context.store.number(at, &context.objects.parameters).is_some()
@@ -135,19 +135,20 @@ impl Service for HeartbeatConsumer {
     }
 }
 
-/// The node-ID (bits 16 to 23) and the time in milliseconds (bits 0 to 15).
+/// Splits an entry of 1016h into the node-ID (bits 16 to 23) and the time in milliseconds (bits 0 to 15).
 const fn split(entry: u64) -> (u8, u64) {
     ((entry >> 16) as u8, entry & 0xFFFF)
 }
 
-/// Whether another entry monitors another node.
+/// Whether another entry of 1016h monitors a node other than `node`.
 fn watches_another(at: Multiplexer, node: u8, parameters: &Parameters) -> bool {
     let others = (1..=127).filter(|&sub| sub != at.sub.0);
     let mut others = others.map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub)).map(split);
     others.any(|(other, time)| other != node && time > 0)
 }
 
-/// Checks a write to 1016h: one entry for each node; another node only after the entry was erased.
+/// Checks a write to 1016h: each node-ID in one entry only, and no other node-ID in an entry that was not erased
+/// before.
 ///
 /// # Errors
 /// "General parameter incompatibility" otherwise.

@@ -1,30 +1,30 @@
-//! State that LSS and LMT slaves share: the two states, and sequences of messages.
+//! The part that LSS and LMT slaves share: their two states, and sequences of messages.
 
 use canvass_analyzer::wire::layer_setting::{Dialect, Limit, Numbered};
 
 /// The state of a slave.
 #[derive(Clone, Debug)]
 pub(super) struct LayerSetting {
-    /// Whether it is in configuration, not in waiting (LSS) or operation (LMT).
+    /// Whether the slave is in configuration; otherwise it is in waiting (LSS) or in operation (LMT).
     pub configuring: bool,
-    /// Progress in the parts of the address.
+    /// Progress of "switch mode selective" in the parts of the address.
     pub selected: InOrder,
-    /// Progress in the bounds of "identify remote slave".
+    /// Progress of "identify remote slave" in its bounds.
     pub identified: InOrder,
 }
 
-/// The number of values received in order that matched; a first value restarts.
+/// Number of consecutive values that matched; the first value of a sequence restarts it.
 #[derive(Clone, Debug)]
 pub(super) struct InOrder(usize);
 
 impl LayerSetting {
-    /// The state waiting, or operation.
+    /// The state waiting (LSS) or operation (LMT).
     pub const fn new() -> Self {
         Self { configuring: false, selected: InOrder(0), identified: InOrder(0) }
     }
 
-    /// Handles "switch global"; `reserved` is the interpretation of a reserved mode by a faulty firmware. Returns
-    /// whether it was obeyed.
+    /// Handles "switch global"; `reserved` is the meaning of a reserved mode in a faulty firmware. Returns whether the
+    /// slave obeyed.
     pub const fn switch(&mut self, mode: u8, reserved: Option<bool>) -> bool {
         let configuring = match mode {
             0 => Some(false),
@@ -39,7 +39,7 @@ impl LayerSetting {
 }
 
 impl InOrder {
-    /// Handles a value; returns whether it was the last.
+    /// Handles a value; returns whether it completed the sequence.
     pub fn takes<N: Numbered>(&mut self, which: N, fits: bool) -> bool {
         let position = which.position();
         let in_order = position == 0 || position == self.0;
@@ -58,7 +58,7 @@ impl InOrder {
     }
 }
 
-/// Whether an own part of the address is within a bound of "identify remote slave".
+/// Whether part `own` of the slave's address is within a bound of "identify remote slave".
 pub(super) fn is_within<D: Dialect>(limit: Limit, value: D::Value, own: D::Value) -> bool {
     match limit {
         Limit::Equal => value == own,

@@ -39,7 +39,7 @@ impl Device {
         self.settle(now);
     }
 
-    /// Carries out a service's request to the device.
+    /// Carries out a request of a service to the device.
     pub(super) fn obey(&mut self, now: Timestamp, order: Order) {
         let resets = matches!(order, Order::ResetCommunication | Order::ResetNode);
         let hangs = self.context.phase == Phase::Stopped && self.context.has(Fault::ResetWhenStoppedHangs);
@@ -65,7 +65,7 @@ impl Device {
         }
     }
 
-    /// Begins initialisation, with the stored values of these groups.
+    /// Begins initialisation with the stored values of these groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
         if self.context.node.is_none() && self.context.has(Fault::UnconfiguredNodeBoots) {
             self.context.node = Some(PLACEHOLDER);
@@ -88,7 +88,7 @@ impl Device {
         }
     }
 
-    /// Loads the stored or default values of these groups.
+    /// Loads the stored values of these groups, or their defaults.
     fn load(&mut self, groups: Groups) {
         let node = self.context.node_or_placeholder();
         let super::Context { objects, store, .. } = &mut self.context;
@@ -120,7 +120,7 @@ impl Device {
         }
     }
 
-    /// The end of initialisation.
+    /// Ends initialisation.
     pub(super) fn boot_up(&mut self, now: Timestamp) {
         self.context.phase = Phase::PreOperational;
         self.resets += 1;
@@ -145,7 +145,7 @@ impl Device {
         }
     }
 
-    /// Whether the device enters operational without its master, by 1F80h or local control.
+    /// Whether the device enters operational without the NMT master, by 1F80h or local control.
     fn starts_by_itself(&self) -> bool {
         if self.context.takes(Liberty::SelfStart) {
             return true;
@@ -156,7 +156,7 @@ impl Device {
             && !self.context.has(Fault::StartUpIgnored)
     }
 
-    /// Enters another NMT state and ends the services that don't work in it.
+    /// Enters another NMT state, and ends the services that don't work in that state.
     fn enter(&mut self, now: Timestamp, phase: Phase) {
         if self.context.phase == phase {
             return;
@@ -212,7 +212,7 @@ impl Device {
         }
     }
 
-    /// A read-only object shows the current node-ID, not the stored one.
+    /// Sets a read-only node-ID object to the current node-ID, which may differ from the stored one.
     fn show_node_id(&mut self) {
         let objects = &mut self.context.objects;
         let Some(at) = objects.model.sheet().network.node_id_object else { return };
@@ -222,7 +222,7 @@ impl Device {
         }
     }
 
-    /// Takes over a written node-ID that need not be stored.
+    /// Applies a written node-ID that takes effect without being stored.
     fn take_written_node_id(&mut self) {
         let Objects { model, parameters, .. } = &self.context.objects;
         let written = model.sheet().network.node_id_object.and_then(|at| parameters.number(at.index.0, at.sub.0));
@@ -237,7 +237,7 @@ impl Device {
         }
     }
 
-    /// Takes over the stored node-ID and bit rate, at reset node.
+    /// Applies the stored node-ID and bit rate at reset node.
     fn take_stored_node_id(&mut self) {
         let super::Context { objects, store, .. } = &self.context;
         let stored = match objects.model.sheet().network.node_id_object {

@@ -1,4 +1,4 @@
-//! Objects with linked values, from the model's sheet.
+//! Objects with linked values, as the model's sheet lists them.
 
 use super::objects::Objects;
 use super::store::Groups;
@@ -6,7 +6,7 @@ use crate::models::LinkKind;
 use canvass_analyzer::Multiplexer;
 
 impl Objects {
-    /// Handles a written number: linked objects get the same value, with all effects of a write.
+    /// Handles a written number: linked objects get the same value, with all effects of a write of their own.
     pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
         if self.breaks_link(at, Some(value)) {
             return;
@@ -20,8 +20,8 @@ impl Objects {
         }
     }
 
-    /// Handles the loading of groups: among linked objects, one with another value than its default decides, else the
-    /// first loaded one.
+    /// Makes linked objects equal after groups were loaded: an object whose value differs from its default decides,
+    /// else the first loaded object.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let Self { model, application, parameters, .. } = self;
         let sheet = model.sheet();
@@ -39,7 +39,7 @@ impl Objects {
         }
     }
 
-    /// The object whose value the given one shows, if there is one.
+    /// The object whose value this object shows; `None` if it shows its own.
     pub(super) fn followed(&self, at: Multiplexer) -> Option<Multiplexer> {
         if self.breaks_link(at, None) {
             return None;

@@ -1,4 +1,4 @@
-//! The LMT slave: node-ID and bit rate over the bus, the predecessor of LSS (CiA DS-205).
+//! The LMT slave: sets node-ID and bit rate over the bus. LMT is the predecessor of LSS (CiA DS-205).
 //!
 //! ```text
 //! operation --04h mode 1, or 01h 02h 03h with the own address--> configuration --04h mode 0--> operation
@@ -20,41 +20,41 @@ use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lmt::{self, Bound, ConfigureCommand, Lmt, Part, Request, Response, Seven};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The error code for a value outside its range: the standard leaves the manufacturer's codes open.
+/// The error code for a value outside its range. The standard leaves the codes to the manufacturer.
 const OUT_OF_RANGE: u8 = 3;
 
-/// The error code that announces a specific error.
+/// The error code that announces a manufacturer-specific code.
 const SPECIFIC: u8 = 255;
 
-/// The state of the slave.
+/// The state of the LMT slave.
 #[derive(Clone, Debug)]
 pub(super) struct LmtSlave {
     at: LayerSetting,
     pending: Pending,
-    /// The bit rate after power-on.
+    /// The bit rate that the device uses from the next power-on.
     stored_kbit: u32,
     in_use_kbit: u32,
 }
 
-/// A configuration that was not stored yet.
+/// A configuration that is not yet stored.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pending {
     node_id: Option<NodeId>,
     kbit: Option<u32>,
 }
 
-/// The consequence for the device.
+/// The effect of an LMT message on the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Effect {
     Store,
-    /// Change the bit rate; silent for this time before and after.
+    /// Change the bit rate; the device is silent for this time before and after.
     Activate(Duration),
-    /// Take over the node-ID without power-off, in a faulty firmware.
+    /// Use the node-ID without power-off, in a faulty firmware.
     TakeNodeId(NodeId),
 }
 
 impl LmtSlave {
-    /// The state operation, at the default bit rate.
+    /// The state operation with this bit rate.
     pub const fn new(kbit: u32) -> Self {
         Self {
             at: LayerSetting::new(),
@@ -96,7 +96,8 @@ impl LmtSlave {
         }
     }
 
-    /// The three parts have to come in order; the last one switches, without an answer.
+    /// Handles a part of "switch mode selective": the three parts must come in order; the last one switches, without an
+    /// answer.
     fn on_switch_selective(
         &mut self,
         part: Part,
@@ -113,11 +114,11 @@ impl LmtSlave {
         };
         let fits = unchecked || own(part, address, firmware) == value;
         self.at.configuring = self.at.selected.takes(part, fits);
-        // The answer of LSS.
+        // This faulty firmware answers as an LSS slave does.
         (self.at.configuring && firmware.has(Fault::LmtSwitchSelectiveAnswered)).then_some(Response::Switched)
     }
 
-    /// The names must be equal, and the serial number within the bounds.
+    /// Handles a part of "identify remote slave": the names must be equal, and the serial number within its bounds.
     fn on_identify(
         &mut self,
         bound: Bound,
@@ -171,7 +172,7 @@ impl LmtSlave {
     }
 }
 
-/// A part of the address in this firmware.
+/// A part of the slave's address as this firmware has it.
 fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
     let name = |name: Seven| match firmware.has(Fault::LmtNameUnpadded) {
         true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
@@ -185,9 +186,9 @@ fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
     }
 }
 
-/// The rate in kbit/s of a row of a table; `None` for a reserved one.
+/// The bit rate in kbit/s of a row of a bit timing table; `None` for a reserved row.
 fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
-    // The rows of LSS: row 5 is reserved, and the following ones are shifted by one.
+    // The table of LSS: row 5 is reserved, and the following rows are shifted by one.
     let index = match index {
         5 if firmware.has(Fault::LmtBitTimingUnshifted) => return None,
         6.. if firmware.has(Fault::LmtBitTimingUnshifted) => index - 1,
@@ -196,7 +197,7 @@ fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
     Lmt::bit_rate(index).filter(|_| table == 0).map(|rate| rate / 1000)
 }
 
-/// The number of BCD digits, little-endian.
+/// Converts BCD digits to a binary number, little-endian.
 fn binary(digits: Seven) -> Seven {
     let number =
         digits.0.iter().fold(0_u64, |number, byte| number * 100 + u64::from(byte >> 4) * 10 + u64::from(byte & 0xF));

@@ -1,4 +1,4 @@
-//! The LSS slave: node-ID and bit rate over the bus (CiA 305).
+//! The LSS slave: sets node-ID and bit rate over the bus (CiA 305).
 
 use super::context::Context;
 use super::layer_setting::{LayerSetting, is_within};
@@ -20,48 +20,48 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// The node-ID that means "not configured".
 pub(super) const UNCONFIGURED: u8 = 255;
 
-/// LSS address: 1018h:1 to 4.
+/// The LSS address: 1018h:01 to 1018h:04.
 pub(super) type Address = [u32; 4];
 
-/// The state of the slave.
+/// The state of the LSS slave.
 #[derive(Clone, Debug)]
 pub(super) struct LssSlave {
     at: LayerSetting,
-    /// The part that Fastscan compares.
+    /// The part of the LSS address that Fastscan compares next.
     scanning: u8,
-    /// The configured values that were not taken over yet.
+    /// The configured values that are not yet in effect.
     pub pending: Pending,
-    /// A delayed answer.
+    /// An answer that waits for its time.
     later: Option<(Timestamp, Frame)>,
 }
 
-/// Duration of a store in a slow memory.
+/// Duration of a store in a slow non-volatile memory.
 const SLOW_STORE: Duration = Duration::from_millis(2_000);
 
 /// A new configuration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Pending {
-    /// 1 to 127 or [`UNCONFIGURED`].
+    /// The node-ID: 1 to 127 or [`UNCONFIGURED`].
     pub node_id: Option<u8>,
-    /// The index in table 0 of CiA 305.
+    /// The bit rate: the index in table 0 of CiA 305.
     pub bit_timing: Option<u8>,
 }
 
-/// The consequence for the device.
+/// The effect of an LSS message on the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Effect {
     /// Store the pending values.
     Store,
-    /// Configuration is left: a restart takes over the new node-ID.
+    /// The master has ended configuration: a restart applies the new node-ID.
     Leave,
-    /// Change to the new bit rate; silent for this time before and after.
+    /// Change to the new bit rate; the device is silent for this time before and after.
     Activate(Duration),
     /// Hang, in a faulty firmware.
     Hang,
 }
 
 impl LssSlave {
-    /// The state waiting.
+    /// The state waiting, without pending values.
     pub const fn new() -> Self {
         Self { at: LayerSetting::new(), scanning: 0, pending: Pending { node_id: None, bit_timing: None }, later: None }
     }
@@ -116,7 +116,7 @@ impl LssSlave {
         (obeyed && was_configuring && leaves).then_some(Effect::Leave)
     }
 
-    /// The four parts have to come in order; the last one switches.
+    /// Handles a part of "switch state selective": the four parts must come in order; the last one switches.
     fn on_switch_selective(
         &mut self,
         part: Part,
@@ -136,7 +136,8 @@ impl LssSlave {
         self.at.configuring.then_some(Response::Switched)
     }
 
-    /// Vendor-ID and product code must be equal, revision and serial number within bounds.
+    /// Handles a bound of "identify remote slave": vendor-ID and product code must be equal, revision and serial number
+    /// within their bounds.
     fn on_identify(&mut self, bound: Bound, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
         let (part, limit) = Lss::limits(bound);
         let own = address[part as usize];
@@ -166,7 +167,7 @@ impl LssSlave {
             return None;
         }
         if bit_check == 0 {
-            // Only the last part ends the scan, if the next part is the first.
+            // Only the last part ends the scan, if the master names an earlier part as the next one.
             self.at.configuring = (sub == 3 || firmware.has(Fault::FastscanEarlyMatch)) && next < sub;
             self.scanning = next;
         }
@@ -232,8 +233,8 @@ impl LssSlave {
         });
     }
 
-    /// A restart takes over a new node-ID: at once if the manual says so, or if there was none; else at the next
-    /// reset communication (CiA 305).
+    /// Handles the end of configuration. A restart applies a new node-ID: at once if the manual says so or if the
+    /// device had no node-ID, else at the next reset communication (CiA 305).
     fn leave(&mut self, context: &mut Context) {
         let restarts = context.objects.model.sheet().network.lss_restarts || context.node.is_none();
         if restarts && let Some(node_id) = self.pending.node_id.take() {
@@ -305,12 +306,12 @@ impl Service for LssSlave {
     }
 }
 
-/// 1018h:01 to 04.
+/// The LSS address of the device: 1018h:01 to 1018h:04.
 pub(super) fn address(parameters: &Parameters) -> Address {
     [1, 2, 3, 4].map(|sub| parameters.number_or_zero(object::IDENTITY, sub) as u32)
 }
 
-/// The bit rate with that LSS code.
+/// The bit rate of the model with this LSS code.
 pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
     model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
 }

@@ -1,5 +1,5 @@
-//! The non-volatile memory of a simulated device as a text, to keep it between runs: TOML, one line for each stored
-//! value.
+//! The non-volatile memory of a simulated device as TOML text, with one line for each stored value. A user keeps it
+//! between runs.
 
 use super::Device;
 use super::parameters::Content;
@@ -17,7 +17,7 @@ use std::str::FromStr;
 pub struct Memory {
     /// The id of the model.
     model: String,
-    /// The value that the application retains besides the parameters.
+    /// The value that the application stores besides the parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     offset: Option<i64>,
     /// The node-ID stored by LSS; 255 for none.
@@ -26,15 +26,15 @@ pub struct Memory {
     /// The index of the bit rate stored by LSS.
     #[serde(skip_serializing_if = "Option::is_none")]
     bit_timing: Option<u8>,
-    /// `"1017:00" = "0x3E8"` for numbers, `"2010:00" = "bytes 41 42"` for other values.
+    /// The stored values by address: `"1017:00" = "0x3E8"` for numbers, `"2010:00" = "bytes 41 42"` for other values.
     #[serde(default)]
     values: BTreeMap<String, String>,
 }
 
-/// Why a text is no memory of this device.
+/// Why a text can't be the memory of this device.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum MemoryError {
-    /// The text is no TOML, or has other fields.
+    /// The text is no TOML, or has unknown fields.
     #[error("expected the stored values of a device, {0}")]
     Text(#[from] toml::de::Error),
     /// The memory is of another model.
@@ -78,10 +78,11 @@ impl Device {
         }
     }
 
-    /// Loads a memory and switches the device on with it.
+    /// Loads a memory and switches the device on with these values.
     ///
     /// # Errors
-    /// [`MemoryError`] if the memory is of another model, or has values for absent objects; the device is then unchanged.
+    /// [`MemoryError`] if the memory is of another model, or has values for absent objects; the device is then
+    /// unchanged.
     pub fn insert_memory(&mut self, now: Timestamp, memory: &Memory) -> Result<(), MemoryError> {
         let expected = self.context.objects.model.id();
         if memory.model != expected {

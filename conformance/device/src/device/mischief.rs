@@ -1,6 +1,6 @@
 //! Faults in single frames: the firmware misreads received frames, or alters or drops sent ones.
 //!
-//! They act between the bus and the services: a real firmware has such faults in its drivers, in its tables, and
+//! These faults act between the bus and the services: a real firmware has them in its drivers, in its tables, and
 //! between the stack and the application.
 
 mod layer_setting;
@@ -14,23 +14,23 @@ use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sync};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Frame};
 
-/// The state behind such faults.
+/// The state that faults in single frames need.
 #[derive(Clone, Debug)]
 pub(super) struct Mischief {
     faults: Faults,
-    /// The last SDO download request.
+    /// The object and value of the last SDO download request.
     download: Option<(Multiplexer, u32)>,
     /// Whether the SDO server is working on a download.
     writing: bool,
-    /// The last read value of 1800h:01.
+    /// The value of 1800h:01 when it was last read.
     cob_id: Option<u32>,
     /// The last LSS request.
     request: [u8; 8],
-    /// Whether the master has switched to configuration.
+    /// Whether the master has switched LSS slaves to configuration.
     configuring: bool,
     /// Whether sending is blocked until the next reset.
     muted: bool,
-    /// The node of the last heartbeats, and their number.
+    /// Number of heartbeats of other nodes since the last reset.
     beats: u32,
     /// Number of SYNC messages received and sent.
     syncs: u32,
@@ -44,18 +44,18 @@ pub(super) struct Mischief {
     refusals: u32,
 }
 
-/// The result for a received frame.
+/// What happens to a received frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Incoming {
-    /// The device gets these frames, one after the other.
+    /// The device gets this frame, and the second one after it.
     Frames(Frame, Option<Frame>),
     /// The device does not get the frame.
     Lost,
-    /// The device does not get the frame, and this answer is sent.
+    /// The device does not get the frame; it sends this answer.
     Answered(Frame),
 }
 
-/// A CAN-ID without predefined use, to which masters move PDOs.
+/// A CAN-ID without predefined use, to which test cases move PDOs.
 const FREE: u16 = 0x6A0;
 
 impl Mischief {
@@ -77,7 +77,7 @@ impl Mischief {
         }
     }
 
-    /// Whether the firmware has such a fault, so that frames must pass through here.
+    /// Whether the firmware has any fault, so that frames must pass through here.
     pub fn is_active(&self) -> bool {
         !self.faults.is_empty()
     }
@@ -138,7 +138,7 @@ impl Mischief {
 
     fn on_remote(&mut self, frame: &Frame, id: u16, own: u16) -> Incoming {
         if id == sdo::REQUEST_BASE + own && self.has(Fault::SdoRemoteAnswered) {
-            // The data is an old buffer: zeros, a segment without transfer.
+            // The firmware reads an old buffer: zeros, which are a download segment without a transfer.
             return pass(Frame::full(frame.id(), [0; 8]));
         }
         if id == error_control::CAN_ID_BASE + own && self.has(Fault::GuardingAnsweredUnsupported) {
@@ -225,7 +225,7 @@ impl Mischief {
         (same && self.has(Fault::SameCobIdRefused)).then_some(AbortCode::INVALID_VALUE)
     }
 
-    /// Handles a frame to be sent; `None` drops it.
+    /// Handles a frame before it is sent; `None` drops the frame.
     pub fn on_send(&mut self, frame: Frame, node: Option<NodeId>) -> Option<Frame> {
         let id = frame.id().as_standard().unwrap_or(u16::MAX);
         let own = node.map_or(0, |node| u16::from(node.raw()));
@@ -275,14 +275,14 @@ impl Mischief {
                 }
                 let wrong = self.planted(multiplexer, value).to_le_bytes();
                 let wrong = wrong.get(..bytes.len()).unwrap_or(&wrong);
-                // A segment of a block may look the same.
+                // A segment of a block may look like this response; an unchanged value leaves the frame as it is.
                 if wrong == bytes { frame } else { Response::upload(multiplexer, wrong).to_frame(id) }
             }
             _ => frame,
         }
     }
 
-    /// Handles a refused download: the server's reason, or another one.
+    /// Handles the abort of a download: the abort code of the server, or another one.
     fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
         let is_mapping = object::is_pdo_mapping(at.index.0);
         self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);

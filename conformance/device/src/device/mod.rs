@@ -1,9 +1,9 @@
 //! Simulated devices: the state machines of a CANopen device, without I/O and clock.
 //!
-//! Each service is one file. `service` defines their interface, `services` lists them in the order of calls,
-//! `context` holds their shared state; `dispatch` is the loop over them, `lifecycle` the behaviour of the whole
-//! device. A service asks the firmware for faults and liberties where they act: `context.has(Fault::…)`,
-//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, those of the object dictionary in
+//! Each service is one file. `service` defines the interface of the services, `services` lists them in the order of
+//! calls, `context` holds their shared state; `dispatch` is the loop over them, `lifecycle` the behaviour of the whole
+//! device. A service asks the firmware for a fault or liberty where that acts: `context.has(Fault::…)`,
+//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, faults of the object dictionary in
 //! `overlay`.
 
 mod abort_codes;
@@ -92,11 +92,11 @@ use tpdo::Tpdos;
 pub struct Device {
     services: Services,
     context: Context,
-    /// The default node-ID while none is stored.
+    /// The node-ID that the device uses while none is stored.
     delivered_node: Option<NodeId>,
-    /// The bit rate in bit/s; `None` for that of the bus.
+    /// The bit rate in bit/s; `None` if the device has the bit rate of the bus.
     bit_rate: Option<u32>,
-    /// The default bit rate while none is stored.
+    /// The bit rate that the device uses while none is stored.
     delivered_bit_rate: Option<u32>,
     activation: Option<Activation>,
     routes: Routes,
@@ -112,7 +112,7 @@ pub struct Device {
     beside_sdo: Timestamp,
 }
 
-/// The node-ID in the defaults of a device without node-ID.
+/// The node-ID from which a device without node-ID calculates its default COB-IDs.
 const PLACEHOLDER: NodeId = NodeId::MAX;
 
 /// The position at rest of the measured quantity, in physical steps.
@@ -179,7 +179,7 @@ impl Device {
         self.context.node
     }
 
-    /// The NMT state; boot-up also for a device without node-ID.
+    /// The NMT state; a device without node-ID is in boot-up.
     pub const fn state(&self) -> State {
         self.context.phase.state()
     }
@@ -189,13 +189,13 @@ impl Device {
         self.context.store.timeout() < Timestamp::MAX
     }
 
-    /// The device's bit rate in kbit/s, which LMT sets. The simulated bus has its own.
+    /// The device's bit rate in kbit/s, which LMT sets. It is independent of the bit rate of the simulated bus.
     pub const fn bit_rate_kbit(&self) -> u32 {
         self.services.lmt.bit_rate_kbit()
     }
 
-    /// Sets or clears a hardware error with that EMCY code. The model's sheet gives the error register and
-    /// manufacturer-specific bytes of the codes that it lists.
+    /// Sets or clears a hardware error with this EMCY code. The model's sheet lists EMCY codes with their error
+    /// register and manufacturer-specific bytes.
     pub fn set_error(&mut self, now: Timestamp, code: EmcyCode, present: bool) {
         let model = &self.context.objects.model;
         let listed = model.sheet().emergencies.iter().find(|emergency| emergency.code() == code);
@@ -206,7 +206,7 @@ impl Device {
         self.settle(now);
     }
 
-    /// Sets the motion of the measured quantity from now on; the motion includes the position at time 0.
+    /// Sets the motion of the measured quantity from now on. The motion includes the position at time 0.
     pub fn set_motion(&mut self, now: Timestamp, motion: Motion) {
         if let Some(application) = &mut self.context.objects.application {
             application.set_motion(motion);

@@ -1,7 +1,7 @@
-//! The motion of the quantity that a simulated device measures: position, speed, acceleration and jerk of one course,
-//! consistent at every instant.
+//! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are those of one
+//! course, and consistent at every instant.
 //!
-//! The unit of length is the period of the sensor: a revolution of a rotary one, a millimetre of a linear one. Time
+//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear one. Time
 //! counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
@@ -15,16 +15,16 @@ pub struct Motion {
     course: Course,
 }
 
-/// The course from the start. Lengths in units, times in seconds.
+/// The course of a motion from its start. Lengths are in units, times in seconds.
 #[derive(Clone, PartialEq, Debug)]
 enum Course {
-    /// Thousandths of a unit per minute; negative is backwards.
+    /// Constant speed in thousandths of a unit per minute; negative is backwards.
     Steady(i64),
     /// `amplitude * sin(2 pi t / period)`.
     Sine { amplitude: f64, period: f64 },
     /// From rest to `speed` in units per second within `rise` seconds, then steady.
     Ramp { speed: f64, rise: f64 },
-    /// Through these points, at rest before the first and after the last.
+    /// Through these points; at rest before the first and after the last one.
     Points(Arc<[Knot]>),
 }
 
@@ -34,7 +34,7 @@ impl Default for Course {
     }
 }
 
-/// Limit of positions, which keeps calculations from overflowing.
+/// Limit of positions. It keeps calculations from overflowing.
 const FARTHEST: i128 = 1 << 80;
 
 /// A point of the course, with its speed.
@@ -42,11 +42,11 @@ const FARTHEST: i128 = 1 << 80;
 struct Knot {
     seconds: f64,
     units: f64,
-    /// Units per second.
+    /// Speed in units per second.
     speed: f64,
 }
 
-/// Position, speed, acceleration, jerk: in units, and units per second, square second and cubic second.
+/// Position, speed, acceleration and jerk: in units, units per second, per square second and per cubic second.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Kinematics {
     position: f64,
@@ -66,20 +66,20 @@ impl Motion {
         Self { start, course: Course::Steady(milli_rpm) }
     }
 
-    /// To and fro: `amplitude` revolutions or millimetres to both sides within `period` (at least 1 µs).
+    /// A motion to and fro: `amplitude` revolutions or millimetres to both sides within `period` (at least 1 µs).
     pub fn sine(start: i64, amplitude: f64, period: Duration) -> Self {
         let period = seconds(period).max(1e-6);
         Self { start, course: Course::Sine { amplitude: finite(amplitude), period } }
     }
 
-    /// From rest to `per_minute` revolutions or millimetres per minute within `rise`, then at constant speed.
+    /// A motion from rest to `per_minute` revolutions or millimetres per minute within `rise`, then at constant speed.
     pub fn ramp(start: i64, per_minute: f64, rise: Duration) -> Self {
         let rise = seconds(rise).max(1e-6);
         Self { start, course: Course::Ramp { speed: finite(per_minute) / 60.0, rise } }
     }
 
-    /// Through points: seconds, and revolutions or millimetres from the start. Between them the speed has no jumps;
-    /// before the first and after the last point it is zero. Points out of time order are left out.
+    /// A motion through points: seconds, and revolutions or millimetres from the start. Between the points the speed
+    /// does not jump; before the first and after the last point it is zero. Points out of time order are left out.
     pub fn through(start: i64, points: &[(f64, f64)]) -> Self {
         let mut rising: Vec<(f64, f64)> = Vec::with_capacity(points.len());
         for &(time, units) in points {
@@ -102,7 +102,7 @@ impl Motion {
         matches!(self.course, Course::Steady(0))
     }
 
-    /// The position in steps since time 0, over all revolutions.
+    /// The position in steps from position 0, counted over all revolutions.
     pub fn position(&self, now: Timestamp, steps_per_unit: u64) -> i128 {
         // Conversion from thousandths per minute to nanoseconds.
         const PER_NANOSECOND: i128 = 1_000 * 60 * 1_000_000_000;
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(motion.position(Timestamp(SECOND), 1000), 2000);
         assert_eq!(motion.position(Timestamp(3 * SECOND), 1000), -2000);
         assert_eq!(motion.milli_rpm(Timestamp(SECOND)), 0, "at the turning point");
-        // 2 revolutions * (2 pi / 4 s) at the centre.
+        // The speed at the centre is 2 revolutions * (2 pi / 4 s).
         assert_eq!(motion.milli_rpm(Timestamp(0)), 188_496);
         assert_eq!(motion.acceleration(Timestamp(SECOND)), -4_935);
     }
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(Motion::through(3, &[]).position(Timestamp(5), 100), 3);
     }
 
-    /// Speed is how position changes, acceleration how speed does, jerk how acceleration does.
+    /// Speed is the derivative of position, acceleration of speed, jerk of acceleration.
     #[test]
     fn derivatives_fit_together() {
         let through = Motion::through(0, &[(0.0, 0.0), (1.0, 3.0), (2.5, -2.0), (4.0, 5.0)]);

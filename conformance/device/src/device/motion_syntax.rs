@@ -1,11 +1,11 @@
-//! Motions as typed, such as the `~MOTION` of a simulated device.
+//! Motions as a user types them, such as the `~MOTION` of a simulated device.
 //!
 //! ```text
-//! still  still=STEPS          stands, at that physical position
+//! still  still=STEPS          at rest, at that physical position
 //! rpm=N                       N revolutions per minute; negative is backwards
 //! mm/s=N                      N millimetres per second, of a linear sensor
 //! sine=AMPLITUDE,PERIOD       to and fro: revolutions or millimetres to both sides, seconds
-//! ramp=RPM,SECONDS            from rest to that speed in that time, then on
+//! ramp=RPM,SECONDS            from rest to that speed in that time, then steady
 //! csv=FILE                    through the points of a file: seconds and revolutions or millimetres
 //! ```
 
@@ -14,7 +14,7 @@ use canvass_traces::Duration;
 use std::fmt;
 use std::str::FromStr;
 
-/// A motion as typed. A motion in a file still lacks its points.
+/// A motion as typed. If it names a file, the points are still missing.
 #[derive(Clone, PartialEq, Debug)]
 pub enum MotionSpec {
     /// A complete motion.
@@ -23,7 +23,7 @@ pub enum MotionSpec {
     File(String),
 }
 
-/// Why a text describes no motion.
+/// Why a text is no motion.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum MotionError {
     /// The text has none of the forms.
@@ -79,7 +79,7 @@ impl MotionSpec {
         }
     }
 
-    /// The motion through the points of a file: a line holds seconds and revolutions (or millimetres), separated by a
+    /// The motion through the points of a file. A line holds seconds and revolutions (or millimetres), separated by a
     /// comma, a semicolon or white space. Empty lines, lines that begin with `#` and a heading are skipped.
     ///
     /// # Errors
@@ -157,7 +157,7 @@ impl FromStr for MotionSpec {
     }
 }
 
-/// The forms that can be typed, for help texts.
+/// Describes the motion in short, for help texts: the position at rest, `moving`, or the file.
 impl fmt::Display for MotionSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

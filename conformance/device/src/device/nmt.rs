@@ -1,4 +1,4 @@
-//! The NMT slave: states, commands, and the services of each state (CiA 301, 7.3.2).
+//! The NMT slave: the NMT states, the commands, and the services that each state allows (CiA 301, 7.3.2).
 
 use super::context::Context;
 use super::routes::{Route, Routes};
@@ -13,7 +13,7 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// An NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Phase {
-    /// Without node-ID: only LSS works.
+    /// The device has no node-ID: only LSS works.
     Unconfigured,
     /// Initialisation: no service works until the boot-up message.
     Initialising {
@@ -24,7 +24,7 @@ pub(super) enum Phase {
     Stopped,
 }
 
-/// A service that a state allows or not.
+/// A service that an NMT state allows or forbids.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Service {
     Sdo,
@@ -36,24 +36,24 @@ pub(super) enum Service {
     Broadcast,
 }
 
-/// A service's request to the device as a whole.
+/// A request of a service to the device as a whole.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Order {
     Enter(Phase),
     ResetNode,
     ResetCommunication,
-    /// LSS configuration is left: a restart takes over the node-ID, or none.
+    /// Restart with this node-ID, or without one: the master has ended LSS configuration.
     Restart(Option<NodeId>),
-    /// LMT takes over a new node-ID without a restart.
+    /// Use a new node-ID of LMT without a restart.
     MoveTo(NodeId),
-    /// A new bit rate, with silence for this time before and after.
+    /// Change to a new bit rate; the device is silent for this time before and after.
     ActivateBitRate(Duration),
     /// Hang, in a faulty firmware.
     Hang,
 }
 
 impl Phase {
-    /// The state in error control messages.
+    /// The state as error control messages show it.
     pub const fn state(self) -> State {
         match self {
             Self::Unconfigured | Self::Initialising { .. } => State::BOOT_UP,
@@ -63,7 +63,7 @@ impl Phase {
         }
     }
 
-    /// Whether RPDOs are processed.
+    /// Whether the device processes RPDOs.
     pub const fn receives_pdos(self, firmware: &Firmware) -> bool {
         match self {
             Self::Operational => true,
@@ -73,12 +73,12 @@ impl Phase {
         }
     }
 
-    /// Whether NMT commands are obeyed.
+    /// Whether the device obeys NMT commands.
     pub const fn is_running(self) -> bool {
         matches!(self, Self::PreOperational | Self::Operational | Self::Stopped)
     }
 
-    /// The table of CiA 301, 7.3.2.2.5.
+    /// Whether the state allows the service, by the table of CiA 301, 7.3.2.2.5.
     pub const fn serves(self, service: Service, firmware: &Firmware) -> bool {
         match (self, service) {
             (_, Service::Lss) => true,
@@ -134,10 +134,10 @@ fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Optio
     })
 }
 
-/// Minimum interval of NMT commands for a firmware that keeps only one.
+/// Minimum interval between the NMT commands that a firmware with one command buffer obeys.
 const ONE_COMMAND: Duration = Duration::from_millis(1);
 
-/// Handles the master's commands.
+/// Handles the commands of the NMT master.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NmtSlave {
     /// Time of the last command.
@@ -154,7 +154,7 @@ impl NmtSlave {
 impl service::Service for NmtSlave {
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let Some(node) = context.node else { return };
-        // An NMT message has two bytes (CiA 301); others are ignored.
+        // An NMT message has two bytes (CiA 301); the device ignores messages of other lengths.
         let message = match *frame.data() {
             [command] if context.has(Fault::NmtShortFrameObeyed) => Nmt { command: Command(command), node: node.raw() },
             [command, node] => Nmt { command: Command(command), node },

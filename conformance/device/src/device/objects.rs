@@ -17,7 +17,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
-/// The values, and the state behind them.
+/// The values of the object dictionary, and the state from which objects with behaviour take their values.
 #[derive(Clone, Debug)]
 pub(super) struct Objects {
     pub model: Model,
@@ -28,26 +28,26 @@ pub(super) struct Objects {
     /// The bytes of the last EMCY from a node of 1028h.
     pub received_emcy: u64,
     pub firmware: Firmware,
-    /// Values written by SDO that were not acted on yet.
+    /// Numbers that were written, by SDO or PDO, and that the services have not handled yet.
     pub written: Vec<(Multiplexer, u64)>,
     /// Whether the firmware hangs: no answers until a reset.
     pub wedged: bool,
-    /// Values written to objects that act only when they are stored.
+    /// Numbers written to objects that take effect only when they are stored.
     waiting: Vec<(Multiplexer, u64)>,
 }
 
 impl Objects {
-    /// Whether the firmware has that fault.
+    /// Whether the firmware has this fault.
     pub const fn has(&self, fault: Fault) -> bool {
         self.firmware.has(fault)
     }
 
-    /// Whether the firmware takes that liberty.
+    /// Whether the firmware takes this liberty.
     pub const fn takes(&self, liberty: Liberty) -> bool {
         self.firmware.takes(liberty)
     }
 
-    /// The dictionary of a device as delivered.
+    /// The object dictionary of a device as delivered.
     pub fn new(model: &Model, node: Option<NodeId>, motion: &Motion, firmware: &Firmware) -> Self {
         let mut parameters = Parameters::new(model, node.unwrap_or(PLACEHOLDER));
         if let Some(at) = model.sheet().network.node_id_object {
@@ -80,8 +80,8 @@ impl Objects {
         Surroundings { parameters: &self.parameters, errors: &self.errors }
     }
 
-    /// The current number of an object for a PDO; `again` if the PDO has the object a second time. `None` for a string
-    /// or an absent object.
+    /// The current number of an object for a PDO; `None` for a string or an absent object. `again` is set if the object
+    /// occurs in the PDO a second time.
     pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
         let application = self.application.as_ref().filter(|_| at.index.0 >= 0x2000);
         application
@@ -90,7 +90,7 @@ impl Objects {
             .or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
 
-    /// The value of an object that is more than the last written value.
+    /// The value of an object that the device computes; `None` if the object holds its last written value.
     fn live(&self, now: Timestamp, at: Multiplexer) -> Result<Option<u64>, AbortCode> {
         let network = &self.model.sheet().network;
         Ok(match at.index.0 {
@@ -110,7 +110,7 @@ impl Objects {
         })
     }
 
-    /// The live value of an object of the profile, as this model shows it.
+    /// The live value of an object of the profile, in the form of this model.
     fn measured(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
         if let Some((_, waiting)) = self.waiting.iter().find(|(object, _)| *object == at) {
             return Some(*waiting);
@@ -121,7 +121,7 @@ impl Objects {
     /// The value for an SDO upload.
     ///
     /// # Errors
-    /// The abort code if it can't be read.
+    /// The abort code if the object can't be read.
     pub fn upload(&self, now: Timestamp, at: Multiplexer) -> Result<Reading<'_>, AbortCode> {
         let entry = self.parameters.entry(at).map_err(|code| self.firmware.missing_code(code))?;
         if !entry.readable {
@@ -130,16 +130,16 @@ impl Objects {
         Ok(entry.reading(self.live(now, at)?))
     }
 
-    /// This model's abort code for the reason of a standard one.
+    /// This model's abort code for the reason of the standard code `code`.
     fn own(&self, code: AbortCode) -> AbortCode {
         self.model.sheet().quirks.abort_code(code)
     }
 
-    /// Checks whether an SDO download to that object may begin; `len` is the number of bytes, if known. Returns the
+    /// Checks whether an SDO download to an object may begin; `len` is the number of bytes, if it is known. Returns the
     /// largest number of bytes that the object accepts.
     ///
     /// # Errors
-    /// The abort code if it can't be written.
+    /// The abort code if the object can't be written.
     pub fn begin_download(&self, at: Multiplexer, len: Option<usize>) -> Result<usize, AbortCode> {
         let entry = self.parameters.entry(at).map_err(|code| self.firmware.missing_code(code))?;
         if !entry.writable {
@@ -155,7 +155,7 @@ impl Objects {
         Ok(entry.longest())
     }
 
-    /// The length of the object's values, if it is fixed.
+    /// The length of the object's values in bytes; `None` if it is not fixed.
     pub fn size(&self, at: Multiplexer) -> Option<usize> {
         self.parameters.entry(at).ok()?.size()
     }
@@ -163,7 +163,8 @@ impl Objects {
     /// Writes an object by SDO.
     ///
     /// # Errors
-    /// The abort code if it can't be written, or not with this value; it then keeps the old one.
+    /// The abort code if the object can't be written, or does not accept this value. The object then keeps the old
+    /// value.
     pub fn download(&mut self, now: Timestamp, at: Multiplexer, bytes: &[u8]) -> Result<(), AbortCode> {
         self.begin_download(at, Some(bytes.len()))?;
         let entry = self.parameters.entry(at)?;
@@ -183,7 +184,8 @@ impl Objects {
         Ok(())
     }
 
-    /// Handles an RPDO's value for an object. Values that the object does not accept are ignored without a report.
+    /// Handles the value of an RPDO for an object. The device ignores a value that the object does not accept, without
+    /// a report.
     pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         if self.firmware.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
             self.put(now, at, value);
@@ -207,7 +209,7 @@ impl Objects {
         self.written.push((at, value));
     }
 
-    /// Activates the values that waited for a store.
+    /// Applies the values that waited for a store.
     pub fn take_waiting(&mut self) {
         for (at, value) in std::mem::take(&mut self.waiting) {
             self.parameters.set(at, Content::Number(value));
@@ -219,7 +221,7 @@ impl Objects {
         self.waiting.clear();
     }
 
-    /// Checks whether all waiting values are within their limits; one outside is an alarm.
+    /// Checks whether all waiting values are within their limits. A value outside its limits is an alarm.
     fn check_waiting(&mut self) -> Result<(), AbortCode> {
         if !self.model.sheet().quirks.limits_checked_at_store {
             return Ok(());
@@ -242,7 +244,7 @@ impl Objects {
         }
     }
 
-    /// The objects that a write of that value resets to their defaults.
+    /// The objects that a write of this value resets to their defaults.
     pub fn resets(&self, at: Multiplexer, value: u64) -> &'static [u16] {
         self.application.as_ref().map_or(&[], |application| application.resets(at, value))
     }
@@ -256,7 +258,7 @@ impl Objects {
         }
     }
 
-    /// Checks the length in a firmware that keeps strings in arrays: each must keep its current length.
+    /// Checks the length in a firmware that keeps strings in fixed arrays: a string must keep its current length.
     fn check_usual_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
         if entry.size().is_some() || !self.firmware.takes(Liberty::StringsOfOneLength) {
@@ -270,25 +272,25 @@ impl Objects {
         }
     }
 
-    /// Bit 31 of a COB-ID that has it as delivered: in 1005h of DS-301 V3.0 it means that SYNC is consumed.
+    /// Bit 31 if the COB-ID has it as delivered. In 1005h of DS-301 V3.0 this bit means that the device consumes SYNC.
     fn consumer_bit(&self, at: Multiplexer) -> u64 {
         self.parameters.entry(at).map_or(0, |entry| entry.default_bits()) & u64::from(CobId::INVALID)
     }
 
-    /// Whether SYNC is consumed.
+    /// Whether the device consumes SYNC.
     pub fn consumes_sync(&self) -> bool {
         let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
         self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
             || self.firmware.has(Fault::SyncConsumerBitIgnored)
     }
 
-    /// Whether a write to the object is a command that leaves no value.
+    /// Whether a write to the object is a command, whose value is not kept.
     fn is_command(&self, at: Multiplexer) -> bool {
         at == Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0)
             || StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }
 
-    /// Whether writing the object takes as long as writing the non-volatile memory.
+    /// Whether a write to the object takes as long as a store in the non-volatile memory.
     pub fn takes_long(&self, at: Multiplexer) -> bool {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }

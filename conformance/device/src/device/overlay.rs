@@ -1,5 +1,5 @@
-//! Faults and liberties in the content of the dictionary, not in the behaviour of the firmware: an overlay over the
-//! description.
+//! Faults and liberties in the content of the object dictionary, not in the behaviour of the firmware: an overlay over
+//! the description.
 
 use super::application;
 use super::parameters::{Content, Parameters};
@@ -7,7 +7,7 @@ use crate::{Fault, Firmware};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 
-/// The number of a profile that no device with the fault has: that of input and output modules.
+/// The device profile number of input and output modules, which no device with the fault has.
 const ANOTHER_PROFILE: u64 = 401;
 
 /// Changes the dictionary by the faults and liberties of the firmware.

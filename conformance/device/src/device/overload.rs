@@ -1,12 +1,12 @@
-//! Faults of a busy firmware: a watchdog that resets it under load, and leaked memory.
+//! Faults of an overloaded firmware: a watchdog that resets the device under load, and leaked memory.
 
 use crate::{Fault, Firmware};
 use canvass_traces::{Duration, Timestamp};
 
-/// Counts the device's work.
+/// Counts the frames that the device has to handle.
 #[derive(Clone, Debug)]
 pub(super) struct Overload {
-    /// Begin of the counted time.
+    /// Begin of the period in which frames are counted.
     since: Timestamp,
     frames: u32,
 }
@@ -15,7 +15,7 @@ pub(super) struct Overload {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Requests(u32);
 
-/// Maximum number of frames within [`WINDOW`] for a watchdog that the main loop feeds.
+/// Maximum number of frames within [`WINDOW`] that leave the main loop enough time to feed the watchdog.
 const MOST_FRAMES: u32 = 80;
 const WINDOW: Duration = Duration::from_millis(100);
 /// Number of requests after which the simulated heap is exhausted; each request leaks one block.
@@ -27,7 +27,7 @@ impl Overload {
         Self { since: Timestamp::ZERO, frames: 0 }
     }
 
-    /// Counts a frame for the device; returns whether the watchdog resets it.
+    /// Counts a frame for the device; returns whether the watchdog resets the device.
     pub fn on_frame(&mut self, now: Timestamp, firmware: &Firmware) -> bool {
         if !firmware.has(Fault::WatchdogResetUnderLoad) {
             return false;

@@ -11,19 +11,19 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// Interval of the client's requests.
+/// Interval between the requests of the device's own SDO client.
 const ASKED: Duration = Duration::from_millis(500);
-/// The nodes that the client asks: the first one other than itself.
+/// The nodes that the client asks: the first node-ID that is not the device's own.
 const SERVERS: [u16; 2] = [127, 126];
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// Interval and length of bursts.
+/// Interval between bursts, and number of frames in a burst.
 const BURSTS: Duration = Duration::from_millis(250);
 const BURST: u8 = 20;
 /// A CAN-ID without predefined use.
 const BURST_ID: u32 = 0x6D0;
 
-/// Sends unrequested frames.
+/// Sends frames that no master requested.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnTraffic {
     request: Timestamp,
@@ -31,7 +31,7 @@ pub(super) struct OwnTraffic {
 }
 
 impl OwnTraffic {
-    /// A device that sends none.
+    /// The state of a device that sends no such frames.
     pub const fn new() -> Self {
         Self { request: Timestamp::MAX, burst: Timestamp::MAX }
     }

@@ -10,17 +10,17 @@ use std::sync::Arc;
 /// All entries of the object dictionary, by rising address.
 #[derive(Clone, Debug)]
 pub struct Parameters {
-    /// The addresses alone, so that a search touches few cache lines.
+    /// The addresses alone: a search touches few cache lines.
     keys: Arc<[u32]>,
-    /// The index of the first key of each sixteen indexes, so that a search is short.
+    /// For each section of sixteen indexes, the position of its first key: a search is short.
     sections: Arc<[u16]>,
-    /// The constant parts, shared by devices in different states.
+    /// The constant parts of the entries. Devices in different states share them.
     entries: Arc<Vec<Parameter>>,
     /// The value of each entry.
     contents: Vec<Content>,
 }
 
-/// One entry and its value.
+/// One entry with its current value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held<'a> {
     parameter: &'a Parameter,
@@ -36,7 +36,7 @@ impl Deref for Held<'_> {
 }
 
 impl<'a> Held<'a> {
-    /// Whether the value differs from the delivered one; a COB-ID that follows the node-ID always does.
+    /// Whether the value differs from the delivered one. A COB-ID that follows the node-ID always counts as changed.
     pub fn is_changed(&self) -> bool {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()) != *self.content,
@@ -44,7 +44,7 @@ impl<'a> Held<'a> {
         }
     }
 
-    /// The bytes of the value; `live` replaces a stored number.
+    /// The bytes of the value; `live` takes the place of a stored number.
     pub fn reading(&self, live: Option<u64>) -> Reading<'a> {
         match (self.content, live) {
             (Content::Bytes(bytes), _) => Reading::Bytes(bytes),
@@ -58,14 +58,14 @@ impl<'a> Held<'a> {
 /// The description of an entry.
 #[derive(Clone, Debug)]
 pub(crate) struct Parameter {
-    /// Its address.
+    /// The address of the entry.
     pub at: Multiplexer,
     pub data_type: DataType,
     pub readable: bool,
     pub writable: bool,
-    /// Whether a TPDO may carry it.
+    /// Whether the entry can be mapped into TPDOs.
     pub tpdo_mappable: bool,
-    /// Whether an RPDO may carry it.
+    /// Whether the entry can be mapped into RPDOs.
     pub rpdo_mappable: bool,
     low: Option<i128>,
     high: Option<i128>,
@@ -75,7 +75,7 @@ pub(crate) struct Parameter {
 /// A value: the bits of a number, or the bytes of anything else.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Content {
-    /// Of a type with a fixed length; the bits above it are zero.
+    /// A number of a type with a fixed length; bits above that length are zero.
     Number(u64),
     /// A string or domain.
     Bytes(Vec<u8>),
@@ -87,10 +87,10 @@ enum Default {
     NodeIdPlus(u32),
 }
 
-/// The result of an SDO upload.
+/// The bytes that an SDO upload returns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reading<'a> {
-    /// A number of this many bytes, little-endian.
+    /// A number, little-endian, and its length in bytes.
     Number([u8; 8], usize),
     /// A string or domain.
     Bytes(&'a [u8]),
@@ -142,7 +142,7 @@ impl Parameters {
         }
     }
 
-    /// Removes an entry, or a whole object if `sub` is `None`, as if the firmware did not have it.
+    /// Removes an entry, or the whole object if `sub` is `None`; the firmware then does not have it.
     pub(crate) fn remove(&mut self, index: u16, sub: Option<u8>) {
         let stays = |entry: &Parameter| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub);
         let mut entries = self.entries.iter();
@@ -154,7 +154,7 @@ impl Parameters {
     fn find_keys(&mut self) {
         self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
         let begin = |section: u32| self.keys.partition_point(|key| key >> SECTION < section);
-        // A dictionary has far fewer entries than 16 bits can number; a larger one gets no sections.
+        // Positions fit into 16 bits in every real dictionary; a larger dictionary gets no sections.
         let sections = (0..=SECTIONS).map(|section| u16::try_from(begin(section)).ok());
         self.sections = sections.collect::<Option<_>>().unwrap_or_default();
     }
@@ -182,10 +182,10 @@ impl Parameters {
         }
     }
 
-    /// The entry at that address.
+    /// The entry at an address.
     ///
     /// # Errors
-    /// The abort code for a missing object, or for a missing sub-index of an object that exists.
+    /// The abort code for an absent object, or for an absent sub-index of an object that exists.
     pub(crate) fn entry(&self, at: Multiplexer) -> Result<Held<'_>, AbortCode> {
         let position = self.position(at)?;
         let entry = self.entries.get(position).zip(self.contents.get(position));
@@ -197,7 +197,7 @@ impl Parameters {
         self.entries.get(position).zip(self.contents.get_mut(position))
     }
 
-    /// The entry at that address, for changing it.
+    /// The entry at an address, for changes of its description.
     fn redefined(&mut self, at: Multiplexer) -> Option<(&mut Parameter, &mut Content)> {
         let position = self.position(at).ok()?;
         Arc::make_mut(&mut self.entries).get_mut(position).zip(self.contents.get_mut(position))
@@ -216,7 +216,7 @@ impl Parameters {
         })
     }
 
-    /// The keys in the section of that key, and the index of the first.
+    /// The keys in the section of a key, and the position of the first of them.
     fn section(&self, key: u32) -> (usize, &[u32]) {
         let section = (key >> SECTION) as usize;
         let bounds = self.sections.get(section).zip(self.sections.get(section + 1));
@@ -227,7 +227,7 @@ impl Parameters {
         slice.unwrap_or((0, &self.keys))
     }
 
-    /// The number at that address; `None` if there is none.
+    /// The number at an address; `None` if there is none.
     pub fn number(&self, index: u16, sub: u8) -> Option<u64> {
         match self.entry(Multiplexer::new(index, sub)).ok()?.content {
             Content::Number(number) => Some(*number),
@@ -235,19 +235,19 @@ impl Parameters {
         }
     }
 
-    /// The number at that address, 0 if there is none: 0 switches most features off.
+    /// The number at an address; 0 if there is none, as 0 switches most features off.
     pub fn number_or_zero(&self, index: u16, sub: u8) -> u64 {
         self.number(index, sub).unwrap_or(0)
     }
 
-    /// Sets a number, regardless of its access type; surplus bits are cut.
+    /// Sets a number, regardless of its access type; surplus bits are cut off.
     pub(crate) fn set_number(&mut self, index: u16, sub: u8, number: u64) {
         if let Some((entry, content)) = self.entry_mut(Multiplexer::new(index, sub)) {
             *content = entry.fitted(Content::Number(number));
         }
     }
 
-    /// Sets a value with checked length and range.
+    /// Sets a value whose length and range were checked.
     pub(crate) fn set(&mut self, at: Multiplexer, content: Content) {
         if let Some((_, held)) = self.entry_mut(at) {
             *held = content;
@@ -265,7 +265,7 @@ impl Parameters {
     }
 }
 
-/// Number of lowest bits that keys of one section may differ in: sixteen indexes.
+/// Number of low bits in which the keys of one section may differ: sixteen indexes and the sub-index.
 const SECTION: u32 = 8 + 4;
 const SECTIONS: u32 = 1 << (16 - 4);
 
@@ -274,7 +274,7 @@ const fn key(at: Multiplexer) -> u32 {
 }
 
 impl Parameter {
-    /// `None` for a type without values.
+    /// The constant part of an entry; `None` for a type without values.
     fn new(at: Multiplexer, entry: &Entry) -> Option<Self> {
         let default = match (&entry.default, entry.data_type.bytes()) {
             (Some(Setting::NodeIdPlus(offset)), Some(_)) => Default::NodeIdPlus(*offset),
@@ -317,7 +317,7 @@ impl Parameter {
         }
     }
 
-    /// Cuts a number to the length of the type.
+    /// Cuts a number to the length of the data type.
     fn fitted(&self, content: Content) -> Content {
         match (content, self.data_type.bits()) {
             (Content::Number(number), Some(bits)) => Content::Number(number & mask(bits)),
@@ -325,7 +325,7 @@ impl Parameter {
         }
     }
 
-    /// The length of values in bytes, if it is fixed.
+    /// The length of values in bytes; `None` if it is not fixed.
     pub fn size(&self) -> Option<usize> {
         self.data_type.bytes()
     }
@@ -370,7 +370,7 @@ impl Parameter {
         Some(number(one)?.cmp(&number(other)?))
     }
 
-    /// Decodes these bytes, little-endian.
+    /// Decodes the bytes of a value, little-endian.
     pub fn decode(&self, bytes: &[u8]) -> Content {
         match self.size() {
             Some(size) => {

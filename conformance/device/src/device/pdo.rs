@@ -10,12 +10,12 @@ use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 
-/// Maximum number of entries of a PDO, of one bit each.
+/// Maximum number of entries of a PDO: each has at least one bit.
 const MOST_ENTRIES: u64 = 64;
 /// Maximum number of PDOs of each direction.
 const PDOS: u16 = 0x200;
 
-/// The direction, seen from the device.
+/// The direction of a PDO, as seen from the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Direction {
     Receive,
@@ -23,7 +23,7 @@ pub(super) enum Direction {
 }
 
 impl Direction {
-    /// The index of the first PDO's communication parameters.
+    /// The index of the communication parameters of the first PDO.
     pub const fn communication(self) -> u16 {
         match self {
             Self::Receive => object::RPDO_COMMUNICATION_PARAMETER,
@@ -31,12 +31,12 @@ impl Direction {
         }
     }
 
-    /// The index of the first PDO's mapping.
+    /// The index of the mapping of the first PDO.
     pub const fn mapping(self) -> u16 {
         self.communication() + PDOS
     }
 
-    /// The direction and number of the PDO that an object configures.
+    /// The direction and the number, from 0, of the PDO that an object configures.
     pub const fn of(index: u16) -> Option<(Self, u16)> {
         match index {
             object::RPDO_COMMUNICATION_PARAMETER..object::TPDO_COMMUNICATION_PARAMETER => {
@@ -50,13 +50,13 @@ impl Direction {
     }
 }
 
-/// The numbers of the PDOs that the dictionary has, from 0.
+/// The numbers, from 0, of the PDOs in the object dictionary.
 pub(super) fn numbers(direction: Direction, parameters: &Parameters) -> impl Iterator<Item = u16> + use<'_> {
     let indexes = parameters.entries().filter(|entry| entry.at.sub.0 == 0).map(|entry| entry.at.index.0);
     indexes.filter_map(move |index| index.checked_sub(direction.communication())).filter(|&number| number < PDOS)
 }
 
-/// The used entries of a mapping.
+/// The mapping entries in use: as many as sub-index 0 says.
 pub(super) fn mapping(
     direction: Direction,
     parameters: &Parameters,
@@ -67,17 +67,17 @@ pub(super) fn mapping(
     (1..=count).filter_map(move |sub| parameters.number(index, sub)).map(|raw| MappingEntry(raw as u32))
 }
 
-/// The entry after the last used one, if it is filled.
+/// The mapping entry after the last one in use, if it is not 0.
 pub(super) fn entry_beyond(direction: Direction, parameters: &Parameters, number: u16) -> Option<MappingEntry> {
     let index = direction.mapping() + number;
     let next = u8::try_from(parameters.number_or_zero(index, 0)).ok()?.checked_add(1)?;
     parameters.number(index, next).filter(|&raw| raw != 0).map(|raw| MappingEntry(raw as u32))
 }
 
-/// Checks a write to 1400h.. or 1800h..
+/// Checks a write to the communication parameters of a PDO (1400h.., 1800h..).
 ///
 /// # Errors
-/// The abort code for a value that is not possible, or not now.
+/// The abort code for a value that is impossible, or impossible in the present state.
 pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
@@ -98,7 +98,7 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
-        // If the PDO can't be switched off, its inhibit time may change while it is valid.
+        // If the PDO can't be switched off, its inhibit time may change while the PDO is valid.
         (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
         (3, Direction::Transmit) => !is_valid_and_changes || firmware.has(Fault::InhibitTimeChangeWhileValid),
         (6, Direction::Transmit) => {
@@ -109,7 +109,7 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
 }
 
-/// Whether the COB-ID can't be written.
+/// Whether the COB-ID of the PDO is read-only.
 fn is_fixed(index: u16, parameters: &Parameters) -> bool {
     parameters.entry(Multiplexer::new(index, 1)).is_ok_and(|entry| !entry.writable)
 }
@@ -132,8 +132,8 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     (known && possible) || objects.has(Fault::ReservedTransmissionTypeAccepted)
 }
 
-/// Checks a new COB-ID of a PDO: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
-/// 7.5.2.37), and a PDO without mapping can't become valid.
+/// Checks a new COB-ID of a PDO. The CAN-ID may change only while the PDO is not valid (CiA 301, 7.5.2.35 and
+/// 7.5.2.37). A PDO without mapping can't become valid.
 fn check_cob_id(
     at: Multiplexer,
     old: CobId,
@@ -171,7 +171,7 @@ fn check_cob_id(
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
-/// Whether a PDO is delivered valid and without mapping.
+/// Whether the PDO is delivered valid and without mapping.
 fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> bool {
     let delivered = |index: u16, sub| {
         objects.parameters.entry(Multiplexer::new(index + number, sub)).map(|entry| entry.default_bits())
@@ -180,11 +180,11 @@ fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> b
     delivered(direction.mapping(), 0) == Ok(0) && delivered(direction.communication(), 1).is_ok_and(is_valid)
 }
 
-/// Checks a write to 1600h.. or 1A00h..: allowed only while the PDO is not valid, entries only while sub-index 0 is
-/// 0.
+/// Checks a write to the mapping of a PDO (1600h.., 1A00h..). The mapping may change only while the PDO is not valid,
+/// its entries only while sub-index 0 is 0.
 ///
 /// # Errors
-/// The abort code for a mapping that is not possible, or not now.
+/// The abort code for a mapping that is impossible, or impossible in the present state.
 pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
@@ -204,7 +204,7 @@ pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> R
     check_count(at, value, direction, objects).map_err(|code| firmware.count_code(code))
 }
 
-/// Checks a written entry: the entries up to it must fit into a PDO, in a firmware that checks at once.
+/// Checks a written entry in a firmware that checks the length at once: all entries up to this one must fit into a PDO.
 fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     if !objects.takes(Liberty::MappingLengthAtEntry) || objects.has(Fault::MappingTooLongAccepted) {
         return Ok(());
@@ -214,7 +214,7 @@ fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result
     if bits <= 64 { Ok(()) } else { Err(objects.firmware.count_code(AbortCode::PDO_LENGTH)) }
 }
 
-/// Checks a write to sub-index 0: the entries must exist, be mappable, and fit into a PDO.
+/// Checks a write to sub-index 0: the mapped objects must exist and be mappable, and together fit into a PDO.
 fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
     if firmware.has(Fault::MappingCountUnchecked) {
@@ -236,7 +236,7 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     if bits <= 64 || firmware.has(Fault::MappingTooLongAccepted) { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
 }
 
-/// Checks whether an object can be mapped, with that length.
+/// Checks whether an object can be mapped with the length of the mapping entry.
 fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let firmware = &objects.firmware;
     if firmware.takes(Liberty::MappingInBytes) && !entry.bits().is_multiple_of(8) {
@@ -267,14 +267,15 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     }
 }
 
-/// Delivered mappings, also of a part of an object, may be mapped again.
+/// Whether a mapping as delivered has this entry. A delivered entry, even for a part of an object, may be mapped again.
 fn is_delivered(entry: MappingEntry, direction: Direction, objects: &Objects) -> bool {
     let indexes = direction.mapping()..direction.mapping() + PDOS;
     let mut mapped = objects.parameters.entries().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
     mapped.any(|it| it.default_bits() == u64::from(entry.0))
 }
 
-/// Checks a dummy entry: allowed in RPDOs, for types in `DummyUsage` of the description, in full length.
+/// Checks a dummy entry: it must be in an RPDO, of a type in `DummyUsage` of the description, and have the type's full
+/// length.
 fn check_dummy(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let description = objects.model.description();
     let data_type = canvass_analyzer::dictionary::DataType(entry.object().index.0);

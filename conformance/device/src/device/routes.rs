@@ -1,10 +1,10 @@
-//! The service of each CAN-ID: most frames of a bus are for other nodes, which one look-up tells.
+//! The service for each CAN-ID. Most frames of a bus are for other nodes; one look-up tells this.
 
-/// The service for data frames of a CAN-ID. If several services are configured for one CAN-ID, the later one of these
-/// variants gets it.
+/// The service that gets data frames with a CAN-ID. If several services are configured for one CAN-ID, the later of
+/// these variants wins.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Route {
-    /// No service of this device.
+    /// No service of this device: the frame is for other nodes.
     Others,
     /// The RPDO with this index.
     Rpdo(u16),
@@ -39,7 +39,7 @@ impl Routes {
         self.0.get(usize::from(can_id)).copied().unwrap_or(Route::Others)
     }
 
-    /// Assigns a CAN-ID to a service, unless it has a service of higher rank.
+    /// Assigns a CAN-ID to a service, unless it belongs to a service of higher rank.
     pub fn set(&mut self, can_id: u16, route: Route) {
         if let Some(slot) = self.0.get_mut(usize::from(can_id)).filter(|slot| **slot <= route) {
             *slot = route;

@@ -15,32 +15,32 @@ use canvass_traces::{Duration, Frame, Timestamp};
 
 #[derive(Clone, Debug)]
 struct Rpdo {
-    /// The number; 0 for 1400h and 1600h.
+    /// The number of the RPDO; 0 for 1400h and 1600h.
     number: u16,
     cob_id: CobId,
     transmission: TransmissionType,
     mapping: Vec<MappingEntry>,
-    /// The length of the mapping in bytes.
+    /// The length of the mapped objects in bytes.
     len: usize,
-    /// The deadline; zero if there is none.
+    /// The event timer of the RPDO, which is its deadline; zero if there is none.
     deadline: Duration,
-    /// The time of the deadline; [`Timestamp::MAX`] until the first PDO.
+    /// When the deadline is missed; [`Timestamp::MAX`] until the first PDO.
     due: Timestamp,
     /// A received PDO that waits for SYNC.
     held: Option<Payload>,
 }
 
-/// The data of a PDO, filled up with zeros.
+/// The data of a PDO, filled up to eight bytes with zeros.
 type Payload = [u8; 8];
 
-/// The consequence of a received PDO.
+/// The effect of a received PDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Received {
-    /// The values act now.
+    /// The values take effect now.
     Act(Payload),
-    /// The values act at the next SYNC.
+    /// The values take effect at the next SYNC.
     Hold,
-    /// The PDO is shorter than its mapping, and not processed.
+    /// The PDO is shorter than its mapping, so the device does not process it.
     TooShort,
 }
 
@@ -60,12 +60,12 @@ impl Rpdo {
         pdo::numbers(Direction::Receive, parameters).map(new).collect()
     }
 
-    /// The number; 1 for 1400h and 1600h.
+    /// The number of the RPDO in reports; 1 for 1400h and 1600h.
     const fn ordinal(&self) -> u16 {
         self.number + 1
     }
 
-    /// Takes over the parameters.
+    /// Applies the communication parameters and the mapping.
     fn configure(&mut self, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(object::RPDO_COMMUNICATION_PARAMETER + self.number, sub);
         self.cob_id = CobId(number(1) as u32);
@@ -79,7 +79,7 @@ impl Rpdo {
         }
     }
 
-    /// Its CAN-ID, if it is valid.
+    /// The CAN-ID on which the device receives the PDO; `None` if the PDO is not valid or maps nothing.
     fn can_id(&self, firmware: &Firmware) -> Option<u16> {
         let received = self.cob_id.is_valid() || firmware.has(Fault::RpdoReceivedWhenInvalid);
         (received && !self.mapping.is_empty()).then_some(self.cob_id.can_id() as u16)
@@ -95,12 +95,12 @@ impl Rpdo {
         }
     }
 
-    /// The length of the mapping in bytes.
+    /// The length of the mapped objects in bytes.
     const fn len(&self) -> usize {
         self.len
     }
 
-    /// Handles a PDO.
+    /// Handles a received PDO.
     fn on_frame(&mut self, now: Timestamp, data: &[u8], firmware: &Firmware) -> Received {
         if data.len() < self.len && !firmware.has(Fault::RpdoLengthUnchecked) {
             return Received::TooShort;
@@ -118,27 +118,27 @@ impl Rpdo {
         Received::Act(payload)
     }
 
-    /// Whether its values wait for SYNC.
+    /// Whether the values wait for SYNC.
     fn is_synchronous(&self) -> bool {
         self.transmission.0 <= 240
     }
 
-    /// Handles SYNC: returns the held PDO, which acts now.
+    /// Handles SYNC: returns the held PDO, whose values take effect now.
     fn on_sync(&mut self) -> Option<Payload> {
         self.held.take()
     }
 
-    /// Handles the end of the window of synchronous PDOs.
+    /// Handles the end of the window of synchronous PDOs: drops the held PDO.
     fn forget(&mut self) {
         self.held = None;
     }
 
-    /// The time of the deadline.
+    /// When the deadline is missed.
     const fn timeout(&self) -> Timestamp {
         self.due
     }
 
-    /// Whether the deadline is missed; reported once, until the next PDO.
+    /// Whether the deadline is missed. A missed deadline is reported once, until the next PDO.
     fn is_late(&mut self, now: Timestamp) -> bool {
         let late = now >= self.due;
         if late {
@@ -147,7 +147,7 @@ impl Rpdo {
         late
     }
 
-    /// Activates the values of a payload.
+    /// Writes the values of a payload to the mapped objects.
     fn apply(&self, now: Timestamp, payload: Payload, context: &mut Context) {
         let most = if context.has(Fault::RpdoFirstObjectOnly) { 1 } else { usize::MAX };
         for (at, value) in self.values(payload).into_iter().take(most) {
@@ -156,7 +156,7 @@ impl Rpdo {
         context.events.push_back(Event::Act);
     }
 
-    /// The values of the mapped objects; dummies are left out.
+    /// The mapped objects with their values; dummy entries are left out.
     fn values(&self, payload: Payload) -> Vec<(Multiplexer, u64)> {
         let mut offset = 0;
         let mut values = Vec::with_capacity(self.mapping.len());

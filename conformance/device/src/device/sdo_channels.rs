@@ -1,4 +1,4 @@
-//! The SDO channels of a device: the default one, and further ones (1201h to 127Fh) with servers of their own.
+//! The SDO channels of a device: the default channel, and further ones (1201h to 127Fh), each with its own server.
 
 use super::context::Context;
 use super::nmt;
@@ -24,7 +24,7 @@ pub(super) struct SdoChannels {
     server: SdoServer,
     further: Vec<FurtherChannel>,
     requests: Requests,
-    /// A request received in stopped, for a firmware that answers it later.
+    /// A request received in stopped. A faulty firmware answers it after leaving that state.
     kept: Option<Frame>,
 }
 
@@ -41,7 +41,7 @@ impl SdoChannels {
         }
     }
 
-    /// Handles power-off and on.
+    /// Handles power-off and on: the count of requests restarts.
     pub const fn power_on(&mut self) {
         self.requests = Requests::new();
     }
@@ -52,12 +52,12 @@ impl SdoChannels {
             || self.further.iter().any(|channel| channel.responds_with(can_id))
     }
 
-    /// Time of the next ready answer or expiring transfer.
+    /// Time of the next event of a server: an answer is ready, or a transfer expires.
     pub fn next(&self) -> Timestamp {
         self.further.iter().fold(self.server.timeout(), |next, channel| next.min(channel.server.timeout()))
     }
 
-    /// Handles a request of the default channel.
+    /// Handles a request on the default channel.
     fn on_request(&mut self, now: Timestamp, frame: &Frame, context: &mut Context) {
         if context.phase == nmt::Phase::Stopped && context.has(Fault::SdoRequestKeptOverStop) {
             self.kept = Some(*frame);
@@ -74,7 +74,7 @@ impl SdoChannels {
         }
     }
 
-    /// Drops all transfers.
+    /// Drops all transfers and waiting answers.
     fn reset(&mut self) {
         self.server.reset();
         self.further.iter_mut().for_each(|channel| channel.server.reset());
@@ -132,7 +132,7 @@ impl Service for SdoChannels {
         }
     }
 
-    /// Ends transfers whose client is silent.
+    /// Ends the transfers whose clients are silent.
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         self.server.expire(now, &context.objects);
         self.further.iter_mut().for_each(|channel| channel.server.expire(now, &context.objects));
@@ -160,8 +160,8 @@ impl Service for SdoChannels {
     }
 }
 
-/// Whether a request only reads: initiate upload or upload segment, but not of the error register, as reading it may
-/// acknowledge an error.
+/// Whether a request only reads: initiate upload or upload segment. Reading the error register does not count, as it
+/// may acknowledge an error.
 pub(super) fn is_plain_upload(frame: &Frame) -> bool {
     let [command, low, high, ..] = frame.bytes();
     matches!(command >> 5, 2 | 3) && u16::from_le_bytes([low, high]) != ERROR_REGISTER.index.0
@@ -176,7 +176,7 @@ struct FurtherChannel {
 }
 
 impl FurtherChannel {
-    /// The channels of the dictionary.
+    /// The further channels in the object dictionary.
     fn all(objects: &Objects, timing: Timing, blocks: bool, seed: u64) -> Vec<Self> {
         let new = |index| Self {
             index,
@@ -190,7 +190,7 @@ impl FurtherChannel {
             .collect()
     }
 
-    /// Takes over the COB-IDs.
+    /// Applies the COB-IDs of the channel.
     fn configure(&mut self, objects: &Objects) {
         let number = |sub| objects.parameters.number(self.index, sub).map_or(CobId::INVALID, |raw| raw as u32);
         (self.request, self.response) = (CobId(number(1)), CobId(number(2)));
@@ -199,7 +199,7 @@ impl FurtherChannel {
         }
     }
 
-    /// The CAN-ID of requests, while both COB-IDs are valid.
+    /// The CAN-ID of requests; `None` unless both COB-IDs are valid.
     pub fn can_id(&self) -> Option<u16> {
         (self.request.is_valid() && self.response.is_valid()).then_some(self.request.can_id() as u16)
     }
@@ -209,9 +209,9 @@ impl FurtherChannel {
         self.can_id().is_some() && self.response.can_id() == u32::from(can_id)
     }
 
-    /// The next ready answer.
+    /// The next ready answer as a frame.
     pub fn poll(&mut self, now: Timestamp, node: NodeId) -> Option<Frame> {
-        // The answer differs from that of the default channel only in its CAN-ID.
+        // The answer of a further channel differs from one of the default channel only in its CAN-ID.
         let answer = self.server.poll(now, node)?;
         Frame::new(CanId::standard_masked(self.response.can_id()), answer.data())
     }

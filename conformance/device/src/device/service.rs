@@ -1,7 +1,7 @@
 //! The interface of a device's services, and the events between them.
 //!
-//! A service gets the frames that are routed to it, is polled when its time has come, and gets the events of the
-//! others. It changes only itself and the shared [`Context`].
+//! A service gets the frames that are routed to it and the events of the other services, and is polled at the time that
+//! it names. It changes only itself and the shared [`Context`].
 
 use super::context::Context;
 use super::nmt::{Order, Phase};
@@ -12,25 +12,25 @@ use canvass_traces::{Frame, Timestamp};
 /// An event in the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Event {
-    /// A reset: open transfers and other work end.
+    /// A reset has begun: transfers and all other work end.
     Initialise,
     /// Initialisation has given all parameters their values.
     Loaded,
-    /// Initialisation is complete: the parameters are active.
+    /// Initialisation is complete: the services begin to work with the loaded parameters.
     Started,
     /// The NMT state has changed.
     Entered { before: Phase },
-    /// An object was written, by SDO or PDO, with this number.
+    /// An object was written with this number, by SDO or PDO.
     Written(Multiplexer, u64),
-    /// Values may have changed.
+    /// Values of objects may have changed.
     Changed,
     /// SYNC was received or sent.
     Sync { counter: Option<u8> },
     /// The window of synchronous PDOs is over.
     WindowClosed,
-    /// A silence is over: work from meanwhile is not done later.
+    /// The device's silence is over. Services do not make up for work that was due meanwhile.
     Resumed,
-    /// Objects were written and must be acted on.
+    /// Written objects wait for their effects.
     Act,
     /// A request to the device as a whole.
     Order(Order),
@@ -44,7 +44,7 @@ pub(super) trait Service {
     /// Handles an event of the device.
     fn on_event(&mut self, _now: Timestamp, _event: Event, _context: &mut Context) {}
 
-    /// Handles the time that [`Service::timeout`] named, or an earlier one.
+    /// Handles the time that [`Service::timeout`] named; the call may come earlier.
     fn poll(&mut self, _now: Timestamp, _context: &mut Context) {}
 
     /// Time of the next call of [`Service::poll`].
@@ -52,9 +52,9 @@ pub(super) trait Service {
         Timestamp::MAX
     }
 
-    /// Moves frames that may be sent now to the outbox; called after every event.
+    /// Moves frames that may be sent now to the outbox. The device calls this after every event.
     fn transmit(&mut self, _now: Timestamp, _context: &mut Context) {}
 
-    /// Registers the CAN-IDs of the frames that it handles.
+    /// Registers the CAN-IDs of the frames that this service handles.
     fn find_routes(&self, _context: &Context, _routes: &mut Routes) {}
 }

@@ -31,7 +31,7 @@ macro_rules! services {
         }
 
         impl Services {
-            /// Time of the next poll of a service other than SDO, for which [`SdoChannels::next`] tells it.
+            /// Time of the next poll of any service except SDO; [`SdoChannels::next`] gives the time of SDO.
             pub fn timeout(&self, context: &Context) -> Timestamp {
                 let mut next = Timestamp::MAX;
                 $(next = next.min(self.$name.timeout(context));)*
@@ -43,15 +43,15 @@ macro_rules! services {
                 $(self.$name.transmit(now, context);)*
             }
 
-            /// The routes of all services: if two want the same CAN-ID the later one gets it.
+            /// Registers the routes of all services. If two services claim the same CAN-ID, [`Routes`] decides.
             pub fn find_routes(&self, context: &Context, routes: &mut Routes) {
                 $(self.$name.find_routes(context, routes);)*
             }
         }
 
         impl Device {
-            /// Passes an event to all services. Consequences in one service happen before the next one gets the
-            /// event.
+            /// Delivers an event to all services. The consequences in one service happen before the next service gets
+            /// the event.
             pub(super) fn deliver(&mut self, now: Timestamp, event: Event) {
                 $(
                     self.services.$name.on_event(now, event, &mut self.context);
@@ -71,10 +71,10 @@ macro_rules! services {
 }
 
 // The order matters:
-// - what is stored or forgotten with a write comes before anybody acts on it;
-// - RPDOs act before TPDOs of the same SYNC take their values, errors are found before changed values are sent;
+// - `storing` comes first, so that stored and erased values are settled before a service acts on a write;
+// - RPDOs act before TPDOs of the same SYNC take their values, and errors are found before changed values are sent;
 // - EMCY goes out before SDO answers, so that a client that waits for its answer knows of the error;
-// - NMT and the default SDO channel win their CAN-IDs from everything that is configured onto them.
+// - NMT and the default SDO channel win their CAN-IDs over everything that is configured to the same CAN-ID.
 services! {
     storing: Storing,
     heartbeat: HeartbeatProducer,

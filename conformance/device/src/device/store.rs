@@ -1,4 +1,4 @@
-//! Non-volatile memory: 1010h and 1011h by groups, and loading.
+//! Non-volatile memory: the groups of 1010h and 1011h, storing and loading.
 
 use super::parameters::{Content, Parameters};
 use crate::models::{Model, Storage};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(super) struct Groups(u8);
 
 impl Groups {
-    /// Nothing.
+    /// No group.
     pub const NONE: Self = Self(0);
     /// 1000h to 1FFFh.
     pub const COMMUNICATION: Self = Self(1);
@@ -23,18 +23,18 @@ impl Groups {
     pub const APPLICATION: Self = Self(2);
     /// 2000h to 5FFFh, without bit rate and node-ID.
     pub const MANUFACTURER: Self = Self(4);
-    /// Bit rate, node-ID and other parameters that only a command of their own stores.
+    /// Bit rate, node-ID and further parameters that only a separate command stores.
     pub const BUS: Self = Self(8);
-    /// Everything.
+    /// All groups.
     pub const ALL: Self = Self(15);
-    /// The groups of 1010h:01 and 1011h:01.
+    /// The groups that 1010h:01 and 1011h:01 concern.
     pub const PARAMETERS: Self = Self(7);
 
     const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// These groups without the others.
+    /// These groups except those in `other`.
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
@@ -58,7 +58,7 @@ impl Groups {
         }
     }
 
-    /// The groups that a sub-index of 1010h and 1011h stands for.
+    /// The groups that a sub-index of 1010h or 1011h concerns.
     const fn of_sub_index(sub: u8) -> Self {
         match sub {
             1 => Self::PARAMETERS,
@@ -69,20 +69,20 @@ impl Groups {
     }
 }
 
-/// The command of a write to 1010h, 1011h or the object of the bus parameters.
+/// The command that a write to 1010h, to 1011h or to the object that stores the bus parameters gives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum StoreCommand {
     Save(Groups),
-    /// The defaults are loaded at the next reset.
+    /// Load the defaults at the next reset.
     Restore(Groups),
 }
 
 impl StoreCommand {
-    /// The command of a write to that object; `None` if it is none.
+    /// The command that a write to this object gives; `None` if the write is no command.
     pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
-            // If no other object stores the bus parameters, "all" includes them.
+            // If no separate object stores the bus parameters, 1010h:01 ("all") stores them too.
             (object::STORE_PARAMETERS, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
             (object::STORE_PARAMETERS, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
             (object::RESTORE_DEFAULT_PARAMETERS, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
@@ -90,7 +90,7 @@ impl StoreCommand {
         }
     }
 
-    /// Whether the command stores.
+    /// Whether the command stores parameters.
     pub const fn is_save(self) -> bool {
         matches!(self, Self::Save(_))
     }
@@ -108,12 +108,12 @@ impl StoreCommand {
     }
 }
 
-/// Node-ID and bit rate of a device without objects for them.
+/// The stored node-ID and bit rate of a device that has no objects for them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct StoredNetwork {
-    /// 1 to 127, or 255 for none.
+    /// The node-ID: 1 to 127, or 255 for none.
     pub node_id: Option<u8>,
-    /// The index in table 0 of CiA 305.
+    /// The bit rate: the index in table 0 of CiA 305.
     pub bit_timing: Option<u8>,
 }
 
@@ -121,22 +121,22 @@ pub(super) struct StoredNetwork {
 #[derive(Clone, Debug)]
 pub(super) struct Store {
     storage: Arc<Storage>,
-    /// Values that differ from the default, by the index of the parameter.
+    /// Stored values that differ from the default, by the position of the parameter in the object dictionary.
     image: Arc<Vec<Option<Content>>>,
-    /// The value that the application retains besides the parameters.
+    /// The value that the application stores besides the parameters.
     retained: Option<i64>,
     /// Values stored by LSS that no object holds.
     network: StoredNetwork,
-    /// Groups whose defaults are loaded until power-off, regardless of stored values.
+    /// Groups whose defaults are loaded until power-off, although stored values exist.
     restored: Groups,
-    /// Whether restored defaults are lost at power-off unless they are stored.
+    /// Whether restored defaults are lost at power-off unless 1010h stores them.
     restore_needs_store: bool,
-    /// The write in progress; a reset before its end leaves the memory unchanged.
+    /// The write in progress, with its end. A reset before the end leaves the memory unchanged.
     pending: Option<(Timestamp, StoreCommand)>,
 }
 
 impl Store {
-    /// An empty memory: everything as delivered.
+    /// An empty memory: the device is as delivered.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
         let storage = Arc::new(model.sheet().storage.clone());
         Self {
@@ -168,7 +168,8 @@ impl Store {
         self.pending = Some((done, command));
     }
 
-    /// Handles a reset while a faulty firmware writes: the first half of the memory is new, the second old.
+    /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half old
+    /// ones.
     pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
         if let Some((_, StoreCommand::Save(groups))) = self.pending {
             let half = self.image.len() / 2;
@@ -180,12 +181,12 @@ impl Store {
         }
     }
 
-    /// The end of the write.
+    /// The time at which the write in progress ends.
     pub fn timeout(&self) -> Timestamp {
         self.pending.map_or(Timestamp::MAX, |(done, _)| done)
     }
 
-    /// Ends the write, if it is due.
+    /// Ends the write in progress if its time has come.
     pub fn finish(&mut self, now: Timestamp, parameters: &Parameters, retained: Option<i64>, node: NodeId) {
         if let Some((done, command)) = self.pending
             && now >= done
@@ -202,7 +203,7 @@ impl Store {
     fn save(&mut self, groups: Groups, parameters: &Parameters, retained: Option<i64>, node: NodeId) {
         for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if entry.writable && groups.has(entry.at, &self.storage) {
-                // Default COB-IDs continue to follow the node-ID, so they are not stored.
+                // A default COB-ID is not stored, so that it still follows the node-ID.
                 *slot = (*entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
         }
@@ -223,22 +224,22 @@ impl Store {
         }
     }
 
-    /// Stores the retained value of the application at once.
+    /// Stores the application's own value at once.
     pub fn save_retained(&mut self, retained: i64) {
         self.retained = Some(retained);
     }
 
-    /// The stored value of the application.
+    /// The stored value of the application; `None` if none is stored.
     pub fn retained(&self) -> Option<i64> {
         self.retained
     }
 
-    /// Handles power-off and on: the stored values count.
+    /// Handles power-off and on: stored values are loaded again in place of restored defaults.
     pub const fn power_on(&mut self) {
         self.restored = Groups::NONE;
     }
 
-    /// Forgets one object at once.
+    /// Erases the stored value of one object at once.
     pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
         let position = parameters.entries().position(|entry| entry.at == at);
         if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
@@ -280,7 +281,7 @@ impl Store {
         }
     }
 
-    /// The stored number at that address.
+    /// The stored number of the object at an address.
     pub fn number(&self, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         let position = parameters.entries().position(|entry| entry.at == at)?;
         match self.image.get(position)?.as_ref()? {
@@ -289,7 +290,7 @@ impl Store {
         }
     }
 
-    /// The stored values by address, and the application's retained value.
+    /// The stored values by address, and the stored value of the application.
     pub(super) fn contents<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -298,7 +299,7 @@ impl Store {
         (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.retained)
     }
 
-    /// Replaces everything: values by address. Values of absent addresses are dropped.
+    /// Replaces the whole memory by these values. Values of absent addresses are dropped.
     pub(super) fn replace(
         &mut self,
         contents: &BTreeMap<Multiplexer, Content>,
@@ -312,7 +313,7 @@ impl Store {
         (self.retained, self.network, self.pending) = (retained, network, None);
     }
 
-    /// Handles a reset: loads the stored values, or the defaults.
+    /// Handles a reset: loads the stored values of the groups, or their defaults.
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, node: NodeId) {
         self.pending = None;
         for (slot, (entry, content)) in self.image.iter().zip(parameters.entries_mut()) {

@@ -1,5 +1,5 @@
-//! Storing: the commands of 1010h and 1011h, objects that are stored when written, and 1020h, which loses its date
-//! with every other change.
+//! Storing: the commands of 1010h and 1011h, objects that are stored when they are written, and 1020h, whose date every
+//! other change erases.
 
 use super::context::Context;
 use super::lss_slave::UNCONFIGURED;
@@ -10,7 +10,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_traces::Timestamp;
 
-/// The storing service; the stored values are in the [`Context`].
+/// The service that stores parameters; the stored values are in the [`Context`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Storing;
 
@@ -41,7 +41,7 @@ impl Service for Storing {
     }
 }
 
-/// Whether parameters are stored when they are written.
+/// Whether the firmware stores parameters as soon as they are written.
 const fn stores_by_itself(context: &Context) -> bool {
     let by_itself = context.takes(Liberty::StoresByItself) || context.takes(Liberty::StoresBothWays);
     by_itself && !context.takes(Liberty::NoStore)
@@ -60,7 +60,7 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
         }
         context.objects.take_waiting();
     }
-    // Without LSS the device could never get a node-ID again.
+    // Without LSS the device could never get a node-ID again, so it keeps its node-ID.
     let restores_node_id = context.takes(Liberty::NodeIdRestored) && !context.takes(Liberty::NoLss);
     if command == StoreCommand::Restore(Groups::PARAMETERS) && restores_node_id {
         let network = context.store.network();
@@ -69,7 +69,7 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
     context.store.begin(done, command, &context.objects.firmware);
 }
 
-/// Some objects are stored when they are written.
+/// Stores an object that the sheet lists as stored when written; resets the objects that depend on this write.
 fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     let node = context.node_or_placeholder();
     let reset = context.objects.resets(at, value);
@@ -87,7 +87,7 @@ fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
     }
 }
 
-/// 1020h: any change of the configuration erases its date and time.
+/// Erases the date and time in 1020h after a change of the configuration.
 fn forget_verification(at: Multiplexer, context: &mut Context) {
     let is_command = StoreCommand::of(at, &context.objects.model.sheet().storage).is_some();
     let kept = context.has(Fault::ConfigurationDateKept);

@@ -20,13 +20,13 @@ pub(super) struct SyncObject {
     cob_id: CobId,
     produces: bool,
     period: Duration,
-    /// The highest counter; 0: no counter.
+    /// The highest value of the SYNC counter (1019h); 0 for SYNC without a counter.
     overflow: u8,
-    /// Whether produced SYNCs have a counter.
+    /// Whether produced SYNC messages have a counter.
     sends_counter: bool,
-    /// Whether 1019h exists: only then a wrong length is detected.
+    /// Whether 1019h exists. The device detects a wrong length of SYNC only if it does.
     counts: bool,
-    /// The counter of the next SYNC produced.
+    /// The counter of the next produced SYNC.
     counter: u8,
     due: Timestamp,
     /// Duration after SYNC in which synchronous PDOs may be sent and received; zero for no limit.
@@ -35,11 +35,11 @@ pub(super) struct SyncObject {
     is_closed: bool,
 }
 
-/// The counter restarts after this value without 1019h.
+/// The first value of the SYNC counter.
 const FIRST: u8 = 1;
 
 impl SyncObject {
-    /// The state in which SYNC is neither consumed nor produced.
+    /// The state in which the device neither consumes nor produces SYNC.
     pub const fn new() -> Self {
         Self {
             cob_id: CobId(CobId::INVALID),
@@ -56,13 +56,13 @@ impl SyncObject {
         }
     }
 
-    /// Takes over the parameters; a producer with changed parameters restarts.
+    /// Applies the parameters. If parameters of the producer have changed, the production restarts.
     fn configure(&mut self, now: Timestamp, context: &Context) {
         let (parameters, firmware) = (&context.objects.parameters, context.firmware());
         let network = &context.objects.model.sheet().network;
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
-        // Without 1005h the COB-ID is the predefined one.
+        // Without 1005h the device uses the predefined COB-ID.
         if !firmware.has(Fault::SyncKeepsCanId) || self.cob_id.0 == CobId::INVALID {
             self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
         }
@@ -86,7 +86,7 @@ impl SyncObject {
         }
     }
 
-    /// Restarts the production, or stops it: in stopped and initialisation no SYNC is sent.
+    /// Restarts the production of SYNC, or stops it in stopped and during initialisation.
     fn restart(&mut self, now: Timestamp, may_send: bool, firmware: &Firmware) {
         self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
         if !firmware.has(Fault::SyncCounterNotReset) {
@@ -94,12 +94,12 @@ impl SyncObject {
         }
     }
 
-    /// The CAN-ID of consumed SYNC; `None` without 1005h.
+    /// The CAN-ID on which the device consumes SYNC; `None` for CAN-ID 0 and for 29 bits.
     fn can_id(&self) -> Option<u16> {
         (!self.cob_id.is_extended() && self.cob_id.can_id() != 0).then_some(self.cob_id.can_id() as u16)
     }
 
-    /// The next SYNC, if it is due.
+    /// The next SYNC to produce, if it is due.
     fn next(&mut self, now: Timestamp) -> Option<SyncMessage> {
         if now < self.due {
             return None;
@@ -113,7 +113,7 @@ impl SyncObject {
         Some(SyncMessage { counter: Some(counter) })
     }
 
-    /// The CAN-ID that a produced SYNC has.
+    /// The CAN-ID on which the device produces SYNC.
     pub const fn own_can_id(&self) -> u16 {
         self.cob_id.can_id() as u16
     }
@@ -123,7 +123,7 @@ impl SyncObject {
         !self.counts || firmware.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
     }
 
-    /// Handles a received or sent SYNC: opens the window.
+    /// Handles a received or sent SYNC: opens the window of synchronous PDOs.
     fn open(&mut self, now: Timestamp) {
         self.is_closed = false;
         if self.window > Duration::ZERO {
@@ -131,7 +131,7 @@ impl SyncObject {
         }
     }
 
-    /// Whether the window closes now; reported once.
+    /// Whether the window closes now; `true` only once for each SYNC.
     fn close(&mut self, now: Timestamp) -> bool {
         let closes = now >= self.window_end;
         if closes {
@@ -143,7 +143,7 @@ impl SyncObject {
 }
 
 impl Service for SyncObject {
-    /// Handles SYNC of the right length: synchronous PDOs are received and sent.
+    /// Handles a received SYNC. If its length is right, synchronous PDOs are received and sent.
     fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         if !context.phase.is_running() || !context.objects.consumes_sync() {
             return;
@@ -209,13 +209,13 @@ impl Service for SyncObject {
     }
 }
 
-/// 1005h bit 30.
+/// Whether 1005h bit 30 is set: the device produces SYNC.
 const fn is_producing(cob_id: u64) -> bool {
     cob_id & CobId::NO_RTR as u64 != 0
 }
 
-/// Checks a write to 1005h: 11 bits, not restricted, bit 30 only if the device can produce SYNC, and no other CAN-
-/// ID during production.
+/// Checks a write to 1005h: a CAN-ID of 11 bits that is not restricted, bit 30 only if the device can produce SYNC, and
+/// no other CAN-ID during production.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -237,7 +237,7 @@ pub(super) fn check_cob_id(
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
-/// Checks a write to 1006h: not faster than the device's limit.
+/// Checks a write to 1006h: the period must not be shorter than the device allows.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -249,7 +249,7 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 /// Checks a write to 1019h: 0 or 2 to 240, and only while 1006h is 0.
 ///
 /// # Errors
-/// "Invalid value", or "present device state".
+/// "Invalid value" for other values, or "present device state" while 1006h is not 0.
 pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
     if parameters.number_or_zero(object::COMMUNICATION_CYCLE_PERIOD, 0) != 0
         && !firmware.has(Fault::SyncOverflowChangeWhileProducing)

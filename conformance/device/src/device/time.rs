@@ -1,4 +1,4 @@
-//! TIME, consumed and produced (1012h).
+//! TIME: consumed and produced (1012h).
 
 use super::clock::{CONSUMES, PRODUCES};
 use super::context::Context;
@@ -16,7 +16,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time::TimeOfDay;
 use canvass_traces::{Frame, Timestamp};
 
-/// Consumes and produces TIME; the clock itself is an object.
+/// Consumes and produces TIME. The clock itself is part of the object dictionary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeService;
 
@@ -76,8 +76,8 @@ impl Service for TimeService {
     }
 }
 
-/// Checks a write to 1012h: 11 bits, not restricted, only supported directions, and no other CAN-ID while TIME is
-/// consumed or produced.
+/// Checks a write to 1012h: a CAN-ID of 11 bits that is not restricted, only directions that the device supports, and
+/// no other CAN-ID while TIME is consumed or produced.
 ///
 /// # Errors
 /// "Invalid value" otherwise.

@@ -1,4 +1,4 @@
-//! Transmit PDOs: their times and values (CiA 301, 7.2.2).
+//! Transmit PDOs: when they are sent, and their values (CiA 301, 7.2.2).
 
 use super::context::Context;
 use super::nmt;
@@ -12,29 +12,29 @@ use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// Interval for detecting changes of mapped values.
+/// Interval at which mapped values are compared with the last ones sent.
 const SAMPLING: Duration = Duration::from_millis(1);
 
-/// Delay of synchronous TPDOs in a faulty firmware.
+/// Delay after SYNC of synchronous TPDOs in a faulty firmware.
 const LATE: Duration = Duration::from_millis(30);
 
-/// Delay of synchronous TPDOs in a slow device.
+/// Delay after SYNC of synchronous TPDOs in a slow device.
 const SLOW: Duration = Duration::from_millis(40);
 
 #[derive(Clone, Debug)]
 struct Tpdo {
-    /// The number; 0 for 1800h and 1A00h.
+    /// The number of the TPDO; 0 for 1800h and 1A00h.
     number: u16,
     cob_id: CobId,
     transmission: TransmissionType,
-    /// Whether a change of a mapped value is an event.
+    /// Whether a change of a mapped value is an event that sends the TPDO.
     on_change: bool,
     inhibit: Duration,
     event_timer: Duration,
-    /// The SYNC counter at which counting begins; 0 for any.
+    /// The SYNC start value: the counter of the first SYNC that the TPDO counts; 0 for any.
     sync_start: u8,
     mapping: Vec<MappingEntry>,
-    /// Whether a faulty firmware sends an empty PDO.
+    /// Whether a faulty firmware sends the TPDO although its mapping is empty.
     sends_empty: bool,
     running: bool,
     event_due: Timestamp,
@@ -42,18 +42,18 @@ struct Tpdo {
     inhibited_until: Timestamp,
     /// Whether an event waits for the end of the inhibit time.
     waiting: bool,
-    /// Whether the SYNC with the start value has not come yet.
+    /// Whether the TPDO still waits for the SYNC with the start value.
     awaits_start: bool,
-    /// Whether a SYNC came before the start, for a firmware that remembers it.
+    /// Whether a SYNC came before operational, for a firmware that remembers it.
     remembered: bool,
     /// Number of SYNCs since the last transmission.
     syncs: u8,
     last: Option<Frame>,
-    /// The values that type 252 sampled at the last SYNC.
+    /// The values that a TPDO of transmission type 252 sampled at the last SYNC.
     sampled: Option<Frame>,
-    /// The old frame that a faulty firmware sends next.
+    /// The earlier frame that a faulty firmware sends next.
     late: Option<Frame>,
-    /// Whether the frame is filled up to 8 bytes.
+    /// Whether the frame is filled up to 8 bytes with zeros.
     padded: bool,
 }
 
@@ -89,11 +89,11 @@ impl Tpdo {
         }
     }
 
-    /// Takes over the parameters, and restarts with them.
+    /// Applies the communication parameters and the mapping, and restarts the timers.
     fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(object::TPDO_COMMUNICATION_PARAMETER + self.number, sub);
         let firmware = &objects.firmware;
-        // The sampled values had the old identifier and mapping.
+        // The sampled values have the old CAN-ID and mapping.
         self.sampled = None;
         self.sends_empty = firmware.has(Fault::EmptyPdoValidated);
         let cob_id = CobId(number(1) as u32);
@@ -102,8 +102,8 @@ impl Tpdo {
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
         self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
-        // If the timer of the profile is the only event, there is no separate event timer, and changes of values are no
-        // event.
+        // If the profile's timer is the only event (6200h), the TPDO has no event timer of its own, and changes of
+        // values are no events.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         let unit = if firmware.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
@@ -131,17 +131,17 @@ impl Tpdo {
         }
     }
 
-    /// Whether frames with that CAN-ID are this PDO.
+    /// Whether frames with this CAN-ID are this TPDO.
     fn uses(&self, can_id: u16) -> bool {
         self.cob_id.is_valid() && self.cob_id.can_id() == u32::from(can_id)
     }
 
-    /// Whether it is sent after SYNCs.
+    /// Whether the TPDO is sent after SYNC.
     fn is_synchronous(&self) -> bool {
         self.transmission.0 <= 240
     }
 
-    /// Handles entering operational: event-driven PDOs are sent at once.
+    /// Handles entering operational: sends an event-driven TPDO at once.
     fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
         if !objects.has(Fault::SyncCountNotReset) {
@@ -199,7 +199,7 @@ impl Tpdo {
         self.event_due.min(self.sample_due).min(waiting)
     }
 
-    /// Handles a timeout.
+    /// Handles the time that [`Tpdo::timeout`] named.
     fn poll(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let mut frame = None;
         if now >= self.event_due {
@@ -217,7 +217,7 @@ impl Tpdo {
         frame
     }
 
-    /// Handles a possible change of a mapped value.
+    /// Handles a possible change of a mapped value: sends the TPDO if its data has changed.
     fn on_change(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let watched = self.is_active() && self.is_event_driven() && self.on_change;
         if !watched || self.last == Some(self.frame(now, objects)) {
@@ -226,7 +226,7 @@ impl Tpdo {
         self.transmit(now, objects)
     }
 
-    /// Handles a SYNC, with its counter if the producer counts.
+    /// Handles a SYNC; `counter` is the SYNC counter, if the producer counts.
     fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
             self.remembered = !self.running && objects.has(Fault::SyncRememberedOverStart);
@@ -267,7 +267,7 @@ impl Tpdo {
         }
     }
 
-    /// Handles a remote frame for the PDO.
+    /// Handles a remote frame for the TPDO.
     fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let allowed = self.cob_id.allows_rtr() || objects.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
         if !self.is_active() || !allowed || objects.has(Fault::TpdoRemoteUnanswered) {
@@ -279,7 +279,7 @@ impl Tpdo {
         }
     }
 
-    /// Sends the PDO, or keeps it waiting for the end of the inhibit time.
+    /// Sends the TPDO, or keeps the event waiting until the end of the inhibit time.
     fn transmit(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.waiting = self.waiting && objects.has(Fault::TpdoRepeatsAfterInhibit);
         if !self.is_active() {
@@ -303,14 +303,14 @@ impl Tpdo {
         Some(frame)
     }
 
-    /// The PDO with the current values.
+    /// The TPDO with the current values of the mapped objects.
     fn frame(&self, now: Timestamp, objects: &Objects) -> Frame {
         let mut payload = [0; 8];
         let mut offset = 0;
         for (n, entry) in self.mapping.iter().enumerate() {
             let again = self.mapping.iter().take(n).any(|before| before.object() == entry.object());
             let value = objects.number(now, entry.object(), again).unwrap_or(0);
-            // The mapping was checked, so all values fit.
+            // The mapping was checked when it was written, so all values fit.
             insert(&mut payload, offset, entry.bits(), value);
             offset += usize::from(entry.bits());
         }
@@ -330,12 +330,12 @@ impl Tpdos {
         Self(Tpdo::all(parameters))
     }
 
-    /// Whether frames with that CAN-ID are TPDOs.
+    /// Whether frames with this CAN-ID are a TPDO of the device.
     pub fn use_id(&self, can_id: u16) -> bool {
         self.0.iter().any(|tpdo| tpdo.uses(can_id))
     }
 
-    /// Whether frames with that CAN-ID are synchronous TPDOs.
+    /// Whether frames with this CAN-ID are a synchronous TPDO of the device.
     pub fn use_synchronously(&self, can_id: u16) -> bool {
         self.0.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(can_id))
     }
@@ -347,7 +347,7 @@ impl Tpdos {
         true
     }
 
-    /// Takes over the parameters.
+    /// Applies the communication parameters and mappings of all TPDOs.
     pub fn configure(&mut self, now: Timestamp, context: &Context) {
         self.0.iter_mut().for_each(|tpdo| tpdo.configure(now, &context.objects));
     }
@@ -406,7 +406,8 @@ impl Tpdos {
     fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, context: &mut Context) {
         let concerns = match at.index.0 {
             object::TPDO_COMMUNICATION_PARAMETER..object::AFTER_PDO_PARAMETERS => true,
-            // The SYNC start value counts only while SYNC has a counter.
+            // A faulty firmware does not notice that the SYNC counter was switched on after the start value was
+            // written.
             object::SYNCHRONOUS_COUNTER_OVERFLOW if context.has(Fault::LateSyncCounterOverlooked) => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             _ => {

@@ -2,7 +2,7 @@
 
 use canvass_macros::Catalogue;
 
-/// Why the fuzzer does not claim to find a fault. The text continues "The fault ...".
+/// Why the fuzzer does not claim to find a fault. The text of a variant continues the sentence "The fault ...".
 #[derive(Catalogue, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unfuzzed {
     /// changes a string: the models remember values of up to eight bytes

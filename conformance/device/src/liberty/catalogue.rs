@@ -334,31 +334,31 @@ pub enum Liberty {
     EdsIdentityWithoutDefaults,
 }
 
-/// What there is to say of a liberty beside its name and its summary.
+/// The properties of a liberty besides its name and its summary.
 struct Row {
-    /// The clause that allows it, or that leaves it open.
+    /// The clause that allows the liberty, or that leaves the behaviour open.
     clause: &'static str,
-    /// Devices that take it, as far as they are known.
+    /// Devices that are known to take the liberty.
     devices: &'static [&'static str],
 }
 
 impl Row {
-    /// Of most liberties; each names its clause.
+    /// The values of most liberties; each liberty names its own clause.
     const USUAL: Self = Self { clause: "", devices: &[] };
 }
 
 impl Liberty {
-    /// The clause that allows it, or that leaves it open.
+    /// The clause that allows the liberty, or that leaves the behaviour open.
     pub const fn clause(self) -> &'static str {
         self.row().clause
     }
 
-    /// Devices that take it, as far as they are known.
+    /// Devices that are known to take the liberty.
     pub const fn devices(self) -> &'static [&'static str] {
         self.row().devices
     }
 
-    /// The id of a model on which it shows.
+    /// The id of a model on which the liberty shows.
     pub const fn model(self) -> &'static str {
         "reference-301"
     }

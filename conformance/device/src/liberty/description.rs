@@ -1,9 +1,9 @@
-//! Liberties in how an EDS is written: the device is the same.
+//! Liberties in the text of an EDS: the device itself is the same.
 
 use super::{Liberties, Liberty};
 use canvass_analyzer::object;
 
-/// The liberties that are about the text.
+/// The liberties that change only the text of the EDS.
 const OF_TEXT: [Liberty; 7] = [
     Liberty::EdsWithoutLimits,
     Liberty::EdsObjFlags,
@@ -14,12 +14,12 @@ const OF_TEXT: [Liberty; 7] = [
     Liberty::EdsLatin1,
 ];
 
-/// Whether one of the liberties is about the text of the EDS.
+/// Whether one of the liberties changes the text of the EDS.
 pub(crate) fn changes_text(liberties: Liberties) -> bool {
     OF_TEXT.iter().any(|&liberty| liberties.has(liberty))
 }
 
-/// The text of an EDS as a maker with those liberties writes it.
+/// The text of an EDS in the way of a maker who takes these liberties.
 pub(crate) fn rewrite(text: &str, liberties: Liberties) -> Vec<u8> {
     let has = |liberty| liberties.has(liberty);
     let mut text = text.to_owned();
@@ -58,7 +58,7 @@ pub(crate) fn rewrite(text: &str, liberties: Liberties) -> Vec<u8> {
     bytes
 }
 
-/// The sections of the sub-indexes of an array give way to one line.
+/// Replaces the sections of an array's sub-indexes by `CompactSubObj` in the section of the array.
 fn compact(text: &str, index: u16) -> String {
     let own = |section: &str| section.starts_with(&format!("[{index:04X}sub"));
     let mut compacted = String::new();
@@ -96,7 +96,7 @@ fn compact(text: &str, index: u16) -> String {
     format!("{head}{kept}{}", tail.trim_start_matches('\n').replacen('[', "\n[", 1))
 }
 
-/// The first two keys of each list of objects change places.
+/// Swaps the first two keys of each list of objects.
 fn swap_first_keys(lines: &mut [String]) {
     let firsts: Vec<usize> = lines
         .windows(2)

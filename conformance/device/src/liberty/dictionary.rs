@@ -1,4 +1,4 @@
-//! Liberties in what a device has and how it is delivered: its description and the device itself change together.
+//! Liberties in the objects of a device and their defaults: the description and the device itself change together.
 
 use super::edit::Edit;
 use super::{Liberties, Liberty, timing};
@@ -8,10 +8,10 @@ use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::borrow::Cow;
 
-/// The first and the last of a series.
+/// The first and the last member of a series.
 type Span<T> = (T, T);
 
-/// Objects that a device need not have, by liberty.
+/// Objects that a device need not have, by the liberty that omits them.
 const ABSENT: [(Liberty, &[Span<u16>]); 16] = [
     (Liberty::NoNames, &[(object::MANUFACTURER_DEVICE_NAME, object::MANUFACTURER_SOFTWARE_VERSION)]),
     (Liberty::NoEmcy, &[(object::COB_ID_EMCY, object::INHIBIT_TIME_EMCY)]),
@@ -37,7 +37,7 @@ const ABSENT: [(Liberty, &[Span<u16>]); 16] = [
     (Liberty::OnePdo, &[(0x1401, 0x15FF), (0x1601, 0x17FF), (0x1801, 0x19FF), (0x1A01, 0x1BFF)]),
 ];
 
-/// Sub-indexes that objects need not have.
+/// Sub-indexes that an object need not have, by the liberty that omits them.
 const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
     (Liberty::VendorIdAlone, (object::IDENTITY, object::IDENTITY), (2, 255)),
     (Liberty::ShortErrorHistory, (object::PREDEFINED_ERROR_FIELD, object::PREDEFINED_ERROR_FIELD), (2, 255)),
@@ -47,11 +47,11 @@ const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
     (Liberty::NoRpdoDeadline, (0x1400, 0x15FF), (5, 5)),
 ];
 
-/// Event-driven PDOs only.
+/// The transmission types of event-driven PDOs.
 const EVENT_DRIVEN: (u8, u8) = (254, 255);
 
 impl Model {
-    /// The model as a maker has it whose devices take those liberties.
+    /// The model as a maker has it whose devices take these liberties.
     pub fn taking(&self, liberties: Liberties) -> Cow<'_, Self> {
         if liberties.is_empty() {
             return Cow::Borrowed(self);
@@ -62,7 +62,7 @@ impl Model {
     }
 }
 
-/// Changes what is described and what is not, as those liberties have it.
+/// Applies liberties to a description and its sheet.
 pub(crate) fn apply(description: &mut DeviceDescription, sheet: &mut Sheet, liberties: Liberties) {
     let mut edit = Edit { description, sheet };
     services(&mut edit, liberties);
@@ -71,7 +71,7 @@ pub(crate) fn apply(description: &mut DeviceDescription, sheet: &mut Sheet, libe
     timing::apply(&mut edit.sheet.timing, liberties);
 }
 
-/// What the firmware of such a device can do at all.
+/// Changes the services that the firmware has.
 fn services(edit: &mut Edit<'_>, liberties: Liberties) {
     let has = |liberty| liberties.has(liberty);
     let sheet = &mut *edit.sheet;
@@ -107,7 +107,7 @@ fn services(edit: &mut Edit<'_>, liberties: Liberties) {
     }
 }
 
-/// Which objects there are.
+/// Changes the objects that the device has.
 fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     for (_, ranges) in ABSENT.iter().filter(|(liberty, _)| liberties.has(*liberty)) {
         edit.remove(ranges.iter().map(|&(first, last)| first..=last));
@@ -116,7 +116,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         edit.remove_subs(first..=last, low..=high);
     }
     if liberties.has(Liberty::NamesEndInNul) {
-        // A text of an EDS can't end so: the device alone has it.
+        // A text in an EDS can't end in 00h, so only the device has the byte.
         (object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION)
             .for_each(|index| edit.end_in_nul(index));
     }
@@ -131,7 +131,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     if liberties.has(Liberty::NoSegmentedTransfer) {
         remove_long(edit, |_| true);
     }
-    // A device that stores in both ways also stores by itself.
+    // `StoresByItself` makes 1010h read-only, so `StoresBothWays` is checked first.
     match () {
         () if liberties.has(Liberty::StoresBothWays) => stores(edit, 0b11, true),
         () if liberties.has(Liberty::StoresByItself) => stores(edit, 0b10, false),
@@ -149,12 +149,12 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         edit.unmap_where(|at| at.index.0 < 0x20);
     }
     if liberties.has(Liberty::EdsIdentityWithoutDefaults) {
-        // The device has its numbers all the same: they move from the description to the sheet.
+        // The device still has the numbers: they move from the description to the sheet.
         edit.move_defaults(object::IDENTITY);
     }
 }
 
-/// What 1010h says of how the device stores, and whether it can be written.
+/// Sets the storing capability that 1010h shows, and whether 1010h can be written.
 fn stores(edit: &mut Edit<'_>, capability: u64, on_command: bool) {
     for sub in 1..=4 {
         edit.set(object::STORE_PARAMETERS, sub, capability);
@@ -164,7 +164,7 @@ fn stores(edit: &mut Edit<'_>, capability: u64, on_command: bool) {
     }
 }
 
-/// Takes out what has more than four bytes, of the entries that `is_meant` names.
+/// Removes objects that have an entry of more than four bytes, among the entries for which `is_meant` holds.
 fn remove_long(edit: &mut Edit<'_>, is_meant: impl Fn(&Entry) -> bool) {
     let is_long = |entry: &Entry| is_meant(entry) && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
     let entries = edit.description.dictionary.entries();
@@ -173,7 +173,7 @@ fn remove_long(edit: &mut Edit<'_>, is_meant: impl Fn(&Entry) -> bool) {
     edit.remove(long.into_iter().map(|index| index..=index));
 }
 
-/// How PDOs are delivered.
+/// Changes the PDOs as delivered.
 fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     let has = |liberty| liberties.has(liberty);
     let (rpdos, tpdos) =
@@ -189,7 +189,7 @@ fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
         rpdos.iter().chain(&tpdos).for_each(|&index| event_driven(edit, index, |kind| kind < 254));
     }
     if has(Liberty::LongInhibitTime) {
-        // Times in 100 us and in ms.
+        // The inhibit time is in units of 100 us, the event timer in ms.
         edit.set(object::TPDO_COMMUNICATION_PARAMETER, 3, 2_000);
         edit.set(object::TPDO_COMMUNICATION_PARAMETER, 5, 100);
     }
@@ -209,7 +209,7 @@ fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     }
 }
 
-/// A PDO that would have one of those transmission types as delivered is event-driven.
+/// Makes a PDO event-driven whose delivered transmission type is missing in the device.
 fn event_driven(edit: &mut Edit<'_>, index: u16, is_missing: impl Fn(u64) -> bool) {
     let entry = edit.description.dictionary.entry(Multiplexer::new(index, 2));
     let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());

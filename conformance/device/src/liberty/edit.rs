@@ -1,4 +1,4 @@
-//! Changes to a model: what is taken out of its object dictionary, and what has another default.
+//! Changes to a model: objects that it no longer has, and entries with another default.
 
 use crate::models::{self, Sheet};
 use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectDictionary, Setting, Value};
@@ -6,20 +6,20 @@ use canvass_analyzer::object;
 use canvass_analyzer::{Index, Multiplexer, SubIndex};
 use std::ops::RangeInclusive;
 
-/// A model that is being changed: its description and its sheet.
+/// A model while it is changed: its description and its sheet.
 pub(super) struct Edit<'a> {
     pub description: &'a mut DeviceDescription,
     pub sheet: &'a mut Sheet,
 }
 
 impl Edit<'_> {
-    /// Takes objects out.
+    /// Removes objects.
     pub fn remove(&mut self, indexes: impl IntoIterator<Item = RangeInclusive<u16>>) {
         let ranges: Vec<_> = indexes.into_iter().collect();
         self.keep(|at| !ranges.iter().any(|range| range.contains(&at.index.0)));
     }
 
-    /// Takes sub-indexes out of objects.
+    /// Removes sub-indexes of objects.
     pub fn remove_subs(&mut self, indexes: RangeInclusive<u16>, subs: RangeInclusive<u8>) {
         self.keep(|at| !indexes.contains(&at.index.0) || !subs.contains(&at.sub.0));
     }
@@ -49,7 +49,7 @@ impl Edit<'_> {
             (count(object::RPDO_COMMUNICATION_PARAMETER), count(object::TPDO_COMMUNICATION_PARAMETER));
     }
 
-    /// Changes an entry, where it is.
+    /// Changes an entry, if the device has it.
     pub fn entry(&mut self, index: u16, sub: u8, change: impl FnOnce(&mut Entry)) {
         let object = self.description.dictionary.object_mut(Index(index));
         if let Some(entry) = object.and_then(|object| object.entry_mut(SubIndex(sub))) {
@@ -57,7 +57,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Changes all entries.
+    /// Changes every entry.
     pub fn entries(&mut self, change: impl Fn(Multiplexer, &mut Entry)) {
         let addresses: Vec<Multiplexer> = self.description.dictionary.entries().map(|(at, _)| at).collect();
         for at in addresses {
@@ -65,7 +65,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Gives an entry another number as delivered.
+    /// Sets the number with which an entry is delivered.
     pub fn set(&mut self, index: u16, sub: u8, number: u64) {
         self.entry(index, sub, |entry| entry.default = Value::from_raw(entry.data_type, number).map(Setting::Fixed));
         self.sheet.values.retain(|value| value.at != Multiplexer::new(index, sub));
@@ -84,7 +84,7 @@ impl Edit<'_> {
         }
     }
 
-    /// The device's text ends in a byte 00h.
+    /// Appends a byte 00h to a text of the device; the description keeps its text.
     pub fn end_in_nul(&mut self, index: u16) {
         let at = Multiplexer::new(index, 0);
         let entry = self.description.dictionary.entry(at).ok();
@@ -100,7 +100,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Sets bits of a COB-ID as delivered.
+    /// Sets bits of a COB-ID in its delivered value.
     pub fn set_cob_id_bits(&mut self, index: u16, bits: u32) {
         self.entry(index, 1, |entry| {
             entry.default = match entry.default.take() {
@@ -113,17 +113,17 @@ impl Edit<'_> {
         });
     }
 
-    /// The indexes of the communication parameters of PDOs that there are.
+    /// The indexes of the communication parameters of all PDOs of one direction, from `first` on.
     pub fn pdos(&self, first: u16) -> Vec<u16> {
         (first..first + 0x200).filter(|&index| has(&self.description.dictionary, index)).collect()
     }
 
-    /// Delivers a PDO with nothing mapped.
+    /// Makes the device be delivered with an empty mapping of this PDO.
     pub fn unmap(&mut self, mapping: u16) {
         (0..=64).for_each(|sub| self.set(mapping, sub, 0));
     }
 
-    /// Every PDO that is delivered with such an object carries nothing.
+    /// Empties the delivered mapping of every PDO that maps such an object.
     pub fn unmap_where(&mut self, is_gone: impl Fn(Multiplexer) -> bool) {
         let carries = |object: &Object| {
             let entries = object.entries().iter().filter(|entry| entry.sub.0 > 0);
@@ -141,7 +141,7 @@ fn has(dictionary: &ObjectDictionary, index: u16) -> bool {
     dictionary.object(Index(index)).is_some()
 }
 
-/// Sub-index 0 of a record or array that has lost its last sub-indexes names the highest one that is left.
+/// Lowers the delivered sub-index 0 of a record or array to the highest sub-index that is left.
 fn lower_highest(object: &mut Object) {
     let Some(highest) = object.entries().last().map(|entry| entry.sub.0) else { return };
     if let Some(entry) = object.entry_mut(SubIndex(0)) {

@@ -1,5 +1,6 @@
-//! What the standard leaves free: ways of a firmware that differ from those of the plain simulated device and are right
-//! all the same. The mirror image of the faults: a fault has to be found, a liberty has to be spared.
+//! Liberties: behaviour of a firmware that differs from the plain simulated device's, and is right because the standard
+//! leaves it free. A liberty is the counterpart of a fault: the cases must find each fault, and must not fail on a
+//! liberty.
 
 mod catalogue;
 mod description;
@@ -21,7 +22,7 @@ pub struct Liberties([u64; WORDS]);
 const WORDS: usize = Liberty::ALL.len().div_ceil(u64::BITS as usize);
 
 impl Liberties {
-    /// A firmware that takes none of them.
+    /// The empty set: a firmware that takes no liberty.
     pub const NONE: Self = Self([0; WORDS]);
 
     /// The set with one more liberty.
@@ -30,12 +31,12 @@ impl Liberties {
         self
     }
 
-    /// Whether the set holds it.
+    /// Whether the set contains the liberty.
     pub const fn has(self, liberty: Liberty) -> bool {
         self.0[liberty as usize / u64::BITS as usize] & Self::bit(liberty) != 0
     }
 
-    /// Whether the set holds none.
+    /// Whether the set is empty.
     pub fn is_empty(self) -> bool {
         self == Self::NONE
     }
@@ -74,7 +75,7 @@ impl fmt::Display for Liberty {
     }
 }
 
-/// There is no liberty of that name.
+/// No liberty has this name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("no liberty is called \"{0}\": `canvass list liberties` shows them")]
 pub struct UnknownLiberty(pub String);

@@ -1,12 +1,12 @@
-//! Liberties of time: how long answers, starts and stores take.
+//! Liberties in time: how long SDO answers, starts and stores take.
 
 use super::{Liberties, Liberty};
 use crate::models::Timing;
 
-/// The longest time that a liberty lets an SDO answer take, in microseconds.
+/// The longest time until an SDO answer with any liberty, in microseconds.
 const SLOWEST_ANSWER_US: u64 = 900_000;
 
-/// Changes the times of a model.
+/// Changes the times of a model by its liberties.
 pub(super) fn apply(timing: &mut Timing, liberties: Liberties) {
     if liberties.has(Liberty::AnswersVary) {
         timing.sdo_response_us = 1_000;

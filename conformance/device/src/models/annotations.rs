@@ -1,11 +1,11 @@
-//! What a model's sheet says for people: units, names of values, names of bits.
+//! The names and units in a model's sheet: units of objects, names of values, names of bits.
 
 use super::sheet::{Sheet, address};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Annotations, BitName, Unit};
 use serde::Deserialize;
 
-/// The unit of an object: physical = raw * factor + offset.
+/// The unit of an object: physical value = raw value * factor + offset.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Signal {
@@ -17,7 +17,7 @@ pub(super) struct Signal {
     offset: f64,
 }
 
-/// The name of a value.
+/// The name of a value of an object.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Choice {
@@ -27,7 +27,7 @@ pub(super) struct Choice {
     name: String,
 }
 
-/// The name of a bit; `clear` and `set` name its states where they are worth saying.
+/// The name of a bit of an object; `clear` and `set` name the states of the bit if they need names.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Bit {
@@ -40,7 +40,7 @@ pub(super) struct Bit {
 }
 
 impl Sheet {
-    /// The annotations, with the bit rates named where the device has an object for their codes.
+    /// The annotations. If the device has an object for the bit rate, its codes get the bit rates as names.
     pub(super) fn annotations(&self) -> Annotations {
         let mut annotations = Annotations::default();
         for signal in &self.signals {

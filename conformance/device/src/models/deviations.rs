@@ -1,14 +1,14 @@
-//! What a model's sheet says of differences from the standard that the manual documents.
+//! Differences from the standard that the manual of a model documents, as its sheet lists them.
 //!
 //! ```toml
 //! [[deviation]]
-//! standard = "CiA 301"                   # where the standard says otherwise
-//! expected = "100Ch is rw"               # what it says
-//! device = "100Ch is ro"                 # what the manual says
-//! source = "6.2"                         # where in the manual
-//! object = "100C:00"                     # what it is about
-//! breaches = [                           # the breaches that this explains, and no others
-//!     { case = "301/guarding/time", does = "abort 0601 0002h" },   # its own `object` where it is another
+//! standard = "CiA 301"                   # the standard from which the device differs
+//! expected = "100Ch is rw"               # the requirement of the standard
+//! device = "100Ch is ro"                 # the statement of the manual
+//! source = "6.2"                         # the place in the manual
+//! object = "100C:00"                     # the subject of the difference
+//! breaches = [                           # the breaches that this row explains; it explains no others
+//!     { case = "301/guarding/time", does = "abort 0601 0002h" },   # with `object`, if the subject is another
 //! ]
 //! ```
 
@@ -16,20 +16,20 @@ use canvass_bus::observation::{Pattern, Subject};
 use serde::{Deserialize, Deserializer, de};
 use std::str::FromStr;
 
-/// A difference from the standard that the manual documents: of one case, about one subject, in one behaviour.
+/// A documented difference from the standard: in one case, at one subject, with one behaviour.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Deviation {
-    /// The case that it explains: an id, or a pattern with `*`.
+    /// The case that fails by the difference: an id, or a pattern with `*`.
     pub case: String,
-    /// What it is about.
+    /// The subject of the breach, such as an object.
     pub subject: Subject,
-    /// What the device does instead.
+    /// The behaviour of the device, in place of the required one.
     pub does: Pattern,
-    /// What the manual says, and where.
+    /// The statement of the manual, with its place.
     pub documented: String,
 }
 
-/// The tables of a sheet that the verdict *deviation* is made of.
+/// The tables of a sheet from which the verdict *deviation* follows.
 #[derive(Deserialize)]
 pub(super) struct DeviationTables {
     manual: Option<Manual>,
@@ -37,7 +37,7 @@ pub(super) struct DeviationTables {
     deviations: Vec<DeviationRow>,
 }
 
-/// Where all facts of the sheet come from.
+/// The manual from which all facts of the sheet come.
 #[derive(Deserialize)]
 struct Manual {
     title: Option<String>,
@@ -45,7 +45,7 @@ struct Manual {
     edition: Option<String>,
 }
 
-/// One difference. Without breaches it is only for people: no case of the catalogue fails because of it.
+/// A row `[[deviation]]`. A row without breaches is for readers only: no case of the catalogue fails because of it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DeviationRow {
@@ -53,14 +53,14 @@ struct DeviationRow {
     expected: String,
     device: String,
     source: String,
-    /// What the breaches are about that don't name their own.
+    /// The subject of the breaches that name none.
     #[serde(default, deserialize_with = "parsed_or_none")]
     object: Option<Subject>,
     #[serde(default)]
     breaches: Vec<Explained>,
 }
 
-/// A breach that a difference explains.
+/// A breach that the difference explains.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Explained {
@@ -80,7 +80,7 @@ fn parsed_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<S
 }
 
 impl DeviationTables {
-    /// One deviation for each breach of each row.
+    /// The deviations: one for each breach of each row.
     pub(super) fn deviations(&self) -> Vec<Deviation> {
         let manual = self.manual.as_ref().map(Manual::name).unwrap_or_default();
         let of_row = |row: &DeviationRow| {
@@ -98,7 +98,7 @@ impl DeviationTables {
 }
 
 impl Manual {
-    /// The document's number and edition, or its title where it has no number.
+    /// The name of the manual: its number and edition, or its title if it has no number.
     fn name(&self) -> String {
         let document = self.document.as_ref().or(self.title.as_ref()).map_or("manual", String::as_str);
         match &self.edition {

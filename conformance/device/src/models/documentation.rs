@@ -1,4 +1,4 @@
-//! Holds `docs/models.md` against what is read from a sheet, and against the sheets that there are.
+//! Compares `docs/models.md` with the keys that the program reads from a sheet, and with the existing sheets.
 
 use super::FILES;
 use super::annotations::{Bit, Choice, Signal};
@@ -15,7 +15,7 @@ use toml::Table;
 
 const DOCUMENT: &str = include_str!("../../../../docs/models.md");
 
-/// Learns what fields a struct wants, and gives it none.
+/// A deserializer that notes the field names of a struct, and gives the struct no values.
 struct Curious<'a>(&'a mut Vec<&'static str>);
 
 impl<'de> Deserializer<'de> for Curious<'_> {
@@ -47,7 +47,7 @@ pub(crate) fn fields_of<T: Deserialize<'static>>() -> Vec<&'static str> {
     fields
 }
 
-/// Whether the document has the key in backquotes, alone or as the name of a table.
+/// Whether the document names the key in backquotes, alone or as the name of a table.
 pub(crate) fn is_documented(key: &str) -> bool {
     ["`KEY`", "`[KEY]`", "`[[KEY]]`"].iter().any(|form| DOCUMENT.contains(&form.replace("KEY", key)))
 }

@@ -11,25 +11,26 @@ use serde::de::IgnoredAny as ForPeople;
 pub struct Emergency {
     /// The error code.
     pub code: u16,
-    /// What the error register is with it: the first is what the table of codes has, others occur elsewhere in the manual.
-    /// Empty: the manual does not say it, so it is what CiA 301 has for the class of the code.
+    /// The values of the error register with this code: first the value in the manual's table of codes, then values
+    /// elsewhere in the manual. Empty if the manual gives none: the register then follows from the class of the code
+    /// (CiA 301).
     #[serde(default)]
     pub registers: Vec<u8>,
-    /// The first manufacturer-specific bytes, where they are fixed.
+    /// The first manufacturer-specific bytes, if they are fixed.
     #[serde(default)]
     pub bytes: Vec<u8>,
-    /// What it means.
+    /// The meaning of the code.
     pub text: String,
-    /// For people: which of these values the manual does not say.
+    /// For people: the values among these that the manual does not give.
     #[serde(default)]
     pub assumed: ForPeople,
-    /// For people: what the manufacturer-specific bytes hold.
+    /// For people: the content of the manufacturer-specific bytes.
     #[serde(default)]
     pub fields: ForPeople,
 }
 
 impl Emergency {
-    /// As the analyzer knows it.
+    /// The message in the form that the analyzer uses.
     pub(super) fn known(&self) -> KnownEmergency {
         KnownEmergency { code: self.code(), bytes: self.bytes.clone(), text: self.text.clone() }
     }
@@ -39,12 +40,12 @@ impl Emergency {
         EmcyCode(self.code)
     }
 
-    /// The error register; 0 where the manual does not say it.
+    /// The error register; 0 if the manual does not give it.
     pub fn register(&self) -> u8 {
         self.registers.first().copied().unwrap_or(0)
     }
 
-    /// Bytes 3 to 7 of the message.
+    /// Bytes 3 to 7 of the EMCY message.
     pub fn manufacturer(&self) -> [u8; 5] {
         let mut bytes = [0; 5];
         bytes.iter_mut().zip(&self.bytes).for_each(|(to, from)| *to = *from);

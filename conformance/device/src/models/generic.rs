@@ -1,4 +1,4 @@
-//! A model from a device description alone: what the description does not say is as CiA 301 has it.
+//! A model from a device description alone: CiA 301 decides what the description leaves open.
 
 use super::profile;
 use super::sheet::Sheet;
@@ -9,12 +9,12 @@ use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lss::Lss;
 use toml::{Table, Value};
 
-/// The node-ID where the description is for any.
+/// The node-ID if the description is for any node-ID.
 const USUAL_NODE: u8 = 1;
-/// The bit rate in kbit/s where the description does not say which ones there are.
+/// The bit rate in kbit/s if the description lists none.
 const USUAL_BIT_RATE: u16 = 250;
 
-/// The sheet of a device with the services that its object dictionary shows.
+/// The sheet of a device whose services follow from its object dictionary.
 pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet, toml::de::Error> {
     let product = &description.device.product_name;
     let summary = if product.is_empty() { "a device as its description says" } else { product };
@@ -54,7 +54,7 @@ fn network(description: &DeviceDescription) -> Table {
     network
 }
 
-/// Whether a TPDO is delivered with remote frames allowed.
+/// Whether any TPDO is delivered with remote frames allowed.
 fn allows_rtr(description: &DeviceDescription) -> bool {
     let no_rtr = |index| {
         let default = description.dictionary.entry(Multiplexer::new(index, 1)).ok()?.default.as_ref()?;
@@ -83,7 +83,7 @@ pub(crate) fn is_writable(description: &DeviceDescription, at: Multiplexer) -> b
     description.dictionary.entry(at).is_ok_and(|entry| entry.access.is_writable())
 }
 
-/// The identity as the head of the file has it, where 1018h has no default.
+/// Values of 1018h from the head of the file, for sub-indexes without a default.
 fn identity(description: &DeviceDescription) -> Vec<Value> {
     let device = &description.device;
     let numbers = [(1, device.vendor_number), (2, device.product_number), (3, device.revision_number)];
@@ -99,7 +99,7 @@ fn identity(description: &DeviceDescription) -> Vec<Value> {
     numbers.into_iter().filter_map(row).collect()
 }
 
-/// An object as sheets write it: `1018:01`.
+/// The address of an object in the notation of sheets: `1018:01`.
 pub(crate) fn written(at: Multiplexer) -> String {
     format!("{:04X}:{:02X}", at.index.0, at.sub.0)
 }
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(model.sheet().bit_rates.iter().find(|rate| rate.kbit == 50).unwrap().lss_code, Some(6));
     }
 
-    /// The head of the file says who it is where 1018h has no defaults, and only there.
+    /// The head of the file gives the identity only if 1018h has no defaults.
     #[test]
     fn the_identity_comes_from_the_head_of_the_file() {
         let text = include_str!("../../models/kuebler-sendix-58x8.eds");

@@ -1,5 +1,5 @@
-//! The built-in device models. Two files each: an EDS with the object dictionary, and a TOML sheet with what an EDS
-//! cannot say.
+//! The built-in device models. Each model has two files: an EDS with the object dictionary, and a TOML sheet with facts
+//! that an EDS cannot express.
 
 mod annotations;
 mod deviations;
@@ -33,9 +33,9 @@ use std::sync::{Arc, LazyLock};
 /// The files of each model, EDS and sheet, by the model's id.
 macro_rules! files {
     ($($id:literal,)*) => {
-        /// Their ids, in the order of the files.
+        /// The ids of the models, in the order of the files.
         const IDS: &[&str] = &[$($id),*];
-        /// All built-in models.
+        /// The EDS and the sheet of each built-in model.
         const FILES: &[(&str, &str)] = &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*];
     };
 }
@@ -61,7 +61,7 @@ static MODELS: LazyLock<Result<Vec<Model>, UnreadableModel>> = LazyLock::new(|| 
     IDS.iter().zip(FILES).map(read).collect()
 });
 
-/// A built-in model whose files can't be read: then there are none.
+/// A built-in model whose files can't be read. The program then has no built-in models.
 #[derive(Debug, thiserror::Error)]
 #[error("the built-in model {id} can't be read: {error}")]
 pub struct UnreadableModel {
@@ -72,12 +72,12 @@ pub struct UnreadableModel {
 /// The built-in models.
 ///
 /// # Errors
-/// [`UnreadableModel`] if the files of one of them can't be read.
+/// [`UnreadableModel`] if the files of a model can't be read.
 pub fn built_in() -> Result<&'static [Model], &'static UnreadableModel> {
     MODELS.as_deref()
 }
 
-/// A type of device: what it is, and what a simulated one needs to know.
+/// A device type: its description, and the facts that a simulated device of this type needs.
 #[derive(Clone, Debug)]
 pub struct Model {
     device: Arc<KnownDevice>,
@@ -89,23 +89,23 @@ pub struct Model {
 /// Why a model's files could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
-    /// The EDS.
+    /// The EDS can't be read.
     #[error("the EDS: {0}")]
     Description(#[from] eds::DescriptionError),
     #[error("the sheet: {0}")]
     Sheet(#[from] toml::de::Error),
-    /// The node-ID as delivered.
+    /// The default node-ID in the sheet is not from 1 to 127.
     #[error("the sheet: expected a default node-ID from 1 to 127, found {0}")]
     NodeId(u8),
 }
 
 impl Model {
-    /// The built-in models; none if one of them can't be read, as [`built_in`] says.
+    /// The built-in models; none if the files of one model can't be read (see [`built_in`]).
     pub fn all() -> &'static [Self] {
         built_in().unwrap_or_default()
     }
 
-    /// The built-in model of that id.
+    /// The built-in model with this id.
     pub fn by_id(id: &str) -> Option<&'static Self> {
         Self::all().iter().find(|model| model.id() == id)
     }
@@ -113,7 +113,7 @@ impl Model {
     /// A model from the text of its two files.
     ///
     /// # Errors
-    /// [`ModelError`] if one of them can't be read.
+    /// [`ModelError`] if one of the texts can't be read.
     pub fn read(eds: &str, text: &str) -> Result<Self, ModelError> {
         let mut sheet: Sheet = toml::from_str(text)?;
         if let Some(node) = sheet.network.default_node_id {
@@ -127,8 +127,8 @@ impl Model {
         Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations, described_alone: false })
     }
 
-    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
-    /// dictionary has the parameters of. `name` becomes the model's id.
+    /// A model from an EDS, DCF, XDD or XDC alone. The device has every optional service whose parameters are in the
+    /// object dictionary. `name` becomes the model's id.
     ///
     /// # Errors
     /// [`ModelError::Description`] if the bytes are no device description.
@@ -140,26 +140,27 @@ impl Model {
         Ok(Self { device, sheet, deviations: Arc::new([]), described_alone: true })
     }
 
-    /// The same model with another description and another sheet.
+    /// A copy of the model with another description and another sheet.
     pub(crate) fn with(&self, description: DeviceDescription, sheet: Sheet) -> Self {
         let deviations = Arc::clone(&self.deviations);
         let device = KnownDevice { description, manual: self.device.manual.clone() };
         Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations, described_alone: self.described_alone }
     }
 
-    /// Whether nothing but a description is known of it: it does what that says, and has its faults.
+    /// Whether the model was made from a description alone. The device then has the behaviour and the errors of that
+    /// description.
     pub const fn is_described_alone(&self) -> bool {
         self.described_alone
     }
 
-    /// What tells that a node is of this model.
+    /// The facts by which a node is recognised as this model.
     pub fn candidate(&self) -> Candidate {
         let mut candidate = Candidate::of(self.id(), Arc::clone(&self.device));
         self.sheet.recognition.refine(&mut candidate);
         candidate
     }
 
-    /// What tells of which built-in model a node is, in the order of the models.
+    /// The facts by which a node is recognised as one of the built-in models, in the order of the models.
     pub fn candidates() -> Candidates {
         Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
@@ -174,7 +175,7 @@ impl Model {
         &self.sheet.summary
     }
 
-    /// The node-ID as delivered; `None` if it has to be set by LSS first.
+    /// The node-ID as delivered; `None` if LSS must set it first.
     pub fn default_node(&self) -> Option<NodeId> {
         self.sheet.network.default_node_id.and_then(NodeId::new)
     }
@@ -184,7 +185,7 @@ impl Model {
         self.sheet.network.default_bit_rate_kbit.saturating_mul(1_000)
     }
 
-    /// The vendor-ID of its description: 1018h, or the head of the file.
+    /// The vendor-ID in the description: in 1018h, else in the head of the file.
     pub fn vendor(&self) -> Option<u32> {
         let description = self.description();
         let entry = description.dictionary.entry(Multiplexer::new(object::IDENTITY, 1)).ok();
@@ -197,23 +198,23 @@ impl Model {
         &self.device.description
     }
 
-    /// The device description, with what the manual adds.
+    /// The device description, together with the facts of the manual.
     pub fn device(&self) -> &Arc<KnownDevice> {
         &self.device
     }
 
-    /// The text of its EDS, of a built-in model.
+    /// The text of the EDS; `None` if the model is not built in.
     pub(crate) fn eds_text(&self) -> Option<&'static str> {
         let position = Self::all().iter().position(|model| model.id() == self.id())?;
         FILES.get(position).map(|(eds, _)| *eds)
     }
 
-    /// Where the manual says that the device differs from the standard, as far as cases judge it.
+    /// The documented differences from the standard, as far as conformance cases judge them.
     pub fn deviations(&self) -> &[Deviation] {
         &self.deviations
     }
 
-    /// What the EDS does not say.
+    /// The facts about the device that the EDS does not express.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
     }
@@ -233,7 +234,7 @@ mod tests {
         assert_eq!(built_in().unwrap().len(), FILES.len());
     }
 
-    /// A key with a slip of the pen would be a fact of the manual that nobody reads.
+    /// A misspelt key would be a fact of the manual that the program ignores.
     #[test]
     fn unknown_keys_are_errors_in_every_table() {
         let (eds, sheet) = FILES[0];

@@ -1,4 +1,4 @@
-//! What tells that a node is of a model, where the defaults of its EDS do not.
+//! Facts by which a node is recognised as a model, besides the defaults of the EDS.
 
 use super::sheet::address;
 use canvass_analyzer::Multiplexer;
@@ -9,33 +9,34 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recognition {
-    /// Objects of which a node of this model has one of these values: in place of the default of the EDS, or beside it.
+    /// Objects with the values by which a node of this model is recognised, in place of the default of the EDS or
+    /// besides it.
     #[serde(default, rename = "number")]
     pub numbers: Vec<Number>,
-    /// Objects of which a node of this model has a text that begins so.
+    /// Objects with the beginning of the text by which a node of this model is recognised.
     #[serde(default, rename = "text")]
     pub texts: Vec<Text>,
 }
 
-/// The values of an object.
+/// The possible values of an object in nodes of the model.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Number {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
-    /// Its values.
+    /// The values of which a node has one.
     pub any: Vec<u32>,
 }
 
-/// The text of an object.
+/// The beginning of the text of an object in nodes of the model.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Text {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
-    /// How it begins.
+    /// The text with which the object's value begins.
     pub begins: String,
 }
 

@@ -1,4 +1,4 @@
-//! `[[link]]` and `[[check]]` of a sheet: which objects hold the same value, and which values an object refuses.
+//! The rows `[[link]]` and `[[check]]` of a sheet: objects that hold the same value, and values that an object refuses.
 
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer, SubIndex};
@@ -13,7 +13,7 @@ pub struct Link {
     pub kind: LinkKind,
     #[serde(deserialize_with = "super::sheet::addresses")]
     pub objects: Vec<Multiplexer>,
-    /// Where the manual says it: for readers of the file, not used by the program.
+    /// The place in the manual: for readers of the file; the program does not use it.
     #[serde(default)]
     pub source: ForPeople,
 }
@@ -22,35 +22,35 @@ pub struct Link {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinkKind {
-    /// All hold the same value: a write to one is a write to all.
+    /// All objects hold the same value: a write to one object is a write to all.
     Same,
-    /// The first always shows the value of the second.
+    /// The first object always shows the value of the second.
     Follows,
 }
 
-/// A rule for writing an object beyond its limits, and what answers a breach.
+/// A rule for writing an object beyond its limits, and the abort code of a breach.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// The objects that it holds for.
+    /// The objects for which the rule holds.
     pub at: Addresses,
     pub rule: Rule,
-    /// The object that the value is compared with, where the rule compares.
+    /// The object with which the rule compares the value, if the rule compares.
     #[serde(default, deserialize_with = "super::sheet::address_option")]
     pub of: Option<Multiplexer>,
     /// The SDO abort code of a breach.
     #[serde(deserialize_with = "abort_code")]
     pub abort: AbortCode,
-    /// Which of these values the manual does not say: for readers of the file.
+    /// The values among these that the manual does not give: for readers of the file.
     #[serde(default)]
     pub assumed: ForPeople,
-    /// Where the manual says it: for readers of the file, not used by the program.
+    /// The place in the manual: for readers of the file; the program does not use it.
     #[serde(default)]
     pub source: ForPeople,
 }
 
-/// The rules that a sheet can name. Those of CiA 301 hold for every device; a row in the sheet gives the abort code of
-/// this one.
+/// The rules that a sheet can name. The rules of CiA 301 hold for every device; a row in a sheet sets the abort code of
+/// its device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
@@ -58,20 +58,20 @@ pub enum Rule {
     UnitsAtMostRange,
     /// The value is a position that the device can show.
     InsideActiveRange,
-    /// 1016h: no second time for a node-ID; an entry is erased before it is given another node-ID.
+    /// Each node-ID is in one entry of 1016h only; an entry is erased before it gets another node-ID.
     OneConsumerPerNode,
-    /// The CAN-ID of a PDO changes only while bit 31 is set.
+    /// The CAN-ID of a PDO changes only while bit 31 of its COB-ID is set.
     CanIdWhileInvalid,
-    /// Mapping entries change only while sub-index 0 is 0 and the PDO is invalid.
+    /// Mapping entries change only while sub-index 0 is 0 and the PDO is not valid.
     MappingWhileDisabled,
-    /// The value is at most that of the object `of`.
+    /// The value is at most the value of the object `of`.
     AtMost,
-    /// The value is at least that of the object `of`.
+    /// The value is at least the value of the object `of`.
     AtLeast,
 }
 
 impl Rule {
-    /// The abort code of CiA 301 where the sheet names none.
+    /// The abort code of CiA 301, for sheets that name none.
     pub const fn standard_abort(self) -> AbortCode {
         match self {
             Self::UnitsAtMostRange | Self::InsideActiveRange | Self::CanIdWhileInvalid => AbortCode::INVALID_VALUE,
@@ -87,12 +87,12 @@ impl Rule {
 pub struct Addresses {
     first: Index,
     last: Index,
-    /// `None`: every one but 0.
+    /// The sub-index; `None`: every sub-index except 0.
     sub: Option<SubIndex>,
 }
 
 impl Addresses {
-    /// Whether the address is one of them.
+    /// Whether the set contains the address.
     pub fn contains(self, at: Multiplexer) -> bool {
         let in_sub = self.sub.map_or(at.sub.0 != 0, |sub| sub == at.sub);
         (self.first..=self.last).contains(&at.index) && in_sub

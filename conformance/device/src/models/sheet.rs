@@ -1,4 +1,4 @@
-//! The sheet of a device model, as its TOML file lays it out.
+//! The sheet of a device model, in the structure of its TOML file.
 
 use super::annotations::{Bit, Choice, Signal};
 use super::emergency::Emergency;
@@ -16,95 +16,96 @@ use canvass_traces::Duration;
 use serde::de::IgnoredAny as ForPeople;
 use serde::{Deserialize, Deserializer, de};
 
-/// What an EDS cannot say about a device. A key that is not here is an error; what only people read is not looked at.
+/// The facts about a device that an EDS cannot express. An unknown key is an error; the program skips the values of
+/// keys that are only for people.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sheet {
-    /// The name on the command line.
+    /// The id of the model, which is its name on the command line.
     pub id: String,
-    /// One line.
+    /// The description of the model in one line.
     pub summary: String,
-    /// Node-ID, bit rate, services.
+    /// The services of the device and its access by the network.
     pub network: Network,
-    /// What tells the model, where the defaults of the EDS do not.
+    /// The facts by which a node is recognised as this model, besides the defaults of the EDS.
     #[serde(default)]
     pub recognition: Recognition,
-    /// Bit rates by their codes.
+    /// The bit rates of the device, with their codes.
     #[serde(default, rename = "bit_rate")]
     pub bit_rates: Vec<BitRate>,
-    /// How long things take.
+    /// The times of the device.
     #[serde(default)]
     pub timing: Timing,
-    /// What is stored, and how.
+    /// The non-volatile storage of the device.
     #[serde(default)]
     pub storage: Storage,
     /// The behaviour of the device's application, as read by its profile.
     #[serde(default)]
     pub application: ApplicationSheet,
-    /// Values that the EDS leaves open.
+    /// Values of objects that have no default in the EDS.
     #[serde(default, rename = "value")]
     pub values: Vec<Value>,
-    /// Objects that hang together.
+    /// Objects whose values depend on each other.
     #[serde(default, rename = "link")]
     pub links: Vec<Link>,
-    /// Values that are refused.
+    /// Values that objects refuse.
     #[serde(default, rename = "check")]
     pub checks: Vec<Check>,
-    /// Objects of the manufacturer that act when they are written: no settings.
+    /// Objects of the manufacturer that act when they are written, and so are no settings.
     #[serde(default)]
     pub(super) acts: Vec<ActingRow>,
-    /// The EMCY messages of its manual.
+    /// The EMCY messages that the manual lists.
     #[serde(default, rename = "emergency")]
     pub emergencies: Vec<Emergency>,
-    /// The LMT address, where there is an LMT slave.
+    /// The LMT address; `None` if the device has no LMT slave.
     pub lmt: Option<LmtAddress>,
-    /// What it does otherwise than the standards.
+    /// Documented differences from the standards.
     #[serde(default)]
     pub quirks: Quirks,
-    /// For people: the version of this schema.
+    /// For people: the version of the schema of sheets.
     #[serde(default)]
     pub schema: ForPeople,
     /// For people: the file of the EDS.
     #[serde(default)]
     pub eds: ForPeople,
-    /// For people: the profile and the versions of the standards.
+    /// For people: the profile, and the versions of the standards.
     #[serde(default)]
     pub profile: ForPeople,
-    /// For people: for which products of the maker the model stands.
+    /// For people: the maker's products that the model represents.
     #[serde(default)]
     pub stands_for: ForPeople,
-    /// For people: where the manual contradicts itself or the standard.
+    /// For people: contradictions of the manual with itself or with the standard.
     #[serde(default, rename = "erratum")]
     pub errata: ForPeople,
-    /// Which manual it is: read with the deviations.
+    /// The manual: read together with the deviations.
     #[serde(default)]
     pub manual: ForPeople,
-    /// Differences from the standard: read beside the rest.
+    /// Documented differences from the standard: read separately from the rest of the sheet.
     #[serde(default, rename = "deviation")]
     pub deviations: ForPeople,
-    /// Units.
+    /// The units of objects.
     #[serde(default, rename = "signal")]
     pub(super) signals: Vec<Signal>,
-    /// Names of values.
+    /// The names of values of objects.
     #[serde(default, rename = "choice")]
     pub(super) choices: Vec<Choice>,
-    /// Names of bits.
+    /// The names of bits of objects.
     #[serde(default, rename = "bit")]
     pub(super) bits: Vec<Bit>,
 }
 
 impl Sheet {
-    /// The abort code of this device for a breach of a rule at that object.
+    /// The abort code of this device if a write to an object breaks a rule.
     pub fn abort(&self, rule: Rule, at: Multiplexer) -> AbortCode {
         self.check(rule, at).map_or(rule.standard_abort(), |check| check.abort)
     }
 
-    /// The row that gives that object that rule.
+    /// The row `[[check]]` that applies a rule to an object.
     pub fn check(&self, rule: Rule, at: Multiplexer) -> Option<&Check> {
         self.checks.iter().find(|check| check.rule == rule && check.at.contains(at))
     }
 
-    /// What the analyzer takes of it.
+    /// The facts that the analyzer uses.
     pub(super) fn manual_facts(&self) -> Manual {
         Manual {
             annotations: self.annotations(),
@@ -114,13 +115,13 @@ impl Sheet {
         }
     }
 
-    /// Which objects of the manufacturer act when they are written.
+    /// The objects of the manufacturer that act when they are written.
     pub fn acting(&self) -> Vec<(Multiplexer, Acting)> {
         let stores = self.storage.bus_save_object.map(|at| (at, Acting::Stores));
         self.acts.iter().map(|row| (row.at, row.does.into())).chain(stores).collect()
     }
 
-    /// How node-ID and bit rate are set.
+    /// The objects that set node-ID and bit rate, and further settings that the analyzer needs.
     fn settings(&self) -> Settings {
         let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
         Settings {
@@ -137,13 +138,13 @@ impl Sheet {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LmtAddress {
-    /// Up to seven characters.
+    /// The manufacturer name: up to seven characters.
     #[serde(deserialize_with = "lmt_name")]
     pub manufacturer_name: Seven,
-    /// Up to seven characters.
+    /// The product name: up to seven characters.
     #[serde(deserialize_with = "lmt_name")]
     pub product_name: Seven,
-    /// Fourteen decimal digits.
+    /// The serial number: fourteen decimal digits.
     #[serde(deserialize_with = "lmt_serial_number")]
     pub serial_number: Seven,
 }
@@ -158,31 +159,31 @@ pub struct BitRate {
     pub object_code: Option<u8>,
     /// The code of the bit rate in LSS; `None`: not selectable by LSS.
     pub lss_code: Option<u8>,
-    /// For people: how slow PDOs have to be at that bit rate.
+    /// For people: the shortest cycle of PDOs at this bit rate.
     #[serde(default)]
     pub minimum_pdo_cycle_ms: ForPeople,
-    /// For people: whether PDOs may be sent on change at that bit rate.
+    /// For people: whether PDOs may be sent on change at this bit rate.
     #[serde(default)]
     pub sends_on_change: ForPeople,
 }
 
-/// How long things take.
+/// The times of a device.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Timing {
-    /// From power-on or reset to the boot-up message.
+    /// The time from power-on or reset to the boot-up message.
     pub boot_ms: u64,
-    /// From an SDO request to its response.
+    /// The shortest time from an SDO request to its response.
     pub sdo_response_us: u64,
-    /// By how much responses come later than that, at most, by chance.
+    /// The largest random addition to the response time.
     pub sdo_response_jitter_us: u64,
-    /// Writing the non-volatile memory.
+    /// The time that writing the non-volatile memory takes.
     pub store_ms: u64,
-    /// How long the SDO server waits for the next request of a transfer.
+    /// The time after which the SDO server ends a transfer whose client is silent.
     pub sdo_timeout_ms: u64,
-    /// For people: which of these values the manual does not say.
+    /// For people: the values among these that the manual does not give.
     pub assumed: ForPeople,
-    /// For people: how often the temperature is measured.
+    /// For people: the interval between measurements of the temperature.
     pub temperature_update_s: ForPeople,
 }
 
@@ -201,28 +202,28 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// From power-on or reset to the boot-up message.
+    /// The time from power-on or reset to the boot-up message.
     pub const fn boot(&self) -> Duration {
         Duration::from_millis(self.boot_ms)
     }
 
-    /// From an SDO request to its response.
+    /// The shortest time from an SDO request to its response.
     pub const fn sdo_response(&self) -> Duration {
         Duration::from_micros(self.sdo_response_us)
     }
 
-    /// Writing the non-volatile memory.
+    /// The time that writing the non-volatile memory takes.
     pub const fn store(&self) -> Duration {
         Duration::from_millis(self.store_ms)
     }
 
-    /// How long the SDO server waits for the next request of a transfer.
+    /// The time after which the SDO server ends a transfer whose client is silent.
     pub const fn sdo_timeout(&self) -> Duration {
         Duration::from_millis(self.sdo_timeout_ms)
     }
 }
 
-/// What is stored, and how.
+/// The non-volatile storage of a device: its commands and objects.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Storage {
@@ -232,22 +233,22 @@ pub struct Storage {
     pub load_signature: u32,
     /// The abort code for any other signature.
     pub wrong_signature_abort: u32,
-    /// The object that stores `bus_objects` when the save signature is written.
+    /// The object that stores `bus_objects` when the save signature is written to it.
     #[serde(deserialize_with = "address_option")]
     pub bus_save_object: Option<Multiplexer>,
-    /// Node-ID, bit rate and what belongs to them. 1010h stores them only where there is no `bus_save_object`.
+    /// Node-ID, bit rate and related objects. 1010h stores them only if there is no `bus_save_object`.
     #[serde(deserialize_with = "addresses")]
     pub bus_objects: Vec<Multiplexer>,
     /// Objects that are stored as soon as they are written.
     #[serde(deserialize_with = "addresses")]
     pub persist_at_once: Vec<Multiplexer>,
-    /// For people: which of these values the manual does not say.
+    /// For people: the values among these that the manual does not give.
     pub assumed: ForPeople,
-    /// For people: the object that restores.
+    /// For people: the object that restores the defaults.
     pub load_object: ForPeople,
-    /// For people: the object that stores.
+    /// For people: the object that stores the parameters.
     pub save_object: ForPeople,
-    /// For people: when stored values are loaded.
+    /// For people: when the device loads the stored values.
     pub stored_values_load: ForPeople,
 }
 
@@ -277,13 +278,13 @@ pub(super) struct ActingRow {
     does: Does,
 }
 
-/// What it does.
+/// The effect of writing an object.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Does {
-    /// Carries out a command.
+    /// The object carries out a command.
     Command,
-    /// Moves the zero point of a position or an angle.
+    /// The object moves the zero point of a position or an angle.
     ZeroPoint,
 }
 
@@ -296,22 +297,22 @@ impl From<Does> for Acting {
     }
 }
 
-/// The value of an object where the EDS has no default.
+/// The value of an object that has no default in the EDS.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Value {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
-    /// A number.
+    /// The value: a number or a text.
     pub value: toml::Value,
-    /// For people: what it is.
+    /// For people: the meaning of the value.
     #[serde(default)]
     pub note: ForPeople,
 }
 
 impl Value {
-    /// A number or a text.
+    /// The value of an object: a number or a text.
     pub(crate) fn new(at: Multiplexer, value: impl Into<toml::Value>) -> Self {
         Self { at, value: value.into(), note: ForPeople }
     }

@@ -1,4 +1,4 @@
-//! In steady state no frame makes the simulated bus or a device allocate.
+//! In steady state a frame makes neither the simulated bus nor a device allocate memory.
 
 use crate::rig::{model, parse};
 use canvass_analyzer::NodeId;
@@ -10,7 +10,7 @@ use canvass_traces::{Duration, Frame};
 const FIRST: u8 = 60;
 const NODES: u8 = 8;
 
-/// Sends these every 100 ms for a second; the frames on the bus.
+/// Sends the requests every 100 ms for one second; returns the number of frames on the bus.
 fn second(bus: &mut SimulatedBus, requests: &[Frame]) -> u32 {
     let mut frames = 0;
     for _ in 0..10 {
@@ -35,10 +35,10 @@ fn frames_cost_no_memory() {
         bus.attach(Box::new(Device::with_motion(model(), node, Faults::NONE, 1, &motion)));
     }
     second(&mut bus, &[]);
-    // TPDO 1 every 10 ms, start.
+    // TPDO 1 every 10 ms; start.
     second(&mut bus, &to_all("2B0062000A000000"));
     second(&mut bus, &[parse("000#0100")]);
-    // SYNC; a read that succeeds, one that does not, and a write.
+    // SYNC, a successful read, a failing read, and a write.
     let mut requests = vec![parse("080#")];
     requests.extend(["4004600000000000", "4000500000000000", "2B17100064000000"].map(to_all).concat());
     second(&mut bus, &requests);

@@ -1,4 +1,4 @@
-//! The measurement: position, scaling, preset, speed, work area.
+//! The measurement of an encoder: position, scaling, preset, speed, work area.
 
 use crate::rig::{Rig, model};
 use canvass_device::Motion;
@@ -18,7 +18,7 @@ fn reference() -> Rig {
     rig
 }
 
-/// 6300h: two cams that overlap, with hysteresis and polarity.
+/// 6300h with two overlapping cams, hysteresis and polarity.
 #[test]
 fn cams() {
     let mut rig = reference();
@@ -38,7 +38,7 @@ fn cams() {
     assert_eq!(rig.read(0x6300, 1), Ok(0));
 }
 
-/// 2120h holds limits of the temperature on Kübler's encoders. What it is of another manufacturer, only he knows.
+/// 2120h holds the temperature limits of Kübler's encoders. In devices of other manufacturers its meaning is unknown.
 #[test]
 fn limits_of_the_temperature_are_kueblers() {
     let eds = include_str!("../../models/kuebler-sendix-58x8.eds");
@@ -54,7 +54,7 @@ fn limits_of_the_temperature_are_kueblers() {
     }
 }
 
-/// 6009h sets what 6008h and 6004h show.
+/// A preset in 6009h changes 6008h and 6004h.
 #[test]
 fn high_precision() {
     let mut rig = reference();
@@ -145,7 +145,7 @@ fn work_area() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the device takes, the position stays in its range, and 6004h = scaled position + 6509h.
+    /// Whatever values the device accepts, the position stays in its range, and 6004h = scaled position + 6509h.
     #[test]
     fn the_position_is_in_its_range(
         operating in prop::sample::select(vec![0_u32, 1, 4, 5, 0x1004]), units: u16, range: u32, preset: u32, rest: i32,

@@ -1,6 +1,6 @@
-//! The simulated devices on the simulated bus.
+//! The behaviour of the simulated devices on the simulated bus.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// All code here is test code; the attribute tells clippy that it may unwrap.
 #![cfg(test)]
 
 mod allocations;

@@ -12,7 +12,7 @@ use canvass_traces::{Duration, Timestamp};
 
 #[test]
 fn every_command_in_every_state() {
-    // The state after the command, by the state before: pre-operational, operational, stopped.
+    // The state after each command, for the previous states pre-operational, operational and stopped.
     for (command, after) in [("01", "05"), ("02", "04"), ("80", "7F")] {
         for before in ["80", "01", "02"] {
             for node in ["3F", "00"] {
@@ -66,7 +66,7 @@ fn nothing_before_the_boot_up_and_no_sdo_when_stopped() {
     assert_eq!(rig.read(0x1000, 0), Err("silence".to_owned()));
 }
 
-/// A response that has not begun when the command comes is withdrawn.
+/// A reset withdraws a response whose transmission has not begun.
 #[test]
 fn what_waits_for_the_bus_is_withdrawn_by_a_reset() {
     let model = model();
@@ -142,7 +142,7 @@ fn heartbeat_consumer() {
     assert_eq!(rig.ask("705#05"), ["0BF#0000000000000000"]);
 }
 
-/// A wait without end on a silent bus ends, and the clock does not run away.
+/// A wait without deadline on a silent bus returns, and the clock does not run to its end.
 #[test]
 fn time_does_not_end() {
     let mut rig = Rig::new();
@@ -163,8 +163,8 @@ fn nothing_is_due_while_initialising() {
         "63F#2307100050C30000", // 1007h: 50 ms
         "63F#2316100132000500", // 1016h: node 5, 50 ms
         "63F#2306100050C30000", // 1006h: 50 ms
-        "63F#2305100080000040", // 1005h: produces
-        "63F#2312100000010040", // 1012h: produces
+        "63F#2305100080000040", // 1005h: the device produces SYNC
+        "63F#2312100000010040", // 1012h: the device produces TIME
         "705#05",
         "080#",
         "000#813F",

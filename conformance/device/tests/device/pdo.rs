@@ -1,4 +1,4 @@
-//! When TPDOs are sent.
+//! The times at which TPDOs are sent.
 
 use crate::rig::{Rig, model, periods};
 use canvass_device::Motion;

@@ -1,4 +1,4 @@
-//! What Kübler's encoders do that others don't.
+//! Behaviour of Kübler's encoders that differs from other devices.
 
 use crate::rig::Rig;
 use canvass_device::Faults;
@@ -13,7 +13,7 @@ fn powered(model: &str, milli_rpm: i64) -> Rig {
     rig
 }
 
-/// A measuring range of less than a revolution is refused from both sides, and the old value stays; 6002h = 0 is 2^32.
+/// 6001h and 6002h refuse a measuring range of less than one revolution and keep their old values; 6002h = 0 is 2^32.
 #[test]
 fn units_and_range() {
     for model in ["kuebler-sendix-58x8", "kuebler-sendix-f58", "kuebler-sendix-f58m", "kuebler-sendix-m58"] {
@@ -33,11 +33,11 @@ fn units_and_range() {
 
 #[test]
 fn bits_of_the_operating_parameters() {
-    // Reserved since V4.1: all but 0, 2, 12 and 14.
+    // Since V4.1 all bits are reserved except 0, 2, 12 and 14.
     assert_eq!(powered("kuebler-sendix-f58m", 0).write(0x6000, 0, 0x2004, 2), "06090030");
     assert_eq!(powered("kuebler-sendix-m58", 0).write(0x6000, 0, 0x1004, 2), "ok");
     assert_eq!(powered("kuebler-sendix-f58", 0).write(0x6000, 0, 0x2004, 2), "ok");
-    // Units per second: 1 revolution per second of 8192 units, by bit 12, from source 6004h.
+    // Speed in units per second by bit 12, from 6004h: 1 revolution per second of 8192 units.
     let mut rig = powered("kuebler-sendix-f58m", 60_000);
     assert_eq!(rig.read(0x6030, 1), Ok(60));
     assert_eq!(rig.write(0x6031, 1, 1, 2), "ok");
@@ -52,7 +52,7 @@ fn bits_of_the_operating_parameters() {
     assert_eq!(rig.write(0x6031, 2, 4, 2), "06090032", "5 ms at least");
 }
 
-/// Channel A and channel B add up to the full scale, wherever the wire is, to its very end.
+/// Channel A and channel B add up to the full scale at every position of the wire, including its end.
 #[test]
 fn redundant_channels() {
     for (model, full_scale, width) in [("kuebler-c100", 47_000, 2), ("kuebler-d125", 100_000, 4)] {
@@ -89,7 +89,7 @@ fn angles() {
     assert_eq!(z(&mut rig, "2F10300000000000"), "18FC18FC", "and reset");
 }
 
-/// The checksum goes over the bytes of the raw position, little-endian, and begins with 1021h.
+/// The checksum covers the bytes of the raw position, little-endian, and starts with 1021h.
 #[test]
 fn raw_position() {
     let mut rig = powered("kuebler-sendix-f58", 0);
@@ -101,7 +101,7 @@ fn raw_position() {
     assert_eq!(rig.read(0x2162, 0), Ok(u32::from(crc)));
 }
 
-/// Until it has a node-ID, M58 says nothing and hears LSS only; what LSS stored outlives a reset.
+/// Without a node-ID, M58 sends nothing and handles LSS only. Values stored by LSS outlive a reset.
 #[test]
 fn unconfigured() {
     let model = Model::by_id("kuebler-sendix-m58").unwrap();

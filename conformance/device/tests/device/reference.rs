@@ -1,4 +1,5 @@
-//! What only the reference device has: RPDOs, SYNC and TIME of its own, a second SDO channel, a change of bit rate.
+//! Features that only the reference device has: RPDOs, production of SYNC and TIME, a second SDO channel, a change of
+//! the bit rate.
 
 use crate::rig::{Rig, parse, periods};
 use canvass_analyzer::NodeId;
@@ -82,10 +83,10 @@ fn mapping_of_rpdos() {
     assert_eq!(rig.write(0x1600, 1, 0x6200_0108, 4), "06010000", "in use");
     assert_eq!(rig.write(0x1600, 0, 0, 1), "ok");
     for (entry, answer) in [
-        (0x6000_0108, "06040041"), // an input
+        (0x6000_0108, "06040041"), // an input can't be mapped into an RPDO
         (0x6200_0908, "06020000"),
         (0x0005_0008, "ok"),
-        (0x0005_0010, "06040041"), // the length of another type
+        (0x0005_0010, "06040041"), // the length differs from the dummy type
         (0x2040_0020, "06040041"),
         (0x2030_0101, "ok"), // one bit
     ] {
@@ -165,7 +166,7 @@ fn the_second_sdo_channel_is_a_server_of_its_own() {
     assert_eq!(rig.ask("6A0#4000100000000000"), NONE, "the other COB-ID is not valid yet");
     assert_eq!(rig.write(0x1201, 2, 0x6A1, 4), "ok");
     assert_eq!(rig.write(0x1201, 1, 0x6A2, 4), "06090030", "while valid");
-    // Two transfers in segments at the same time.
+    // Two segmented transfers at the same time, one on each SDO channel.
     assert_eq!(rig.ask("6A0#4008100000000000"), ["6A1#4108100015000000"]);
     assert_eq!(rig.ask("63F#4011200000000000"), ["5BF#4111200005000000"]);
     assert_eq!(rig.ask("6A0#6000000000000000"), ["6A1#0063616E76617373"]);
@@ -223,7 +224,8 @@ fn a_node_id_by_lss_waits_for_reset_communication() {
     assert_eq!(rig.run(300), ["73F#00"], "not stored");
 }
 
-/// Silence for the delay, the change, silence again; then only who has the new bit rate understands.
+/// The device is silent for the delay, changes its bit rate, and is silent again. Then only nodes with the new bit rate
+/// understand it.
 #[test]
 fn the_bit_rate_changes() {
     let mut rig = reference();
@@ -256,7 +258,7 @@ fn what_is_not_stored_is_lost_at_power_off() {
     assert_eq!((rig.read(0x1017, 0), rig.read(0x2041, 0)), (Ok(0), Ok(500)));
 }
 
-/// The memory of one device, as a text, makes another one the same.
+/// The memory of one device, read from its text by another device, gives both the same values.
 #[test]
 fn the_memory_outlives_the_device() {
     use canvass_bus::Machine;

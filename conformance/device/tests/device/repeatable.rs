@@ -1,9 +1,9 @@
-//! Same seed, same bytes at the same times.
+//! Equal seeds give equal bytes at equal times.
 
 use canvass_device::address::open_seeded;
 use canvass_traces::{CanId, Duration, Frame, Record, Timestamp};
 
-/// An hour of a network, with what a master asks; another seed answers at other times.
+/// One hour of a network with a master's requests. With another seed the devices answer at other times.
 #[test]
 fn a_simulated_hour() {
     let run = |seed| {
@@ -24,7 +24,7 @@ fn a_simulated_hour() {
             send(bus.as_mut(), 0x600 + u32::from(node), &[0x2B, 0x17, 0x10, 0, 0xE8, 3, 0, 0]);
             listen(bus.as_mut(), &mut records, 50);
         }
-        // By its timer alone: on every change it would be a thousand a second.
+        // TPDO 1 is sent only by its timer: on every change it would be sent a thousand times a second.
         send(bus.as_mut(), 0x614, &[0x2F, 0x00, 0x18, 2, 0xFF, 0, 0, 0]);
         listen(bus.as_mut(), &mut records, 50);
         send(bus.as_mut(), 0x614, &[0x2B, 0x00, 0x62, 0, 0xF4, 1, 0, 0]);

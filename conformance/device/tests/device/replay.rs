@@ -1,4 +1,4 @@
-//! The dialogues that the manuals print, `tests/manuals/kuebler-replay.toml`, against the models.
+//! Replays the dialogues that the manuals print (`tests/manuals/kuebler-replay.toml`) with the models.
 
 use crate::rig::Rig;
 use canvass_device::Faults;
@@ -38,7 +38,7 @@ fn rest() -> i64 {
     0x4CBA
 }
 
-/// What is wrong with the answers of a model, if anything.
+/// The first wrong answer of a model in an example, as text; `None` if all answers are right.
 fn complaint(example: &Example, model: &str) -> Option<String> {
     let model = Model::by_id(model).unwrap();
     let node = (example.node > 0).then_some(example.node);
@@ -50,7 +50,7 @@ fn complaint(example: &Example, model: &str) -> Option<String> {
             Some(millis) => rig.run(millis.parse().unwrap()),
             None => {
                 rig.send(step.strip_prefix("> ").unwrap());
-                // What comes after a pause is awaited there.
+                // Frames after a pause are received during the pause, not here.
                 let waits = steps.peek().is_some_and(|next| next.starts_with('+'));
                 if waits { Vec::new() } else { rig.ask_nothing() }
             }
@@ -80,7 +80,7 @@ fn the_manuals_dialogues() {
     assert!(examples.example.iter().all(|example| example.erratum.as_deref() != Some("")));
 }
 
-/// 5.7.7: the position comes every 10 ms by 6200h, counter-clockwise.
+/// Section 5.7.7: 6200h makes the encoder send its position every 10 ms, counter-clockwise.
 #[test]
 fn the_trace_goes_on_in_operational() {
     let mut rig = Rig::powered(crate::rig::model(), Some(63), Faults::NONE, &Motion::still(-0x4CBA));

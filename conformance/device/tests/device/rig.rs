@@ -1,4 +1,4 @@
-//! A bus with one device, driven by frames as candump writes them.
+//! A simulated bus with one device, driven by frames in candump's notation.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, SimulatedBus};
@@ -16,7 +16,7 @@ pub fn model() -> &'static Model {
 }
 
 impl Rig {
-    /// Node 63 at 250 kbit/s, after its boot-up.
+    /// A bus with node 63 at 250 kbit/s, after the boot-up message.
     pub fn new() -> Self {
         Self::with(Faults::NONE)
     }
@@ -31,7 +31,7 @@ impl Rig {
         Self::powered_at(250_000, model, node, faults, motion)
     }
 
-    /// On a bus of that bit rate, which a device without a bit rate of its own takes over.
+    /// A bus with this bit rate. A device without a bit rate of its own uses that of the bus.
     pub fn powered_at(bit_rate: u32, model: &Model, node: Option<u8>, faults: Faults, motion: &Motion) -> Self {
         let mut bus = SimulatedBus::new(bit_rate);
         let node = node.map(|node| NodeId::new(node).unwrap());
@@ -55,30 +55,30 @@ impl Rig {
         records
     }
 
-    /// As [`Rig::records`], as text.
+    /// All frames that the device sends within `millis` milliseconds, as text.
     pub fn run(&mut self, millis: u64) -> Vec<String> {
         self.records(millis).iter().map(|record| record.frame.to_string()).collect()
     }
 
-    /// Sends a frame, and all that the device sends in the 50 ms after it.
+    /// Sends a frame; returns all frames that the device sends in the next 50 ms.
     pub fn ask(&mut self, frame: &str) -> Vec<String> {
         self.send(frame);
         self.run(50)
     }
 
-    /// All that the device sends in the next 50 ms.
+    /// All frames that the device sends in the next 50 ms.
     pub fn ask_nothing(&mut self) -> Vec<String> {
         self.run(50)
     }
 
-    /// Sends SDO requests, each of which has the one response that follows it.
+    /// Sends SDO requests. Each request must have the one response that follows it in `pairs`.
     pub fn dialogue(&mut self, pairs: &[(&str, &str)]) {
         for (request, response) in pairs {
             assert_eq!(self.ask(&format!("63F#{request}")), [format!("5BF#{response}")], "to {request}");
         }
     }
 
-    /// Writes a number by an expedited download.
+    /// Writes a number by an expedited download; returns `ok` or the abort code.
     pub fn write(&mut self, index: u16, sub: u8, value: u32, len: usize) -> String {
         let [low, high] = index.to_le_bytes();
         let [a, b, c, d] = value.to_le_bytes();
@@ -92,7 +92,7 @@ impl Rig {
         }
     }
 
-    /// Reads a number by an expedited upload.
+    /// Reads a number by an expedited upload; the error is the abort code.
     pub fn read(&mut self, index: u16, sub: u8) -> Result<u32, String> {
         let [low, high] = index.to_le_bytes();
         self.send(&format!("63F#40{low:02X}{high:02X}{sub:02X}00000000"));
@@ -107,13 +107,13 @@ impl Rig {
     }
 }
 
-/// `06020000` of the eight bytes of an abort.
+/// The abort code in the eight bytes of an abort, such as `06020000`.
 fn abort_code(response: &str) -> String {
     assert!(response.starts_with("80"), "{response}");
     (0..4).rev().map(|n| &response[8 + 2 * n..10 + 2 * n]).collect()
 }
 
-/// `63F#40006000`, `73F#R1`.
+/// Parses a frame in candump's notation: `63F#40006000`, `73F#R1`.
 pub fn parse(text: &str) -> Frame {
     let (id, data) = text.split_once('#').unwrap();
     let raw = u32::from_str_radix(id, 16).unwrap();
@@ -131,5 +131,5 @@ pub fn periods(records: &[Record]) -> Vec<f64> {
     records.windows(2).map(|pair| pair[1].timestamp.since(pair[0].timestamp).as_millis()).collect()
 }
 
-/// Never, on this bus.
+/// A deadline that this bus never reaches.
 pub const NEVER: Timestamp = Timestamp::MAX;

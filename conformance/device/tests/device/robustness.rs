@@ -1,4 +1,4 @@
-//! Whatever comes, in whatever state: no panic, no loop without end, and the device can still be reset and read.
+//! For any frames in any state: the device does not panic or loop for ever, and can still be reset and read.
 
 use crate::rig::{Rig, model};
 use canvass_analyzer::NodeId;
@@ -10,7 +10,7 @@ use canvass_device::{Device, Motion};
 use canvass_traces::{CanId, Duration, Frame};
 use proptest::prelude::*;
 
-/// Frames that mean something to the device more often than chance would have it.
+/// Frames that have a meaning for the device more often than random frames do.
 fn frame() -> impl Strategy<Value = Frame> {
     let id = prop_oneof![
         6 => Just(0x63F_u32), 2 => Just(0x000), 1 => Just(0x080), 2 => Just(0x7E5), 1 => 0x700_u32..0x780,
@@ -75,11 +75,11 @@ proptest! {
                 received += 1;
             }
         }
-        // At most 1.8 s at 1 Mbit/s.
+        // The run lasts at most 1.8 s, in which a bus at 1 Mbit/s transmits fewer frames.
         prop_assert!(received < 50_000);
     }
 
-    /// Every model, in every state: whatever comes, it does not panic, and it can be switched off and on again.
+    /// No frames make any model in any state panic, and the device can be switched off and on again.
     #[test]
     fn any_frames_to_any_model(
         frames in prop::collection::vec((frame(), 0_u64..20_000), 0..60), faults in faults(), state in 0_u8..5,
@@ -88,7 +88,8 @@ proptest! {
             let node = (state != 4).then(|| NodeId::new(63).unwrap());
             let mut bus = SimulatedBus::new(1_000_000);
             bus.attach(Box::new(Device::with_motion(model, node, faults, 3, &Motion::constant(0, 77_777))));
-            // In initialisation, pre-operational, operational, stopped, or without node-ID.
+            // State 0 is initialisation; the others are pre-operational, operational, stopped, and a device without
+            // node-ID.
             let begin = bus.now() + Duration::from_millis(if state == 0 { 1 } else { 400 });
             while bus.receive(begin).unwrap().is_some() {}
             if let Some(command) = [None, None, Some(1), Some(2), None].get(usize::from(state)).copied().flatten() {
@@ -105,7 +106,7 @@ proptest! {
         }
     }
 
-    /// A fault-free device answers again after any frames and a reset, and never sends what nobody told it to.
+    /// After any frames and a reset, a fault-free device answers again, and never sends frames that nobody requested.
     #[test]
     fn alive_after_a_reset(frames in prop::collection::vec((frame(), 0_u64..30_000), 0..40)) {
         let mut rig = Rig::new();

@@ -33,7 +33,7 @@ fn wrong_toggles_end_the_transfer() {
 fn segmented_download() {
     let mut rig = Rig::new();
     rig.dialogue(&[
-        // 2140h:01 in two segments, with and without an announced size.
+        // 2140h:01 is downloaded in two segments, with and without an announced size.
         ("2140210104000000", "6040210100000000"),
         ("0A11220000000000", "2000000000000000"),
         ("1B33440000000000", "3000000000000000"),
@@ -43,12 +43,12 @@ fn segmented_download() {
     ]);
     assert_eq!(rig.read(0x2140, 1), Ok(0xDDCC_BBAA));
     rig.dialogue(&[
-        // Longer and shorter than announced; the object is as before.
+        // The data is longer or shorter than announced: the object keeps its value.
         ("2100600002000000", "6000600000000000"),
         ("0900000000000000", "8000600012000706"),
         ("2101600004000000", "6001600000000000"),
         ("0B11000000000000", "8001600013000706"),
-        // A wrong length, a read-only object, no object: refused at once.
+        // A wrong length, a read-only object and an absent object are refused at once.
         ("2100600003000000", "8000600012000706"),
         ("2100100004000000", "8000100002000106"),
         ("2100500004000000", "8000500000000206"),
@@ -127,7 +127,7 @@ fn mapping_rules() {
     assert!(rig.ask("000#013F").contains(&"1BF#BA4C0000BA4C0000".to_owned()));
 }
 
-/// Commands that are unknown, or that the device does not have, name what the client named.
+/// The abort of an unknown or unsupported command names the object in the client's request.
 #[test]
 fn command_specifiers() {
     Rig::new().dialogue(&[
@@ -144,27 +144,27 @@ fn command_specifiers() {
     }
 }
 
-/// A block transfer that the device does not have, in the middle of another transfer: the abort names what the client
-/// asked for, and the transfer that it interrupts is over.
+/// An unsupported block transfer interrupts another transfer: the abort names the object of the client's request, and
+/// the interrupted transfer has ended.
 #[test]
 fn a_refused_block_transfer_names_its_own_object() {
     let mut rig = Rig::new();
     rig.dialogue(&[
-        // An upload in segments is under way.
+        // A segmented upload is open.
         ("4008100000000000", "4108100016000000"),
         ("A000600014000000", "8000600001000405"),
         ("6000000000000000", "8000000001000405"),
-        // And a download.
+        // A segmented download is open.
         ("2140210104000000", "6040210100000000"),
         ("C217100002000000", "8017100001000405"),
         ("0B11000000000000", "8000000001000405"),
     ]);
     assert_eq!(rig.read(0x2140, 1), Ok(0));
-    // What names no object is about the transfer under way.
+    // The abort of a request without an object names the object of the open transfer.
     rig.dialogue(&[("4008100000000000", "4108100016000000"), ("A300000000000000", "8008100001000405")]);
 }
 
-/// The same device with a server that knows blocks.
+/// The simulated device with an SDO server that supports block transfers.
 fn with_blocks() -> Rig {
     let eds = include_str!("../../models/kuebler-sendix-58x8.eds");
     let sheet = include_str!("../../models/kuebler-sendix-58x8.toml");
@@ -181,18 +181,18 @@ fn block_upload() {
     let mut rig = with_blocks();
     rig.dialogue(&[("A408100002000000", "C608100016000000")]);
     assert_eq!(rig.ask("63F#A300000000000000"), ["5BF#014B7565626C6572", "5BF#022053656E646978"]);
-    // The second was lost, blocks of three from now on.
+    // The second segment was lost; blocks have three segments from now on.
     assert_eq!(
         rig.ask("63F#A201030000000000"),
         ["5BF#012053656E646978", "5BF#0220456E636F6465", "5BF#8372000000000000"]
     );
-    // CRC-16/XMODEM of "Kuebler Sendix Encoder", six bytes of the last segment don't count.
+    // CRC-16/XMODEM of "Kuebler Sendix Encoder"; six bytes of the last segment are unused.
     assert_eq!(rig.ask("63F#A203030000000000"), [format!("5BF#D9{}0000000000", crc(b"Kuebler Sendix Encoder"))]);
     assert!(rig.ask("63F#A100000000000000").is_empty());
     rig.dialogue(&[
         ("A000100000000000", "8000100002000405"),
         ("A000100080000000", "8000100002000405"),
-        // Up to the threshold, a normal upload.
+        // A value up to the threshold is sent by a normal upload.
         ("A000100014040000", "4300100096010200"),
         ("A408100002000000", "C608100016000000"),
         ("6000000000000000", "8008100001000405"),
@@ -218,7 +218,7 @@ fn block_download() {
         ("C640210104000000", "A44021017F000000"),
         ("0011223344000000", "8040210103000405"),
     ]);
-    // The first segment was lost: the end of the block says so.
+    // The first segment was lost: the confirmation of the block says so.
     rig.dialogue(&[
         ("C640210104000000", "A44021017F000000"),
         ("8211223344000000", "A2007F0000000000"),
@@ -228,7 +228,7 @@ fn block_download() {
     assert_eq!(rig.read(0x2140, 1), Ok(0x4433_2211), "the old value");
 }
 
-/// Bit by bit, as CiA 301 describes the CRC.
+/// Calculates the CRC bit by bit, as CiA 301 describes it.
 fn crc(data: &[u8]) -> String {
     let mut crc = 0_u16;
     for &byte in data {

@@ -1,5 +1,5 @@
-//! The object dictionaries against the tables of the manuals, transcribed in `tests/manuals/*.csv`: every row is read by SDO
-//! from the simulated device, and its dictionary has nothing else.
+//! Compares the object dictionaries with the tables of the manuals, which `tests/manuals/*.csv` holds: every row is
+//! read by SDO from the simulated device, and the device has no other objects.
 
 use crate::rig::{Rig, parse};
 use canvass_analyzer::dictionary::DataType;
@@ -48,7 +48,7 @@ fn number(text: &str, node: u8) -> u64 {
     number.unwrap() + node
 }
 
-/// Reads an object by SDO, in segments where it is long.
+/// Reads an object by SDO, in segments if the value is long.
 fn upload(rig: &mut Rig, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, String> {
     let mut ask = |bytes: String| {
         let heard = rig.ask(&format!("{:03X}#{bytes}", 0x600 + u16::from(node)));
@@ -75,7 +75,7 @@ fn upload(rig: &mut Rig, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, Strin
     }
 }
 
-/// A download of the value that is there: what it leads to shows the access type.
+/// The access type of an object, by the answer to a download of its present value.
 fn access(rig: &mut Rig, node: u8, row: &SheetRow<'_>, value: &[u8]) -> &'static str {
     let [low, high] = row.index.to_le_bytes();
     let mut data = value.to_vec();
@@ -99,7 +99,7 @@ fn compare(model: &str, table: &str) {
         let (at, expected) = (format!("{:04X}h:{:02X}", row.index, row.sub), data_type(row.data_type));
         let value = match upload(&mut rig, node, row.index, row.sub) {
             Ok(value) => value,
-            // An entry of the error history that is still empty.
+            // The entry of the error history is still empty.
             Err(abort) if row.index == 0x1003 && abort == "[24, 00, 00, 08]" => continue,
             Err(abort) => {
                 wrong.push(format!("{at}: {abort}"));
@@ -114,7 +114,7 @@ fn compare(model: &str, table: &str) {
         let as_printed = match expected {
             _ if row.default.is_empty() => true,
             DataType::VISIBLE_STRING => value == row.default.as_bytes(),
-            // M58: FFh until it is configured; here it was.
+            // M58 has FFh until its node-ID is configured, which this test has done.
             _ if row.index == 0x2101 && row.default == "0xFF" => value == [node],
             _ => {
                 let found = value.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte));

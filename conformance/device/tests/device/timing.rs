@@ -1,4 +1,4 @@
-//! The simulated bus: order and duration of frames.
+//! The order and duration of frames on the simulated bus.
 
 use crate::rig::{Rig, model, parse};
 use canvass_analyzer::NodeId;
@@ -38,12 +38,12 @@ fn the_lowest_identifier_wins() {
         .filter_map(|record| record.frame.cob_id())
         .collect();
     assert_eq!(ids[..2], [0x000, 0x080], "SYNC goes before all PDOs");
-    // Each device has one frame in arbitration at a time.
+    // Each device has at most one frame in arbitration at a time.
     assert_eq!(ids[2..5], [0x185, 0x1BF, 0x1C6]);
     assert!(ids.contains(&0x285), "{ids:X?}");
 }
 
-/// What no classical controller can send is refused.
+/// The bus refuses frames that no classical controller can send.
 #[test]
 fn only_classical_frames() {
     let id = parse("123#").id();
@@ -51,7 +51,7 @@ fn only_classical_frames() {
     assert!(Rig::new().bus.send(&fd).unwrap_err().to_string().contains("classical"));
 }
 
-/// Same seed, same bytes at the same times; another seed, other times.
+/// Equal seeds give equal bytes at equal times; another seed gives other times.
 #[test]
 fn runs_repeat_exactly() {
     let run = |seed| {

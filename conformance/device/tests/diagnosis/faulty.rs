@@ -1,11 +1,11 @@
-//! Faults of a firmware that show in a capture.
+//! Faults of a firmware that a capture shows.
 
 use crate::machine::{Machine, frame, shown};
 use canvass_device::Fault;
 use canvass_device::models::Model;
 use canvass_traces::Record;
 
-/// What a master does so that the fault shows, and the rule that must find it.
+/// A fault, the actions of a master that make it show, and the rule that must find it.
 type FaultSeen = (Fault, fn(&mut Machine), &'static str);
 
 const FAULTS: [FaultSeen; 14] = [
@@ -35,7 +35,7 @@ fn reset(machine: &mut Machine) {
     heartbeat(machine);
     machine.write(0x1010, 1, u32::from_le_bytes(*b"save"), 4);
     machine.run(500);
-    // Twice: the first one shows that there is a boot-up message at all, where there is one.
+    // The machine resets twice: after the first reset the diagnosis knows whether the device sends a boot-up message.
     machine.command(0x01);
     machine.run(3_000);
     machine.command(0x82);
@@ -114,12 +114,12 @@ fn faults_that_show_in_a_capture_are_found() {
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
-/// The same without the fault: what is done to show it is no fault itself.
+/// The actions that make the faults show cause no findings on a fault-free device.
 #[test]
 fn without_their_fault_nothing_is_found() {
     let model = Model::by_id("kuebler-sendix-58x8").unwrap();
     for (fault, act, _) in FAULTS {
-        // These ask for what a good device refuses.
+        // The actions for these faults make requests that a fault-free device refuses.
         if matches!(fault, Fault::SdoStaleMultiplexer | Fault::RestrictedCanIdAccepted) {
             continue;
         }
@@ -130,8 +130,8 @@ fn without_their_fault_nothing_is_found() {
     }
 }
 
-/// Both channels of a draw-wire encoder are two and a half metres further all of a sudden. A download just before it
-/// tells why: then nothing is said.
+/// Both channels of a draw-wire encoder suddenly move by 2.5 m: a finding. If a download just before the jump explains
+/// it, there is no finding.
 #[test]
 fn a_draw_wire_jumps() {
     const FURTHER: u16 = 25_000;

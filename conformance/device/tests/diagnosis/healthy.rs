@@ -1,10 +1,10 @@
-//! Each built-in model as it should be: boot-up, identity, configuration, LSS, a store, operation, stop, reset.
+//! Each built-in model without faults: boot-up, identity, configuration, LSS, a store, operation, stop, reset.
 
 use crate::machine::{Machine, shown};
 use canvass_device::Faults;
 use canvass_device::models::Model;
 
-/// All that a master usually does with an encoder, each as far as the model has it.
+/// The usual actions of a master with an encoder, as far as the model supports them.
 fn operate(model: &'static Model) -> Machine {
     let mut machine = Machine::new(model, Faults::NONE);
     for (index, sub) in [(0x1000, 0), (0x1001, 0), (0x1018, 1), (0x1018, 2), (0x1018, 3), (0x1018, 4)] {
@@ -54,7 +54,7 @@ fn operate(model: &'static Model) -> Machine {
     machine
 }
 
-/// Heartbeat, or guarding where the device has none.
+/// Configures the heartbeat, or guarding if the device has no heartbeat.
 fn error_control(machine: &mut Machine) {
     if machine.has_writable(0x1017, 0) {
         return machine.write(0x1017, 0, 200, 2);
@@ -68,7 +68,7 @@ fn error_control(machine: &mut Machine) {
     }
 }
 
-/// Asks the only slave for its address and its node-ID.
+/// Inquires the LSS address and the node-ID of the only slave.
 fn layer_setting(machine: &mut Machine) {
     machine.send(0x7E5, &[0x04, 0x01, 0, 0, 0, 0, 0, 0]);
     for command in 0x5A..=0x5E {
@@ -96,7 +96,7 @@ fn nothing_is_found_with_any_model_in_normal_operation() {
     assert!(problems.is_empty(), "{problems:#?}");
 }
 
-/// A recorder may be switched on and off at any time.
+/// A capture may begin and end at any time.
 #[test]
 fn nothing_is_found_in_any_part_of_it() {
     let mut problems = Vec::new();

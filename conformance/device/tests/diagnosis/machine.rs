@@ -1,4 +1,4 @@
-//! A master and one simulated device, and all that was on their bus.
+//! A master and one simulated device, with a record of all frames on their bus.
 
 use canvass_analyzer::findings::{Diagnosis, Finding, SourceQuality, Thresholds};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -13,15 +13,15 @@ pub struct Machine {
     pub node: NodeId,
     pub records: Vec<Record>,
     bus: SimulatedBus,
-    /// Every 20 ms.
+    /// Whether the master sends SYNC every 20 ms.
     pub syncs: bool,
-    /// Every 300 ms.
+    /// Whether the master guards the node every 300 ms.
     pub guards: bool,
     next_sync: Timestamp,
     next_guard: Timestamp,
 }
 
-/// A node-ID for devices that have none until one is set.
+/// The node-ID for devices that are delivered without one.
 const GIVEN: u8 = 63;
 
 pub fn frame(id: u16, bytes: &[u8]) -> Frame {
@@ -29,7 +29,7 @@ pub fn frame(id: u16, bytes: &[u8]) -> Frame {
 }
 
 impl Machine {
-    /// Switched on, with a shaft that turns once in a second.
+    /// Switches a device on; its shaft makes one revolution per second.
     pub fn new(model: &'static Model, firmware: impl Into<Firmware>) -> Self {
         let node = model.default_node().unwrap_or_else(|| NodeId::new(GIVEN).unwrap());
         let mut bus = SimulatedBus::new(model.default_bit_rate());
@@ -58,7 +58,7 @@ impl Machine {
         self.bus.send(&frame(id, bytes)).unwrap();
     }
 
-    /// Runs until a frame is `wanted`, for at most `millis` milliseconds.
+    /// Runs until a frame is `wanted`, but at most `millis` milliseconds.
     fn until(&mut self, millis: u64, wanted: impl Fn(&Record) -> bool) -> Option<Record> {
         let end = self.bus.now() + Duration::from_millis(millis);
         loop {
@@ -91,7 +91,7 @@ impl Machine {
         self.until(millis, |_| false);
     }
 
-    /// A request to the SDO server, and its answer.
+    /// Sends a request to the SDO server; returns the answer.
     pub fn ask(&mut self, request: [u8; 8]) -> Option<[u8; 8]> {
         let (client, server) = (self.id(0x600), self.id(0x580));
         self.send(client, &request);
@@ -100,21 +100,21 @@ impl Machine {
         answer.map(|record| record.frame.bytes().to_owned())
     }
 
-    /// Whether the device has an object that can be written.
+    /// Whether the device has this object, and the object can be written.
     pub fn has_writable(&self, index: u16, sub: u8) -> bool {
         use canvass_analyzer::dictionary::Access;
         let entry = self.model.description().dictionary.entry(Multiplexer::new(index, sub));
         entry.is_ok_and(|entry| matches!(entry.access, Access::Rw | Access::Rww | Access::Rwr))
     }
 
-    /// Reads an object if the device has it, whatever its length.
+    /// Reads an object of any length, if the device has it.
     pub fn read(&mut self, index: u16, sub: u8) -> Option<u32> {
         if self.model.description().dictionary.entry(Multiplexer::new(index, sub)).is_err() {
             return None;
         }
         let [low, high] = index.to_le_bytes();
         let answer = self.ask([0x40, low, high, sub, 0, 0, 0, 0])?;
-        // In segments, where it says so.
+        // The server may announce an upload in segments.
         let mut more = answer[0] & 0xE2 == 0x40;
         let mut toggle = 0;
         while more {
@@ -131,13 +131,13 @@ impl Machine {
         self.ask([0x23 | (4 - length) << 2, low, high, sub, a, b, c, d]);
     }
 
-    /// An NMT command to the node.
+    /// Sends an NMT command to the node.
     pub fn command(&mut self, command: u8) {
         self.send(0x000, &[command, self.node.raw()]);
         self.run(1);
     }
 
-    /// What is found; `described`: with the description of the model.
+    /// The findings of the diagnosis; with `described`, the diagnosis knows the description of the model.
     pub fn findings(&self, described: bool) -> Vec<Finding> {
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         if described {

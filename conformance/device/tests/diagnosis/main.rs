@@ -1,7 +1,7 @@
-//! The rules of the analyzer on captures of the simulated devices: nothing is found where the device is well, and each
-//! fault of a firmware that a capture can show is found.
+//! The rules of the analyzer on captures of the simulated devices: a fault-free device causes no findings, and each
+//! fault that a capture can show is found.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// All code here is test code; the attribute tells clippy that it may unwrap.
 #![cfg(test)]
 
 mod faulty;

@@ -1,4 +1,4 @@
-//! What liberties change in descriptions: of the EDS alone, or of the device with it.
+//! The effects of liberties on descriptions: on the EDS alone, or on the device with it.
 
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::{DeviceDescription, Missing, Setting};
@@ -7,7 +7,7 @@ use canvass_device::Liberty::{self, *};
 use canvass_device::models::Model;
 use canvass_device::{Device, Firmware, Liberties};
 
-/// Those that only the description shows.
+/// Liberties that only the description shows.
 pub const SHOWN: [Liberty; 8] = [
     EdsWithoutLimits,
     EdsObjFlags,
@@ -55,7 +55,7 @@ fn the_eds_is_written_in_another_way() {
     for at in [Multiplexer::new(0x1003, 8), Multiplexer::new(0x1016, 2)] {
         let (entry, own) = (compact.dictionary.entry(at).unwrap(), plain.dictionary.entry(at).unwrap());
         assert_eq!((entry.data_type, entry.access), (own.data_type, own.access), "{at:?}");
-        // It stands in the section of the object, not in one of its own.
+        // The entry is described in the section of the object; it has no section of its own.
         let object = |description: &DeviceDescription| description.dictionary.object(at.index).unwrap().line;
         assert_eq!(entry.line, object(&compact));
         assert_ne!(own.line, object(plain));
@@ -82,7 +82,7 @@ fn the_eds_is_written_in_another_way() {
     assert_eq!(crate::steps::result("reference-301", EdsIdentityWithoutDefaults, &["200", "r 1018:01"]), "=FFFFFF7F");
 }
 
-/// A description with a liberty can be read as the plain one can.
+/// A description with a liberty has no errors, as the plain description has none.
 #[test]
 fn what_is_free_is_no_error_of_the_eds() {
     let errors = |description: DeviceDescription| {
@@ -94,7 +94,7 @@ fn what_is_free_is_no_error_of_the_eds() {
     }
 }
 
-/// What a liberty takes out of the description, it takes out of the device, and nothing else.
+/// A liberty removes the same entries from the description and from the device.
 #[test]
 fn description_and_device_change_together() {
     let everything = model().description();
@@ -107,7 +107,7 @@ fn description_and_device_change_together() {
                 Ok(_) => None,
             };
             if expected.is_none() && at.index.0 & 0xF != 0 {
-                // Of those that are there a part is enough.
+                // For entries that exist, a sample is enough.
                 continue;
             }
             let address = format!("r {:04X}:{:02X}", at.index.0, at.sub.0);
@@ -120,7 +120,7 @@ fn description_and_device_change_together() {
     }
 }
 
-/// Any five of them go together: the device starts, and answers.
+/// Any five liberties can be combined: the device starts and answers.
 #[test]
 fn liberties_can_be_combined() {
     let all = Liberty::ALL;
@@ -129,14 +129,14 @@ fn liberties_can_be_combined() {
         let found = crate::steps::result("reference-301", five, &["5200", "after 60A#40001000"]);
         assert_ne!(found, "never", "{five:?}");
     }
-    // None of them adds an object, and all of them together still make a description.
+    // No liberty adds an object, and all liberties together still make a valid description.
     let taken = model().taking(all.iter().copied().collect());
     assert!(taken.description().dictionary.objects().len() < model().description().dictionary.objects().len());
     let device = Device::new(model(), NodeId::new(10), Firmware::from(all.iter().copied().collect::<Liberties>()), 0);
     assert_eq!(device.node(), NodeId::new(10));
 }
 
-/// On whatever model: what it has no use for changes nothing, and no device is lost.
+/// Every model can take every liberty: a device still starts and answers, even if the liberty has no effect on it.
 #[test]
 fn every_model_takes_every_liberty() {
     for model in Model::all() {

@@ -1,6 +1,6 @@
-//! Each liberty shows: the device behaves otherwise than without it, in exactly that way.
+//! Each liberty changes the behaviour of the device in exactly its own way.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// All code here is test code; the attribute tells clippy that it may unwrap.
 #![cfg(test)]
 
 mod descriptions;

@@ -1,19 +1,19 @@
-//! What each liberty changes in what a device does.
+//! The effect of each liberty on the behaviour of a device.
 
 use crate::steps::result;
 use Liberty::*;
 use canvass_device::{Firmware, Liberty};
 use std::collections::BTreeSet;
 
-/// A liberty, what is done to a device of its model, what comes without the liberty, and what with it.
+/// A liberty, the steps with a device of its model, the result without the liberty, and the result with it.
 type Shown = (Liberty, &'static [&'static str], &'static str, &'static str);
 
 const START: &str = "000#010A";
 const STOP: &str = "000#020A";
 const RESET: &str = "000#810A";
-/// A download of three bytes to 2012h begins, in segments.
+/// Begins a segmented download of three bytes to 2012h.
 const DOWNLOAD: &str = "60A#2112200003000000";
-/// A block upload of 2010h begins, without CRC and threshold.
+/// Begins a block upload of 2010h without CRC and threshold.
 const BLOCK_UPLOAD: &str = "60A#A01020007F00";
 
 const SHOWN: &[Shown] = &[
@@ -143,8 +143,8 @@ const SHOWN: &[Shown] = &[
     (OwnTraffic, &["200", "count 6D0 1000"], "0", "80"),
 ];
 
-/// A PDO that is delivered valid and empty can be switched off, and on again; another one is not switched on while it is
-/// empty.
+/// A PDO that is delivered valid and empty can be switched off and on again. Another PDO can't be switched on while it
+/// is empty.
 #[test]
 fn what_is_delivered_empty_can_be_restored() {
     let off_and_on = ["200", "w 1800:01 8A010080", "w 1A00:00 00", "w 1800:01 8A010000"];
@@ -152,7 +152,7 @@ fn what_is_delivered_empty_can_be_restored() {
     assert_eq!(result("reference-301", Firmware::PLAIN, &off_and_on), "06090030");
 }
 
-/// The two results differ in the liberty alone: it is there with it, and not without it.
+/// Each liberty shows: the results without and with the liberty differ as its row says.
 #[test]
 fn each_liberty_shows_in_its_own_way() {
     for &(liberty, steps, plain, taken) in SHOWN {
@@ -166,7 +166,7 @@ fn each_liberty_shows_in_its_own_way() {
 fn no_liberty_is_left_out() {
     let shown: BTreeSet<Liberty> = SHOWN.iter().map(|row| row.0).chain(crate::descriptions::SHOWN).collect();
     assert_eq!(shown.len(), SHOWN.len() + crate::descriptions::SHOWN.len(), "one row each");
-    // It shows in the frames of a socket alone: those of the bus crate and of the tests on vcan.
+    // `DirtyPadding` shows only in the frames of a socket: tests of the bus crate and on vcan cover it.
     let here = |liberty: &&Liberty| **liberty != Liberty::DirtyPadding;
     let missing: Vec<&Liberty> = Liberty::ALL.iter().filter(here).filter(|liberty| !shown.contains(liberty)).collect();
     assert!(missing.is_empty(), "{missing:?}");

@@ -1,4 +1,4 @@
-//! A device and what a master does to it, step by step, as text.
+//! A device, and the actions of a master step by step as text.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, SimulatedBus};
@@ -6,16 +6,16 @@ use canvass_device::models::Model;
 use canvass_device::{Device, Firmware};
 use canvass_traces::{CanId, Direction, Duration, Frame};
 
-/// Does these steps to a device of that firmware, as delivered, and says what came of the last one.
+/// Does these steps with a device of this firmware as delivered; returns the result of the last step.
 ///
 /// - `60A#40001000` sends a frame: the frames of the next 50 ms;
-/// - `600` lets so many milliseconds pass: the frames that came;
-/// - `after 60A#40001000` sends a frame: the milliseconds until the first frame came, of at most 6 s;
+/// - `600` waits 600 ms: the frames of this time;
+/// - `after 60A#40001000` sends a frame: the milliseconds until the first frame, at most 6 s;
 /// - `r 1018:01` reads: `=` and the bytes from the fourth on, or the abort code, or `silence`;
 /// - `w 1017:00 E803` writes these bytes: `ok`, or the abort code, or `silence`;
-/// - `count 6D0 1000` lets so many milliseconds pass: how many frames with that CAN-ID came.
+/// - `count 6D0 1000` waits 1000 ms: the number of frames with that CAN-ID.
 ///
-/// Frames of heartbeats are left out.
+/// The results leave out heartbeats.
 pub fn result(model: &str, firmware: impl Into<Firmware>, steps: &[&str]) -> String {
     let model = Model::by_id(model).unwrap();
     let mut bus = SimulatedBus::new(250_000);
@@ -51,7 +51,7 @@ fn sdo(bus: &mut SimulatedBus, command: u8, at: &str, value: &str) -> String {
     let (index, sub) = at.split_once(':').unwrap();
     let (high, low) = index.split_at(2);
     bus.send(&parse(&format!("60A#{command:02X}{low}{high}{sub}{value:0<8}"))).unwrap();
-    // The slowest answer that is free takes 3 s.
+    // With the liberty of the slowest "save" the answer takes 3 s.
     let came = records(bus, if value == "73617665" { 3_100 } else { 1_000 });
     let Some((answer, _)) = came.iter().find(|(frame, _)| frame.starts_with("58A#")) else {
         return "silence".to_owned();
@@ -79,7 +79,7 @@ fn records(bus: &mut SimulatedBus, millis: u64) -> Vec<(String, canvass_traces::
     records
 }
 
-/// `60A#4000100000000000`, `18A#R`.
+/// Parses a frame in candump's notation: `60A#4000100000000000`, `18A#R`.
 fn parse(text: &str) -> Frame {
     let (id, data) = text.split_once('#').unwrap();
     let id = CanId::standard(u32::from_str_radix(id, 16).unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! One device without a bus: time goes on only by call, and it can be switched off and on.
+//! One device without a bus. Its time goes on only by calls, and it can be switched off and on.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;
@@ -13,7 +13,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// A device with that node-ID whose shaft rests, after its start; and what it sent meanwhile.
+    /// A device with this node-ID and a shaft at rest, after its start; and the frames that it sent meanwhile.
     pub fn started(model: &str, node: u8) -> (Self, Vec<String>) {
         let model = Model::by_id(model).unwrap_or_else(|| panic!("no model {model}"));
         let motion = Motion::still(0x4CBA);
@@ -23,7 +23,7 @@ impl Bench {
         (bench, start)
     }
 
-    /// Node 1, after its start.
+    /// A device with node-ID 1, after its start.
     pub fn new(model: &str) -> Self {
         Self::started(model, 1).0
     }
@@ -43,14 +43,14 @@ impl Bench {
             self.now = self.now.max(due);
             self.device.handle_timeout(self.now);
             self.drain(&mut sent);
-            // As a bus does: time goes on.
+            // Time goes on with every event, as on a bus.
             self.now += Duration(1);
         }
         self.now = self.now.max(deadline);
         sent
     }
 
-    /// Sends a frame, `601#40...` or `701#R`, and what the device sends in the 40 ms after it.
+    /// Sends a frame, such as `601#40...` or `701#R`; returns the frames that the device sends in the next 40 ms.
     pub fn ask(&mut self, frame: &str) -> Vec<String> {
         let frame = parse(frame);
         self.device.handle(self.now, &frame);
@@ -60,19 +60,19 @@ impl Bench {
         sent
     }
 
-    /// Resets the node, and what it sends until it has started.
+    /// Sends an NMT reset command; returns the frames that the device sends until it has started.
     pub fn reset(&mut self, command: &str) -> Vec<String> {
         self.ask(&format!("000#{command}01"));
         self.run(300)
     }
 
-    /// Off and on again.
+    /// Switches the device off and on; returns the frames that it sends meanwhile.
     pub fn power_cycle(&mut self) -> Vec<String> {
         self.device.power_cycle(self.now);
         self.run(300)
     }
 
-    /// Writes by an expedited download to node 1; the abort code, if there is one.
+    /// Writes a number by an expedited download to node 1; the error is the abort code.
     pub fn write(&mut self, index: u16, sub: u8, value: u32, len: u8) -> Result<(), u32> {
         let [low, high] = index.to_le_bytes();
         let [a, b, c, d] = value.to_le_bytes();
@@ -84,14 +84,14 @@ impl Bench {
         if bytes.bytes()[0] == 0x80 { Err(number(&bytes)) } else { Ok(()) }
     }
 
-    /// Writes "save" and waits until that is done; what the device sent.
+    /// Writes "save" and waits until the device has stored; returns the frames that it sent.
     pub fn save(&mut self) -> Vec<String> {
         let mut sent = self.ask("601#2310100173617665");
         sent.extend(self.run(4_000));
         sent
     }
 
-    /// Reads a number by an expedited upload from node 1, or the abort code.
+    /// Reads a number by an expedited upload from node 1; the error is the abort code.
     pub fn read(&mut self, index: u16, sub: u8) -> Result<u32, u32> {
         self.read_from(1, index, sub)
     }
@@ -106,7 +106,7 @@ impl Bench {
         if bytes.bytes()[0] == 0x80 { Err(number(&bytes)) } else { Ok(number(&bytes)) }
     }
 
-    /// Reads any value from node 1, in segments where the device gives it so.
+    /// Reads any value from node 1, in segments if the device announces them.
     pub fn read_bytes(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
         self.read_bytes_from(1, index, sub)
     }
@@ -138,13 +138,13 @@ impl Bench {
     }
 }
 
-/// Bytes 4 to 7.
+/// The number in bytes 4 to 7 of a frame.
 fn number(frame: &Frame) -> u32 {
     let bytes = frame.bytes();
     u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]])
 }
 
-/// `601#40006000`, `701#R`.
+/// Parses a frame in candump's notation: `601#40006000`, `701#R`.
 pub fn parse(text: &str) -> Frame {
     let (id, data) = text.split_once('#').unwrap();
     let id = CanId::standard(u32::from_str_radix(id, 16).unwrap()).unwrap();

@@ -1,12 +1,12 @@
-//! The object dictionaries against the tables of the manuals, object by object: one CSV file for each model, whose
-//! columns its head names. All of it is read by SDO.
+//! Compares the object dictionaries with the tables of the manuals, object by object. Each model has a CSV file whose
+//! first line names the columns. The tests read all objects by SDO.
 
 use crate::bench::Bench;
 use canvass_analyzer::dictionary::DataType;
 use canvass_device::models::Model;
 use std::collections::BTreeSet;
 
-/// A row of a table.
+/// A row of a manual's table.
 struct DictionaryRow<'a> {
     index: u16,
     sub: u8,
@@ -37,7 +37,7 @@ impl<'a> DictionaryRow<'a> {
             .unwrap_or_else(|| panic!("{}", self.data_type))
     }
 
-    /// The bytes of the default on node 1.
+    /// The bytes of the default for node-ID 1.
     fn value(&self) -> Option<Vec<u8>> {
         if self.default.is_empty() {
             return None;
@@ -57,7 +57,8 @@ fn table(model: &str) -> String {
     std::fs::read_to_string(format!("{}/tests/manuals/{model}.csv", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-/// Sub-index 0 of an object whose other sub-indexes the manual lists: it does not print them, but they must be there.
+/// Whether this is sub-index 0 of an object whose other sub-indexes the manual lists: the manual does not print such
+/// entries, but the device must have them.
 fn is_implied(index: u16, sub: u8, listed: &BTreeSet<(u16, u8)>) -> bool {
     sub == 0 && listed.iter().any(|(other, _)| *other == index)
 }
@@ -92,7 +93,7 @@ fn check(id: &str, entries: usize) {
                 }
             }
         }
-        // What is only read refuses a write of its own value; what is written takes it.
+        // A read-only object refuses a write of its own value; a writable object accepts it.
         let writable = row.access == "rw";
         let value = bench.read_bytes(row.index, row.sub).unwrap_or_default();
         let plain =

@@ -1,9 +1,9 @@
-//! The EMCY messages that the manuals print, each by the error that it reports.
+//! The EMCY messages that the manuals print, each caused by the error that it reports.
 
 use crate::bench::Bench;
 use canvass_analyzer::wire::emcy::EmcyCode;
 
-/// 5.8: once for each event, then one with content 0 when the error is gone; 1001h and 1003h say the same.
+/// Section 5.8: each error sends one EMCY, and EMCY 0000h when it is gone; 1001h and 1003h show the same error.
 #[test]
 fn kuebler() {
     let text = include_str!("kuebler-emergencies.csv");
@@ -36,7 +36,7 @@ fn kuebler() {
     assert_eq!(sent, 40);
 }
 
-/// 5.5.12: what an error does to the state, by its class.
+/// Section 5.5.12: the NMT state after an error, by the class of the error.
 #[test]
 fn error_behaviour_by_class() {
     for (code, sub) in [(0x8120, 1), (0xFF00, 2), (0x5051, 2), (0x5000, 3)] {

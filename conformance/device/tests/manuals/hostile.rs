@@ -1,4 +1,4 @@
-//! Whatever comes: no panic, and after a power cycle the device is there.
+//! For any frames: a device does not panic, and works after a power cycle.
 
 use crate::bench::Bench;
 use canvass_bus::Machine;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const MODELS: [&str; 3] = ["lika-ax58", "tr-c65", "tr-lmp30"];
 
-/// Frames that mean something to these devices more often than chance would have it.
+/// Frames that have a meaning for these devices more often than random frames do.
 fn frame() -> impl Strategy<Value = Frame> {
     let id = prop_oneof![4 => Just(0x601_u32), 3 => Just(0x7E5), 1 => Just(0x000), 1 => Just(0x080), 1 => Just(0x701),
         1 => Just(0x281), 1 => 0_u32..0x800];

@@ -1,4 +1,4 @@
-//! What the Ax58x does otherwise than the standards (manual 001).
+//! Behaviour of the Ax58x that differs from the standards (manual 001).
 
 use crate::bench::Bench;
 use canvass_device::Motion;
@@ -9,7 +9,7 @@ fn ax58() -> Bench {
     Bench::new("lika-ax58")
 }
 
-/// 5.8.1: 100Ch and 100Dh are fixed; the master is watched from its first remote frame on. Only reset node ends it.
+/// 5.8.1: 100Ch and 100Dh are fixed. The device monitors its master from the first remote frame on, until reset node.
 #[test]
 fn life_guarding_is_always_on() {
     let mut bench = ax58();
@@ -30,7 +30,7 @@ fn life_guarding_is_always_on() {
     assert_eq!(bench.read(0x1001, 0), Ok(0));
 }
 
-/// Neither LSS nor heartbeat.
+/// The device has neither LSS nor heartbeat.
 #[test]
 fn what_it_does_not_have() {
     let mut bench = ax58();
@@ -42,7 +42,8 @@ fn what_it_does_not_have() {
     }
 }
 
-/// 5.8.2: written, then reset node, then stored; without the store power-off brings the old one back.
+/// 5.8.2: node-ID and bit rate are written, take effect at reset node, and are then stored. Without the store the old
+/// values are back after power-off.
 #[test]
 fn node_id_and_bit_rate() {
     let mut bench = ax58();
@@ -66,7 +67,7 @@ fn node_id_and_bit_rate() {
     }
 }
 
-/// 5.8.3, 6: reset node, reset communication and power-off lose what is not stored, in every area.
+/// 5.8.3, 6: reset node, reset communication and power-off lose values that are not stored, in every area.
 #[test]
 fn what_is_not_stored_is_lost() {
     let ways: [fn(&mut Bench); 3] =
@@ -89,7 +90,7 @@ fn what_is_not_stored_is_lost() {
     }
 }
 
-/// 5.8.1: the restored defaults act after a reset and have to be stored.
+/// 5.8.1: restored defaults take effect after a reset, and must be stored.
 #[test]
 fn restored_defaults_need_a_store() {
     let mut bench = ax58();
@@ -110,7 +111,7 @@ fn restored_defaults_need_a_store() {
     assert_eq!(bench.read(0x6001, 0), Ok(0x1_0000), "now they were");
 }
 
-/// 5.6: TPDO 1 every 6200h ms, TPDO 2 at every n-th SYNC, TPDO 3 off.
+/// 5.6: TPDO 1 is sent every 6200h ms, TPDO 2 at every n-th SYNC, TPDO 3 is off.
 #[test]
 fn tpdos() {
     let mut bench = ax58();
@@ -136,7 +137,7 @@ fn tpdos() {
     assert_eq!(bench.write(0x6200, 0, 0, 2), Err(0x0609_0032), "1 ms is the least");
 }
 
-/// 5.8.2, 5.8.3: bits 12 and 13, beyond the limits and only where they are switched on.
+/// 5.8.2, 5.8.3: bits 12 and 13 are set beyond the limits, and only if the limit switches are enabled.
 #[test]
 fn limit_switches() {
     let mut bench = ax58();
@@ -160,7 +161,7 @@ fn limit_switches() {
     for reserved in [1, 3, 11, 14, 15] {
         assert_eq!(bench.write(0x6000, 0, 1 << reserved, 2), Err(0x0609_0030), "bit {reserved}");
     }
-    // Bits 12 and 13 are nothing but limit switches.
+    // Bits 12 and 13 have no effect other than limit switches.
     bench.write(0x6000, 0, 0x3000, 2).unwrap();
     bench.device.set_motion(bench.now, Motion::still(0x1000_0000 + 5));
     assert_eq!(bench.read(0x6004, 0), Ok(5), "the position stays in its range");
@@ -184,7 +185,7 @@ fn scaling() {
     assert_eq!((bench.read(0x6501, 0), bench.read(0x6502, 0)), (Ok(65_536), Ok(4_096)), "whatever the scaling");
 }
 
-/// 5.7.1: a download whose length is not said.
+/// 5.7.1: downloads that do not indicate their length.
 #[test]
 fn downloads_without_length() {
     let mut bench = ax58();
@@ -196,7 +197,7 @@ fn downloads_without_length() {
     assert_eq!(bench.read(0x3000, 0), Ok(4));
 }
 
-/// 5.8.3, 6003h: not beyond the range.
+/// 5.8.3: 6003h accepts no preset beyond the range.
 #[test]
 fn preset() {
     let mut bench = ax58();

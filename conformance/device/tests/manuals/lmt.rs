@@ -14,7 +14,7 @@ fn configuring() -> Bench {
     bench
 }
 
-/// 5.5.1: node-ID 12, stored, acts after power-off and not before.
+/// 5.5.1: node-ID 12 is stored, and takes effect at power-off and on, not before.
 #[test]
 fn node_id() {
     let mut bench = configuring();
@@ -46,7 +46,7 @@ fn what_is_not_stored_is_lost_at_power_off() {
     assert_eq!(bench.read(0x100B, 0), Ok(1), "and forgotten");
 }
 
-/// 5.5.2: 125 kbit/s, activated, stored. The device is silent for two delays.
+/// 5.5.2: a bit rate of 125 kbit/s is activated and stored. The device is silent for two delays.
 #[test]
 fn bit_rate() {
     let mut bench = lmp30();
@@ -64,7 +64,7 @@ fn bit_rate() {
     assert_eq!(bench.device.bit_rate_kbit(), 125);
 }
 
-/// 4.7.4.2: rows 5, 6 and 7 are 50, 20 and 10 kbit/s; LSS has an empty row 5.
+/// 4.7.4.2: rows 5, 6 and 7 are 50, 20 and 10 kbit/s; in the table of LSS row 5 is empty.
 #[test]
 fn table_of_bit_rates() {
     for (index, kbit) in (0..).zip([1_000, 800, 500, 250, 125, 50, 20, 10]) {
@@ -100,7 +100,7 @@ fn switch_mode_selective() {
     assert!(selected(&[serial, manufacturer, product, serial]), "begins anew with the first part");
 }
 
-/// 4.7.1: which service works in which mode.
+/// 4.7.1: the services that work in each mode.
 #[test]
 fn modes() {
     let mut bench = lmp30();
@@ -123,7 +123,7 @@ fn modes() {
     }
     bench.ask("7E5#0400000000000000");
     assert_eq!(bench.ask("7E5#2400000000000000"), NONE);
-    // Neither the length nor the command specifier of anything that exists.
+    // The slave ignores frames that are no LMT requests: by their length or command specifier, or as remote frames.
     bench.ask("7E5#0401000000000000");
     for frame in ["7E5#24", "7E5#", "7E5#4400000000000000", "7E5#5A00000000000000", "7E5#0900000000000000", "7E5#R"] {
         assert_eq!(bench.ask(frame), NONE, "{frame}");
@@ -140,7 +140,7 @@ fn node_ids_that_do_not_exist() {
     assert_eq!(bench.ask("7E5#117F000000000000"), ["7E4#1100000000000000"]);
 }
 
-/// 4.7.6, in both modes: 09h for the own names and a range that holds the serial number.
+/// 4.7.6: in both modes, 09h answers the slave's own names and a range that contains its serial number.
 #[test]
 fn identify_remote_slave() {
     let mut bench = lmp30();
@@ -158,7 +158,7 @@ fn identify_remote_slave() {
     assert_eq!(ask("99999999999999", "00000000000000"), NONE);
 }
 
-/// 4.7: a rotary device has no LMT slave.
+/// 4.7: rotary devices have DIP switches and no LMT slave.
 #[test]
 fn only_where_there_are_no_dip_switches() {
     let mut bench = Bench::new("tr-c65");

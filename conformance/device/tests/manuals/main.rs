@@ -1,6 +1,6 @@
-//! The simulated devices against their manuals: every printed frame, every table of objects, every quirk.
+//! Compares the simulated devices with their manuals: every printed frame, every table of objects, every quirk.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// All code here is test code; the attribute tells clippy that it may unwrap.
 #![cfg(test)]
 
 mod bench;

@@ -1,23 +1,23 @@
-//! The object dictionaries against the tables of the manuals as they are printed: `*-printed.csv` holds the cells, one
-//! column for each model, and every row is read from the simulated device by SDO. Where a device differs, `*-errata.csv`
-//! names the difference and the reason; there is no other.
+//! Compares the object dictionaries with the tables of the manuals as printed: `*-printed.csv` holds the cells, one
+//! column for each model. The tests read every row from the simulated device by SDO. `*-errata.csv` lists all
+//! differences with their reasons.
 
 use crate::bench::Bench;
 use canvass_analyzer::dictionary::Entry;
 use canvass_device::models::Model;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A row of a table, with the cell of one model.
+/// A row of a printed table, with the cell of one model.
 struct PrintedRow<'a> {
     index: u16,
-    /// `None`: the row is about the whole object.
+    /// The sub-index; `None` if the row is about the whole object.
     sub: Option<u8>,
     data_type: &'a str,
     access: &'a str,
     cell: &'a str,
 }
 
-/// The first line that is no comment, and the columns of those after it.
+/// The first line that is no comment, and the following lines; each split into columns.
 fn lines(text: &str) -> (Vec<&str>, Vec<Vec<&str>>) {
     let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(';').collect());
     (lines.next().unwrap(), lines.collect())
@@ -35,19 +35,19 @@ fn table<'a>(text: &'a str, model: &str) -> Vec<PrintedRow<'a>> {
     lines.into_iter().map(row).collect()
 }
 
-/// The node-ID of a model that is delivered without one.
+/// The node-ID for models that are delivered without one.
 const NODE: u8 = 63;
 
 struct Comparison {
     model: &'static Model,
     bench: Bench,
     node: u8,
-    /// `5000h:00 type: INTEGER16, not UNSIGNED16`.
+    /// The differences found, such as `5000h:00 type: INTEGER16, not UNSIGNED16`.
     differences: BTreeSet<String>,
 }
 
 impl Comparison {
-    /// The sub-indexes of an object, but for the 0 of those that have others.
+    /// The sub-indexes of an object; without sub-index 0 if the object has others.
     fn subs(&self, index: u16) -> Vec<u8> {
         let all = self.model.description().dictionary.entries();
         let subs: Vec<u8> = all.filter(|(at, _)| at.index.0 == index).map(|(at, _)| at.sub.0).collect();
@@ -74,11 +74,11 @@ impl Comparison {
             return String::from_utf8(value).unwrap();
         }
         let number = value.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte));
-        // Written in another way, the same number is no difference.
+        // The same number in another notation is no difference.
         if printed_number(cell, self.node) == Some(number) { cell.to_owned() } else { format!("0x{number:X}") }
     }
 
-    /// A row about the whole object; whether its sub-indexes have rows of their own.
+    /// Compares a row about the whole object. With `has_rows` its sub-indexes have rows of their own.
     fn object(&mut self, row: &PrintedRow<'_>, has_rows: bool) {
         let subs = self.subs(row.index);
         match (row.cell, subs.is_empty()) {
@@ -115,7 +115,7 @@ impl Comparison {
         }
     }
 
-    /// A row about one sub-index of an object that is there.
+    /// Compares a row about one sub-index.
     fn sub(&mut self, row: &PrintedRow<'_>, sub: u8) {
         let all = self.model.description().dictionary.entries();
         let is_there = all.into_iter().any(|(at, _)| (at.index.0, at.sub.0) == (row.index, sub));
@@ -131,8 +131,8 @@ impl Comparison {
     }
 }
 
-/// The data type of a member of a record of CiA 301; `None` for what is no record. 1018h, Identity, is printed as
-/// `PDOComPar` too.
+/// The data type of a member of a record of CiA 301; `None` for other objects. The manuals print `PDOComPar` for 1018h
+/// (Identity) too.
 fn of_record(data_type: &str, index: u16, sub: u8) -> Option<&'static str> {
     match (data_type, index, sub) {
         ("PDOMapping", ..) | ("PDOComPar", 0x1018, _) | ("PDOComPar", 0x1800.., 1) => Some("UNSIGNED32"),
@@ -151,7 +151,7 @@ fn printed_number(cell: &str, node: u8) -> Option<u64> {
     cell.split('+').map(term).sum()
 }
 
-/// The differences that are known, with their reasons.
+/// The known differences of a model, with their reasons.
 fn errata(text: &str, model: &str) -> BTreeMap<String, String> {
     let mut known = BTreeMap::new();
     for line in lines(text).1 {

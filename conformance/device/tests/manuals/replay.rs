@@ -1,8 +1,8 @@
-//! The frames that the manuals print, said to a simulated device: it has to answer as printed.
+//! Sends the frames that the manuals print to a simulated device, which must answer as printed.
 //!
-//! The rows are those of the analyzer's tests (`analyzer/tests/manuals/`): what the master sends is sent, what the device
-//! sends is awaited. A script for each file (`*.script`) says what a row needs before it, and where the answer is
-//! another one, with the reason:
+//! The rows are those of the analyzer's tests (`analyzer/tests/manuals/`). The test sends the master's frames and waits
+//! for the device's frames. A script for each file (`*.script`) gives the actions that a row needs before it. If the
+//! device answers differently, the script also gives its answer and the reason:
 //!
 //! ```text
 //! @ SECTION; CAN-ID; BYTES[ #N]    the row (the N-th of these bytes); what follows concerns it
@@ -26,9 +26,9 @@ const PATIENCE: u64 = 6_000;
 
 struct Replay {
     bench: Bench,
-    /// What the device sent since the master's last frame.
+    /// The frames that the device has sent since the master's last frame.
     heard: Vec<String>,
-    /// The model and the node-ID that the device was started with.
+    /// Number of printed frames that the device had to send.
     expected: usize,
     skipped: usize,
     complaints: Vec<String>,
@@ -69,7 +69,7 @@ impl Replay {
         }
     }
 
-    /// Takes a frame out of what was heard, and waits for it if it is not there yet.
+    /// Removes a frame from the frames heard, after waiting for it if necessary; returns whether it was there.
     fn take(&mut self, wanted: &str) -> bool {
         let mut waited = 0;
         loop {
@@ -86,7 +86,7 @@ impl Replay {
     }
 }
 
-/// As candump writes it; SDO, LMT and EMCY messages are filled up to their eight bytes.
+/// A frame in candump's notation. SDO, LMT and EMCY messages are filled up to their eight bytes.
 fn frame(id: &str, bytes: &str) -> String {
     if bytes == "remote" {
         return format!("{id}#R");
@@ -102,7 +102,7 @@ fn is_from_master(id: &str, bytes: &str) -> bool {
     bytes == "remote" || matches!(id, "000" | "080" | "7E5") || id.starts_with('6')
 }
 
-/// The actions for each row.
+/// The actions for each row of a file.
 fn script(text: &str) -> BTreeMap<String, Vec<String>> {
     let mut script: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut key = String::new();
@@ -185,7 +185,8 @@ fn tr_electronic() {
     assert_eq!(played, (81, 10), "frames of the device that were printed and seen, rows that it can't send");
 }
 
-/// Rows of the analyzer's tables whose frames Kübler's manuals don't print as such, by section and how they begin.
+/// Rows of the analyzer's tables that Kübler's manuals do not print as complete frames: section, begin of the frame,
+/// and reason.
 const NOT_PRINTED: &[(&str, &str, &str)] = &[
     ("5.2.1.1", "3BF#", "the speed is printed as LSB and MSB: replayed with a shaft that rests"),
     ("5.2.7", "5BF#60036001", "6003h has no sub-index 01: an erratum, replayed with its abort"),
@@ -209,7 +210,7 @@ const NOT_PRINTED: &[(&str, &str, &str)] = &[
     ("6", "584#800460", "the table of abort codes; those that the device has are replayed"),
 ];
 
-/// What Kübler's devices send in the examples of their manuals is all replayed (`kuebler-replay.toml`,
+/// The tests replay every frame that Kübler's devices send in the examples of their manuals (`kuebler-replay.toml`,
 /// `kuebler-emergencies.csv`).
 #[test]
 fn all_printed_frames_of_kuebler_are_replayed() {
@@ -238,7 +239,7 @@ fn all_printed_frames_of_kuebler_are_replayed() {
     assert!(missing.is_empty(), "{}:\n{}", missing.len(), missing.join("\n"));
 }
 
-/// The rows have the notation that this replay reads.
+/// The replay reads the notation of the analyzer's rows.
 #[test]
 fn notation() {
     assert_eq!(frame("601", "40 08 10 00"), "601#4008100000000000");

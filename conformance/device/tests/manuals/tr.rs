@@ -1,4 +1,4 @@
-//! What the devices of TR-Electronic do otherwise than the standards (manual 004).
+//! Behaviour of TR-Electronic's devices that differs from the standards (manual 004).
 
 use crate::bench::Bench;
 use canvass_device::Motion;
@@ -10,7 +10,7 @@ fn rotary() -> Bench {
     Bench::new("tr-c65")
 }
 
-/// Guards a device once, with a life time of 200 ms, and loses its master.
+/// Guards a device once with a life time of 200 ms, and stops guarding until the device reports the loss.
 fn lose_master(bench: &mut Bench) -> Vec<String> {
     bench.write(0x100C, 0, 100, 2).unwrap();
     bench.write(0x100D, 0, 2, 1).unwrap();
@@ -18,13 +18,13 @@ fn lose_master(bench: &mut Bench) -> Vec<String> {
     bench.run(300)
 }
 
-/// 12.3.1: reading the register clears the newest error; with the last one the register is 0 and EMCY 0000h is sent.
+/// 12.3.1: reading 1001h clears the newest error. After the last error 1001h is 0 and EMCY 0000h is sent.
 #[test]
 fn reading_the_error_register_clears_the_history() {
     for (model, register) in [("tr-c65", 0x01), ("tr-lmp30", 0x20)] {
         let mut bench = Bench::new(model);
         assert_eq!(lose_master(&mut bench), [format!("081#0081{register:02X}0000000000")]);
-        // The master is back, which EMCY 0000h says, and is lost again: two errors.
+        // EMCY 0000h reports that the master is back; after its second loss the history has two errors.
         assert_eq!(bench.ask("701#R"), ["701#FF", "081#0000000000000000"]);
         assert_eq!(bench.run(300).len(), 1);
         assert_eq!(bench.read(0x1003, 0), Ok(2), "all are counted, one is shown");
@@ -41,7 +41,7 @@ fn reading_the_error_register_clears_the_history() {
     }
 }
 
-/// 12.3.2: so do writing 0 to 1003h:00 and reset communication.
+/// 12.3.2: writing 0 to 1003h:00 and reset communication clear the history.
 #[test]
 fn the_history_is_cleared() {
     let mut bench = rotary();
@@ -56,7 +56,7 @@ fn the_history_is_cleared() {
     assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0)), (Ok(0), Ok(0)));
 }
 
-/// 8.14: about 3 s without heartbeat, guarding, SDO or PDO; what had become due is not made up for.
+/// 8.14: the device sends no heartbeat, guarding answer, SDO or PDO for about 3 s, and does not make up for them later.
 #[test]
 fn silent_while_storing() {
     for model in ["tr-c65", "tr-lmp30"] {
@@ -76,7 +76,7 @@ fn silent_while_storing() {
     }
 }
 
-/// A power failure while it stores leaves the old values.
+/// A power failure during a store leaves the old values.
 #[test]
 fn power_off_while_storing() {
     let mut bench = rotary();
@@ -99,7 +99,7 @@ fn boot_up() {
     assert_eq!(rotary().reset("82"), ["701#00"]);
 }
 
-/// 7.1, 7.2, 11: both TPDOs answer remote frames, the second one also SYNC; neither before operational.
+/// 7.1, 7.2, 11: both TPDOs answer remote frames, and the second TPDO also SYNC; neither is sent before operational.
 #[test]
 fn remote_frames() {
     for model in ["tr-c65", "tr-lmp30"] {
@@ -117,7 +117,7 @@ fn remote_frames() {
     }
 }
 
-/// 8.6: bit 31 of 1005h says that SYNC is consumed.
+/// 8.6: bit 31 of 1005h makes the device consume SYNC.
 #[test]
 fn cob_id_of_sync() {
     let mut bench = rotary();
@@ -141,7 +141,7 @@ fn the_first_tpdo_is_cyclic() {
     assert_eq!(bench.run(1_000), NONE);
 }
 
-/// 9.1: 6000h, 6003h and 6200h act and are stored at once.
+/// 9.1: values of 6000h, 6003h and 6200h take effect and are stored at once.
 #[test]
 fn stored_at_once() {
     let mut bench = rotary();
@@ -153,13 +153,13 @@ fn stored_at_once() {
     bench.power_cycle();
     assert_eq!((bench.read(0x6000, 0), bench.read(0x6003, 0), bench.read(0x6200, 0)), (Ok(1), Ok(1_000), Ok(256)));
     assert_eq!((bench.read(0x6004, 0), bench.read(0x6509, 0)), (Ok(1_000), offset));
-    // What needs 1010h is lost.
+    // A value that only 1010h stores is lost.
     bench.write(0x100C, 0, 500, 2).unwrap();
     bench.power_cycle();
     assert_eq!(bench.read(0x100C, 0), Ok(0));
 }
 
-/// 9.1: 6001h and 6002h act only when they are stored.
+/// 9.1: values of 6001h and 6002h take effect only when they are stored.
 #[test]
 fn scaling_acts_when_stored() {
     let mut bench = rotary();
@@ -178,7 +178,7 @@ fn scaling_acts_when_stored() {
     assert_eq!(bench.read(0x6001, 0), Ok(2048), "what was not stored is lost");
 }
 
-/// 9.1.1: the scaling bit comes first, and clearing it brings the defaults back.
+/// 9.1.1: the scaling bit must be set before 6001h and 6002h change; clearing it restores their defaults.
 #[test]
 fn the_scaling_bit_guards() {
     let mut bench = rotary();
@@ -200,7 +200,7 @@ fn the_scaling_bit_guards() {
     }
 }
 
-/// 8.14, 9.1.5.5: limits are checked by 1010h, which then fails; 6503h, 1001h and an EMCY say so.
+/// 8.14, 9.1.5.5: 1010h checks the limits and fails; 6503h, 1001h and an EMCY report this.
 #[test]
 fn limits_are_checked_when_stored() {
     let mut bench = rotary();
@@ -218,7 +218,7 @@ fn limits_are_checked_when_stored() {
     }
 }
 
-/// 12.2.
+/// 12.2: the abort codes of the device.
 #[test]
 fn abort_codes() {
     for model in ["tr-c65", "tr-lmp30"] {
@@ -235,7 +235,7 @@ fn abort_codes() {
         ] {
             assert_eq!(bench.write(index, sub, value, len), Err(code), "{index:04X}h:{sub:02X} = {value:X}h");
         }
-        // DS-301 V3.0.
+        // The device follows DS-301 V3.0, which does not have these objects.
         for index in [0x1006, 0x1011, 0x1014, 0x1015, 0x1016, 0x1017, 0x1029, 0x1801, 0x1A01] {
             assert_eq!(bench.read(index, 0), Err(0x0602_0000), "{index:04X}h");
         }
@@ -243,7 +243,7 @@ fn abort_codes() {
     assert_eq!(rotary().read(0x1018, 0), Err(0x0602_0000));
 }
 
-/// 9.1.2: 0 to the measuring length - 1.
+/// 9.1.2: a preset is from 0 to the measuring length - 1.
 #[test]
 fn preset_of_a_linear_encoder() {
     let mut bench = Bench::new("tr-lmp30");
@@ -256,7 +256,7 @@ fn preset_of_a_linear_encoder() {
     assert_eq!(bench.write(0x6001, 0, 2, 4), Err(0x0800_0000), "fixed to 1");
 }
 
-/// 7.1: the inhibit time can be written although the COB-ID, and with it bit 31, can't.
+/// 7.1: the inhibit time can be written although the COB-ID, and so bit 31, is read-only.
 #[test]
 fn inhibit_time() {
     let mut bench = rotary();
@@ -267,7 +267,8 @@ fn inhibit_time() {
     assert!((18..=21).contains(&sent.len()), "one in 50 ms: {}", sent.len());
 }
 
-/// 4.6.1.1: reset node sets the profile parameters to their defaults, whatever is stored; power-on loads them.
+/// 4.6.1.1: reset node sets the profile parameters to their defaults, even if other values are stored; power-on loads
+/// the stored values.
 #[test]
 fn reset_node_restores_the_profile() {
     let mut bench = rotary();
@@ -285,7 +286,7 @@ fn reset_node_restores_the_profile() {
     assert_eq!(values(&mut bench), [SCALING, 2048, 256, 500], "reset communication leaves them");
 }
 
-/// 4.6.1.2: the lost master brings the device into pre-operational.
+/// 4.6.1.2: the loss of the master brings the device into pre-operational.
 #[test]
 fn life_guarding() {
     let mut bench = rotary();
@@ -298,13 +299,13 @@ fn life_guarding() {
     assert_eq!(bench.run(250), NONE);
     assert_eq!(bench.run(20), ["081#0081010000000000"], "after 300 ms");
     assert_eq!(bench.ask("701#R"), ["701#7F", "081#0000000000000000"]);
-    // 8.11: a guard time of 0 switches it off, and guarding is answered all the same.
+    // 8.11: a guard time of 0 switches the monitoring off; the device still answers guarding.
     bench.write(0x100C, 0, 0, 2).unwrap();
     assert_eq!(bench.ask("701#R"), ["701#FF"]);
     assert_eq!(bench.run(1_000), NONE);
 }
 
-/// 8.7 to 8.9: names come in segments, however short they are.
+/// 8.7 to 8.9: the device sends names in segments, even short ones.
 #[test]
 fn names_come_in_segments() {
     let mut bench = Bench::new("tr-lmp30");
@@ -314,7 +315,7 @@ fn names_come_in_segments() {
     assert_eq!(bench.read_bytes(0x100A, 0), Ok(b"5022.01".to_vec()));
 }
 
-/// 8.10, 8.13: the DIP switches' node-ID is shown, and nothing on the bus changes it.
+/// 8.10, 8.13: the device shows the node-ID of the DIP switches, and nothing on the bus can change it.
 #[test]
 fn node_id_of_dip_switches() {
     let (mut bench, start) = Bench::started("tr-c65", 64);

@@ -50,7 +50,7 @@ impl Mischief {
         pass(Frame::new(frame.id(), bytes.get(..frame.len()).unwrap_or(&bytes)).unwrap_or(*frame))
     }
 
-    /// Whether another slave has answered since Fastscan began.
+    /// Whether this firmware stops taking part in Fastscan, because another slave has answered since Fastscan began.
     fn has_yielded(&mut self, request: [u8; 8]) -> bool {
         if request[5] == 0x80 {
             self.yielded = false;

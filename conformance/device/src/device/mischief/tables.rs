@@ -7,7 +7,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Response};
 
 impl Mischief {
-    /// The answer to the upload of an object that the firmware should not have.
+    /// The answer to the upload of an object that only this faulty firmware has.
     pub(super) fn surplus(&self, at: Multiplexer) -> Option<Response> {
         let (value, fault): ([u8; 4], _) = match (at.index.0, at.sub.0) {
             (0x200A, 0) => ([0x2A, 0, 0, 0], Fault::UndescribedObject),
@@ -17,7 +17,7 @@ impl Mischief {
         self.has(fault).then(|| Response::upload(at, &value))
     }
 
-    /// Whether the firmware confirms a download that must be refused.
+    /// Whether the firmware confirms a download that it must refuse.
     pub(super) fn forgives(&self, at: Multiplexer, code: AbortCode) -> bool {
         let Some((asked, value)) = self.download.filter(|(asked, _)| *asked == at) else { return false };
         let is_extended = value & 1 << 29 != 0;
@@ -32,7 +32,7 @@ impl Mischief {
         }
     }
 
-    /// The value of an object in a firmware with wrong tables.
+    /// The value of an object in the firmware's wrong tables.
     pub(super) fn planted(&self, at: Multiplexer, value: u32) -> u32 {
         match (at.index.0, at.sub.0) {
             (object::PREDEFINED_ERROR_FIELD, 0) if self.has(Fault::ErrorHistoryNotKept) => 0,

@@ -12,7 +12,7 @@ const SMALL_BLOCK: u8 = 4;
 /// The usual block size.
 const BLOCK_SIZE: u8 = BlockSegment::MAX;
 
-/// A block download during its segments.
+/// A block download while its segments are received.
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownload {
     pub object: Multiplexer,
@@ -20,11 +20,11 @@ pub(super) struct BlockDownload {
     size: Option<usize>,
     longest: usize,
     data: Vec<u8>,
-    /// The last segment of this block that came in order.
+    /// The sequence number of the last segment of this block that was received in order.
     sequence: u8,
     /// Number of segments received in this block, in order or not.
     received: u8,
-    /// The abort code at the end, in a firmware that checks only then.
+    /// The abort code of a refused download, in a firmware that refuses only at the end.
     refusal: Option<AbortCode>,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct BlockDownload {
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownloadEnd(BlockDownload);
 
-/// Handles the initiate request of a block download.
+/// Handles the initiate request of a block download. `size` is the number of bytes, if the client announced it.
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
     if objects.has(Fault::SdoBlockDownloadRefused) {
         return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
@@ -112,7 +112,7 @@ impl BlockDownloadEnd {
         self.0.object
     }
 
-    /// Handles the client's end: number of unused bytes in the last segment, and the CRC.
+    /// Handles the client's end of the transfer: the number of unused bytes in the last segment, and the CRC.
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
         let firmware = objects.firmware;
         let unused = if firmware.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
@@ -128,14 +128,14 @@ impl BlockDownloadEnd {
         }
         if has_crc && crc != crc16(0, &data) && !firmware.has(Fault::SdoBlockCrcIgnored) {
             if firmware.has(Fault::SdoBlockWrittenBeforeCheck) {
-                // The download is refused all the same.
+                // The value is already written when the server refuses the transfer.
                 let _ = objects.download(now, object, &data);
             }
             return Next::abort(object, AbortCode::CRC);
         }
         match size {
             _ if firmware.has(Fault::SdoBlockSizeMismatchAccepted) => {
-                // Missing bytes are taken from memory, surplus bytes are dropped.
+                // Missing bytes become zeros, surplus bytes are dropped.
                 data.resize(objects.size(object).unwrap_or(data.len()), 0);
             }
             Some(size) if data.len() > size => return Next::abort(object, AbortCode::LENGTH_TOO_HIGH),

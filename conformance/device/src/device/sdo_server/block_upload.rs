@@ -23,9 +23,9 @@ pub(super) struct BlockUpload {
 enum Stage {
     /// The client has not sent its start message yet.
     Announced,
-    /// This many segments of the block are sent.
+    /// This many segments of the block were sent and wait for their confirmation.
     Sent(u8),
-    /// All segments are sent and confirmed, and the end is announced.
+    /// All segments were sent and confirmed, and the server has announced the end.
     Ending,
 }
 
@@ -43,7 +43,7 @@ pub(super) fn initiate(
         Err(code) => return Next::abort(object, code),
     };
     let bytes = reading.bytes();
-    // Up to the threshold a normal upload is shorter; without a threshold the client wants blocks, also for an empty
+    // Up to the threshold a normal upload is shorter. Without a threshold the client wants blocks, even for an empty
     // value.
     let switches =
         threshold > 0 && bytes.len() <= usize::from(threshold) && !objects.takes(Liberty::ProtocolNotSwitched);
@@ -83,7 +83,7 @@ const fn is_block_size(block_size: u8) -> bool {
 }
 
 impl BlockUpload {
-    /// Handles the client's further messages.
+    /// Handles a further message of the client.
     pub fn on_request(self, request: Request) -> Next {
         match (self.stage, request) {
             (Stage::Announced, Request::StartBlockUpload) => self.send_block(),
@@ -130,7 +130,7 @@ impl BlockUpload {
         Next::answer(Transfer::BlockUpload(self), Response::EndBlockUpload { unused, crc })
     }
 
-    /// The number of segments of the whole value; an empty value takes one, too.
+    /// The number of segments of the whole value; even an empty value takes one.
     fn segments(&self) -> usize {
         self.value.len().div_ceil(7).max(1)
     }

@@ -11,15 +11,15 @@ use canvass_traces::Timestamp;
 #[derive(Clone, Debug)]
 pub(super) struct SegmentedDownload {
     pub object: Multiplexer,
-    /// The announced number of bytes.
+    /// The number of bytes that the client announced, if it did.
     size: Option<usize>,
     /// The largest number of bytes that the object accepts.
     longest: usize,
     data: Vec<u8>,
     toggle: bool,
-    /// Whether the object can't be written, which this firmware detects only at the end, or never.
+    /// Whether the object is read-only: a faulty firmware confirms the download and discards the value.
     discards: bool,
-    /// The abort code at the end, in a firmware that checks only then.
+    /// The abort code of a refused download, in a firmware that refuses only at the end.
     refusal: Option<AbortCode>,
 }
 
@@ -62,7 +62,7 @@ fn write(now: Timestamp, object: Multiplexer, bytes: &[u8], objects: &mut Object
     }
 }
 
-/// Writes an expedited value without a length: it has the length of the object.
+/// Writes an expedited value whose length is not indicated: the object's own length applies.
 fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &mut Objects) -> Next {
     let len = objects.size(object).unwrap_or(bytes.len());
     match bytes.get(..len) {
@@ -96,12 +96,12 @@ impl SegmentedDownload {
         if objects.has(Fault::SdoSegmentsWrittenAtOnce) {
             let mut so_far = self.data.clone();
             so_far.resize(self.longest.min(8), 0);
-            // A value that does not fit is refused with the last segment.
+            // An error is ignored here: the server refuses a value that does not fit with the last segment.
             let _ = objects.download(now, self.object, &so_far);
         }
         if !segment.last {
             self.toggle = !segment.toggle;
-            // A firmware that checks no length has a buffer of its own, and drops surplus bytes.
+            // A firmware that checks no length keeps its own buffer, and drops surplus bytes.
             self.data.truncate(self.longest.max(8));
             return Next::answer(Transfer::Download(self), confirm);
         }
@@ -116,7 +116,7 @@ impl SegmentedDownload {
         }
     }
 
-    /// Handles a segment of a download that is refused at its end.
+    /// Handles a segment of a download that the server refuses at its end.
     fn refused(mut self, segment: Segment, code: AbortCode) -> Next {
         if segment.last {
             return Next::abort(self.object, code);

@@ -1,6 +1,6 @@
 //! The SDO server: one transfer at a time, expedited, segmented or in blocks (CiA 301, 7.2.4).
 //!
-//! Each kind of transfer is one file. A state has only the data of its kind of transfer; an event takes the state and
+//! Each kind of transfer is one file. A state has only the data of its kind of transfer. An event takes the state and
 //! returns the [`Next`].
 
 mod block_download;
@@ -22,32 +22,32 @@ use download::SegmentedDownload;
 use std::collections::VecDeque;
 use upload::SegmentedUpload;
 
-/// The SDO server of the default SDO channel.
+/// The SDO server of one SDO channel.
 #[derive(Clone, Debug)]
 pub(super) struct SdoServer {
     transfer: Transfer,
     timing: Timing,
     blocks: bool,
-    /// The waiting answers, with their times.
+    /// The waiting answers with their times and lengths, in the order of sending.
     answers: VecDeque<(Timestamp, [u8; 8], usize)>,
-    /// The time at which the transfer of a silent client ends.
+    /// The time at which a transfer ends if its client stays silent.
     expires: Timestamp,
-    /// The object of the last transfer, for a firmware that does not forget it.
+    /// The object of the last transfer, for a firmware that goes on naming it.
     stale: Multiplexer,
     /// The first bytes of a refused segment, for a firmware that returns them as the next value.
     refused: Option<[u8; 4]>,
-    /// Whether a block download with CRC was begun since boot-up.
+    /// Whether a block download with CRC has begun since boot-up.
     had_crc: bool,
-    /// Whether there was a request since boot-up.
+    /// Whether a request was received since boot-up.
     began: bool,
     /// Number of requests since boot-up.
     requests: u32,
-    /// Whether the firmware has crashed: no answers until the next start.
+    /// Whether the firmware has crashed: it does not answer until the next start.
     wedged: bool,
     chance: Chance,
 }
 
-/// The open transfer.
+/// The open transfer, by its kind.
 #[derive(Clone, Debug)]
 enum Transfer {
     Idle,
@@ -58,7 +58,7 @@ enum Transfer {
     BlockDownloadEnd(BlockDownloadEnd),
 }
 
-/// The result of a message: the transfer's next state, and the messages to send.
+/// The result of a message: the next state of the transfer, and the messages to send.
 struct Next {
     transfer: Transfer,
     answer: Answer,
@@ -129,7 +129,7 @@ impl SdoServer {
         self.expires = Timestamp::MAX;
     }
 
-    /// As [`SdoServer::reset`], at the start of the device.
+    /// Resets the server as [`SdoServer::reset`] does, at the start of the device.
     pub fn boot(&mut self) {
         self.reset();
         self.refused = None;
@@ -139,14 +139,14 @@ impl SdoServer {
         self.wedged = false;
     }
 
-    /// Time of the next ready answer or expiring transfer.
+    /// Time of the next event: an answer is ready, or the transfer expires.
     pub fn timeout(&self) -> Timestamp {
         self.answers.front().map_or(self.expires, |(due, ..)| *due)
     }
 
     /// Handles a frame on the client's CAN-ID.
     pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
-        // SDO messages have eight bytes (CiA 301); others are ignored.
+        // SDO messages have eight bytes (CiA 301); the server ignores other messages.
         if frame.len() != 8 {
             self.wedged |= objects.has(Fault::SdoShortRequestWedges);
             return;
@@ -159,7 +159,7 @@ impl SdoServer {
         self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
-            // A segment with sequence number 0 that ends the transfer looks the same as an abort.
+            // A last segment with sequence number 0 has the command byte 80h, as an abort has.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
                 Ok(segment) => download.on_segment(segment, &objects.firmware),
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
@@ -176,7 +176,7 @@ impl SdoServer {
         self.proceed(now, next, objects);
     }
 
-    /// A request that begins a transfer ends the open one.
+    /// Handles a request outside a block. A request that begins a transfer ends the open transfer.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
         let firmware = &objects.firmware;
         let is_busy = match transfer {
@@ -229,7 +229,7 @@ impl SdoServer {
         }
     }
 
-    /// Writes the bytes of a misplaced segment, in a firmware that accepts them.
+    /// Writes the bytes of a misplaced segment, in a firmware that accepts such segments.
     fn spill(&mut self, transfer: &Transfer, request: &Request, objects: &mut Objects) {
         let Request::DownloadSegment(segment) = request else { return };
         if objects.has(Fault::SdoRefusedSegmentServed) {
@@ -244,7 +244,7 @@ impl SdoServer {
         }
     }
 
-    /// Handles a command specifier that is unknown, or not allowed now.
+    /// Handles a command specifier that is unknown, or not allowed at this point of the transfer.
     fn unexpected(&self, transfer: &Transfer, request: &Request, objects: &Objects) -> Next {
         if let Request::Unknown { .. } = request {
             let first = objects.has(Fault::SdoFirstUnknownCommandSilent) && !self.began;
@@ -269,7 +269,7 @@ impl SdoServer {
         if stray && matches!(transfer, Transfer::Idle) && objects.has(Fault::SdoStraySegmentSilent) {
             return Next::silence(Transfer::Idle);
         }
-        // A request that names an object concerns that object, whatever transfer it interrupts.
+        // An abort names the object of the request, if the request names one, even if another transfer was open.
         let named = request.multiplexer().or(transfer.object()).or(match *request {
             Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),
             _ => None,
@@ -277,7 +277,7 @@ impl SdoServer {
         Next::abort(named.unwrap_or(Multiplexer::new(0, 0)), AbortCode::COMMAND_SPECIFIER)
     }
 
-    /// Takes over the next state and sends the answer.
+    /// Enters the next state of the transfer and queues the answer.
     fn proceed(&mut self, now: Timestamp, next: Next, objects: &Objects) {
         self.transfer = next.transfer;
         self.expires = match self.transfer {
@@ -298,7 +298,7 @@ impl SdoServer {
         }
     }
 
-    /// Alters a waiting answer by a new request, in a firmware with one buffer for requests.
+    /// Puts the object of a new request into a waiting answer, in a firmware with one buffer for requests.
     fn mix_up(&mut self, frame: &Frame, objects: &Objects) {
         if objects.has(Fault::SdoBackToBackMixed)
             && let Some((_, waiting, _)) = self.answers.back_mut()
@@ -307,7 +307,7 @@ impl SdoServer {
         }
     }
 
-    /// The time of the answer to a request received now: requests are processed one after the other.
+    /// The time of the answer to a request received now. The server processes requests one after the other.
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
         let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
@@ -352,7 +352,7 @@ impl SdoServer {
         self.answers.push_back((due, bytes, len));
     }
 
-    /// The response, with the bytes of a refused segment in place of a value of four bytes.
+    /// Replaces a value of four bytes by the bytes of a refused segment, in a firmware that has kept such bytes.
     fn replaced(&mut self, response: Response) -> Response {
         match response {
             Response::InitiateUpload { multiplexer, payload: Payload::Expedited(value) } if value.data().len() == 4 => {
@@ -378,7 +378,7 @@ impl SdoServer {
         }
     }
 
-    /// Ends a transfer whose client is silent.
+    /// Ends the transfer if its client stayed silent too long.
     pub fn expire(&mut self, now: Timestamp, objects: &Objects) {
         if now < self.expires {
             return;
@@ -395,11 +395,11 @@ impl SdoServer {
     }
 }
 
-/// Number of responses between two slow ones, and the delay, in a firmware with delayed responses.
+/// Of this many requests, a firmware with delayed responses answers one late, after [`SLOW`].
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
 
-/// Number of answered requests between two unanswered ones, in a firmware that loses responses.
+/// Of this many requests, a firmware that loses responses leaves one unanswered.
 const LOST_EVERY: u32 = 100;
 
 /// Number of bytes of a response that are not reserved.
@@ -416,7 +416,7 @@ fn used_bytes(response: &Response) -> usize {
     }
 }
 
-/// Whether reserved bits of the command are set in the request.
+/// Whether the command byte of the request has reserved bits set.
 fn has_reserved_bits(frame: &Frame, request: &Request) -> bool {
     let mut plain = [0; 8];
     request.emit(&mut plain);

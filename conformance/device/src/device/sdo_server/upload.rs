@@ -44,7 +44,7 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
     }
 }
 
-/// Starts a segmented upload of a value of any length.
+/// Begins a segmented upload, whatever the length of the value.
 pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Next {
     let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
     let unannounced = objects.takes(Liberty::SizesUnannounced);
@@ -53,7 +53,7 @@ pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Nex
 }
 
 impl SegmentedUpload {
-    /// Handles the request for the next segment.
+    /// Handles the client's request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
         if toggle != self.toggle && !objects.has(Fault::SdoToggleUnchecked) {
             if objects.takes(Liberty::ToggleIgnored) {

@@ -8,7 +8,8 @@ use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_traces::Timestamp;
 use std::cell::Cell;
 
-/// The cams that were active at the last look, by channel from 1: their hysteresis starts there.
+/// The cams that were active when they were last evaluated, by channel from 1. An active cam ends only beyond its
+/// hysteresis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cams(Cell<[u8; CHANNELS]>);
 
@@ -17,8 +18,8 @@ const CHANNELS: usize = 4;
 const CAMS: u16 = 8;
 
 impl Encoder {
-    /// 6300h: a cam is active from its low to its high limit, both included; an active cam stays so until the
-    /// position is further outside than its hysteresis.
+    /// The value of 6300h. A cam is active from its low to its high limit, both included. An active cam stays active
+    /// until the position is outside by more than the hysteresis.
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
         let slot = usize::from(channel.checked_sub(1)?);
         let register = |index| parameters.number_or_zero(index, channel) as u8;

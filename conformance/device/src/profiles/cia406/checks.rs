@@ -1,4 +1,4 @@
-//! The values that an encoder refuses beyond the limits of its description.
+//! Checks of written values beyond the limits of the encoder's description.
 
 use super::operating::SCALING;
 use super::{Encoder, OPERATING_PARAMETERS};
@@ -9,7 +9,7 @@ use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 
 impl Encoder {
-    /// Checks a value by the encoder's rules; the abort code of a refusal is that in the model's manual.
+    /// Checks a value by the encoder's rules. The abort code of a refusal is the code in the model's manual.
     pub(super) fn check_written(&self, at: Multiplexer, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
         let sheet = self.model.sheet();
         let own = |rule| sheet.abort(rule, at);
@@ -25,7 +25,7 @@ impl Encoder {
         }
     }
 
-    /// A device whose scaling bit guards the scaling refuses changes of the scaling while the bit is clear.
+    /// Refuses a change of the scaling while the scaling bit is clear, if that bit guards the scaling on this model.
     fn check_scaling_bit(&self, parameters: &Parameters) -> Result<(), AbortCode> {
         let guarded = self.model.sheet().quirks.scaling_bit_guards;
         let is_on = parameters.number_or_zero(OPERATING_PARAMETERS.index.0, 0) & SCALING != 0;

@@ -1,4 +1,4 @@
-//! The properties of an encoder by its description, for devices without sheet.
+//! The properties of an encoder as derived from its description, for devices without sheet.
 
 use super::sheet::{EncoderKind, Measurement};
 use crate::models::{Rule, is_writable, written};
@@ -8,10 +8,10 @@ use canvass_analyzer::object;
 use canvass_analyzer::profiles::cia406::objects as encoder;
 use toml::{Table, Value};
 
-/// The period of the first TPDO.
+/// The object with the period of the first TPDO.
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
-/// The measurement, and in `sheet` the related rows; `None` if the device has no position.
+/// Derives the measurement, and adds related rows to `sheet`; `None` if the device has no position.
 pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> Option<Measurement> {
     description.dictionary.entry(Multiplexer::new(encoder::POSITION_VALUE, 0)).ok()?;
     let links = links(description);
@@ -21,7 +21,7 @@ pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> Op
     Some(measurement(description))
 }
 
-/// The physical resolution: for a rotary encoder by 6501h and 6502h, for a linear one (1000h) by 6002h, as 6501h
+/// The physical resolution: for a rotary encoder by 6501h and 6502h. For a linear encoder (1000h) it is 6002h, as 6501h
 /// is then the length of a step.
 fn measurement(description: &DeviceDescription) -> Measurement {
     let number = |index| {
@@ -38,7 +38,7 @@ fn measurement(description: &DeviceDescription) -> Measurement {
     Measurement { single_turn_bits: bits, revolutions, ..Measurement::default() }
 }
 
-/// Whether a description names 2104h and 2105h, which are the manufacturer's, limit switches.
+/// Whether the description names 2104h and 2105h limit switches. These objects are the manufacturer's.
 pub fn shows_limit_switches(description: &DeviceDescription) -> bool {
     [0x2104, 0x2105].into_iter().all(|index| {
         let entry = description.dictionary.entry(Multiplexer::new(index, 0));
@@ -46,7 +46,7 @@ pub fn shows_limit_switches(description: &DeviceDescription) -> bool {
     })
 }
 
-/// The cyclic timer is the event timer of TPDO 1.
+/// Links the cyclic timer to the event timer of TPDO 1, if both can be written.
 fn links(description: &DeviceDescription) -> Vec<Value> {
     let timers = [CYCLIC_TIMER, Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5)];
     if !timers.iter().all(|at| is_writable(description, *at)) {
@@ -59,7 +59,7 @@ fn links(description: &DeviceDescription) -> Vec<Value> {
     vec![link.into()]
 }
 
-/// Behaviour that the description shows besides the profile.
+/// Quirks that the description shows.
 fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     let mut quirks = Table::new();
     let is_cyclic = !has_event_timer && is_writable(description, CYCLIC_TIMER);
@@ -68,7 +68,7 @@ fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     quirks
 }
 
-/// The low limit of a work area is below the high one, for each channel that has both.
+/// Checks that the low limit of a work area is at most the high one, for each channel that has both.
 fn checks(description: &DeviceDescription) -> Vec<Value> {
     let (low, high) = (encoder::WORK_AREA_LOW_LIMIT, encoder::WORK_AREA_HIGH_LIMIT);
     let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!((measurement.single_turn_bits, measurement.revolutions), (13, 4096));
     }
 
-    /// The timer of a first TPDO without event timer is 6200h; where it has one, both are the same.
+    /// Without an event timer in TPDO 1, its timer is 6200h; with an event timer, both objects are linked.
     #[test]
     fn the_cyclic_timer_is_that_of_the_first_tpdo() {
         let of = |id: &str| {

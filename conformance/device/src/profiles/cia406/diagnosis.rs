@@ -9,18 +9,18 @@ use canvass_analyzer::profiles::cia406::{makers, objects as encoder};
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 use canvass_traces::Timestamp;
 
-/// The temperature of the sensor in the unit of 2120h: degrees Celsius plus 64.
+/// The simulated temperature of the sensor in the unit of 2120h: degrees Celsius plus 64.
 const TEMPERATURE: u8 = 0x56;
 
-/// 6503h bit 0.
+/// Position error: 6503h bit 0.
 const POSITION_ERROR: u64 = 1 << 0;
-/// 6505h bit 0.
+/// Overspeed: 6505h bit 0.
 const OVERSPEED: u64 = 1 << 0;
-/// 6505h bit 14.
+/// Temperature outside its limits: 6505h bit 14.
 const TEMPERATURE_ERROR: u64 = 1 << 14;
 /// A bit of 6503h and 6505h that no model supports.
 const UNSUPPORTED: u64 = 1 << 3;
-/// A tenth of an hour.
+/// Unit of the operating time in nanoseconds: a tenth of an hour.
 const OPERATING_TIME_UNIT: u64 = 360_000_000_000;
 
 impl Encoder {
@@ -48,7 +48,7 @@ impl Encoder {
         }
     }
 
-    /// 6503h.
+    /// The alarms in 6503h.
     fn alarms(&self) -> u64 {
         let mut alarms = 0;
         if self.firmware.has(Fault::AlarmWithoutEmcy) {
@@ -60,7 +60,7 @@ impl Encoder {
         alarms
     }
 
-    /// 6505h, limited to the warnings that 6506h supports.
+    /// The warnings in 6505h, limited to those that 6506h supports.
     fn warnings(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         let mut warnings = 0;
         if self.is_too_fast(now) {
@@ -79,7 +79,7 @@ impl Encoder {
         warnings
     }
 
-    /// The lowest and the highest temperature, if the manufacturer has objects for them.
+    /// The lowest and the highest temperature; `None` if the manufacturer has no objects for them.
     fn temperature_limits(&self, parameters: &Parameters) -> Option<(u8, u8)> {
         let [low, high] = makers::of(self.model.vendor()?)?.temperature_limits?;
         let limit = |at: Multiplexer| parameters.number(at.index.0, at.sub.0).map(|limit| limit as u8);
@@ -91,8 +91,8 @@ impl Encoder {
         self.temperature_limits(parameters).is_some_and(|(low, high)| !(low..=high).contains(&TEMPERATURE))
     }
 
-    /// The errors that an EMCY reports: a temperature beyond its limits, a shaft that is too fast (6505h bit 0), a position
-    /// that is wrong (6503h bit 0).
+    /// The errors that an EMCY reports: a temperature outside its limits, overspeed (6505h bit 0), a position error
+    /// (6503h bit 0).
     pub(super) fn find_errors(&self, now: Timestamp, parameters: &Parameters) -> ApplicationErrors {
         let temperature = self.temperature_limits(parameters).map(|(low, high)| {
             let outside = !(low..=high).contains(&TEMPERATURE) && !self.firmware.has(Fault::WarningWithoutEmcy);
@@ -107,11 +107,11 @@ impl Encoder {
     }
 }
 
-/// EMCY 4200h, temperature: the encoder goes on.
+/// EMCY 4200h: temperature outside its limits. The encoder goes on working.
 const WARNING: ApplicationError =
     ApplicationError { number: 0, code: EmcyCode(0x4200), register: 0, manufacturer: [0; 5], behaviour: Some(2) };
 
-/// EMCY 1000h with the bit of the profile.
+/// EMCY 1000h with the profile's bit in the error register: position error.
 const POSITION_WRONG: ApplicationError = ApplicationError {
     number: 2,
     code: EmcyCode::GENERIC,

@@ -1,7 +1,8 @@
-//! Draw-wire encoder with inclinometer: two redundant channels of the position (6020h, in 0.1 mm), two angles (5000h, in
-//! 0.01 degrees), and how they count (3003h, 3004h, 3005h, 3010h).
+//! Draw-wire encoder with inclinometer: two redundant channels of the position (6020h, in 0.1 mm), two angles (5000h,
+//! in 0.01 degrees), and the settings of the angles (3003h, 3004h, 3005h, 3010h).
 //!
-//! Channel B is the full scale less channel A, so that their sum is constant. Angle Z2 is the opposite of Z1, or the same.
+//! Channel B is the full scale less channel A, so that the sum of both is constant. Angle Z2 is the opposite of Z1, or
+//! equal to it.
 
 use super::Encoder;
 use crate::Fault;
@@ -10,15 +11,15 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_traces::Timestamp;
 
-/// 360 degrees.
+/// 360 degrees, in 0.01 degrees.
 const FULL_TURN: i64 = 36_000;
 /// 3003h: clockwise rotation counts up.
 const CLOCKWISE: u64 = 1;
-/// 3004h: from -180 to 180 degrees instead of 0 to 360.
+/// 3004h: the range is -180 to 180 degrees instead of 0 to 360.
 const SIGNED: u64 = 1;
 /// 3005h: Z2 runs opposite to Z1.
 const OPPOSITE: u64 = 1;
-/// The faulty channel B gains 0.1 mm in this time.
+/// Nanoseconds in which the faulty channel B gains 0.1 mm.
 const DRIFT: u64 = 20_000_000;
 
 impl Encoder {
@@ -30,7 +31,7 @@ impl Encoder {
         }
     }
 
-    /// The second channel: B and Z2.
+    /// The value of the redundant channel: channel B or angle Z2.
     pub(super) fn redundant_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
             (encoder::CHANNEL_POSITION_VALUES, 0) => Some(self.redundant_length(now)),
@@ -39,7 +40,7 @@ impl Encoder {
         }
     }
 
-    /// The length of the extended wire in 0.1 mm, limited to its ends.
+    /// The length of the extended wire in 0.1 mm, limited to the wire's range.
     fn length(&self, now: Timestamp) -> u64 {
         let full_scale = i128::from(self.sheet.full_scale_tenth_mm);
         let per_revolution = u64::from(self.sheet.tenth_mm_per_revolution);
@@ -75,7 +76,7 @@ impl Encoder {
         if clockwise || self.firmware.has(Fault::AngleDirectionIgnored) { tilt } else { -tilt }
     }
 
-    /// The angle in the range of 3004h.
+    /// Converts an angle to the range of 3004h.
     fn shown(&self, angle: i64, parameters: &Parameters) -> u64 {
         let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && !self.firmware.has(Fault::AngleRangeIgnored);
         let turn = angle.rem_euclid(FULL_TURN);
@@ -83,7 +84,7 @@ impl Encoder {
         u64::from(angle as u16)
     }
 
-    /// Handles a write to 3010h: 1 makes the current angle zero, 0 undoes that.
+    /// Handles a write to 3010h: 1 makes the current angle zero, 0 removes this zero point.
     pub(super) fn set_zero_point(&mut self, value: u64) {
         if !self.firmware.has(Fault::ZeroPointIgnored) {
             self.offset = if value == 0 { 0 } else { i64::from(self.sheet.tilt_hundredths) };

@@ -10,7 +10,7 @@ const MINIMUM: u64 = 1 << 12;
 /// "Limit switch max": the position is above 2105h.
 const MAXIMUM: u64 = 1 << 13;
 
-/// 6500h: 6000h, with the state of each limit switch in the place of its enabling bit.
+/// The value of 6500h: 6000h, with the state of each limit switch in place of its enabling bit.
 pub(super) fn operating_status(position: u64, parameters: &Parameters, firmware: &Firmware) -> u64 {
     let operating = parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0);
     let (low, high) = (parameters.number_or_zero(0x2104, 0), parameters.number_or_zero(0x2105, 0));

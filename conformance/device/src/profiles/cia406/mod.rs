@@ -35,13 +35,13 @@ use canvass_traces::{Duration, Timestamp};
 use operating::SCALING;
 use sheet::{EncoderKind, Measurement};
 
-/// Interval for comparing the speed of a turning shaft with its limit.
+/// Interval at which the speed of a turning shaft is compared with its limit.
 const WATCH: Duration = Duration::from_millis(100);
 
-/// 6508h of a device that does not count its operating time.
+/// The value of 6508h in a device that does not count its operating time.
 const NOT_USED: u64 = 0xFFFF_FFFF;
 
-/// The profile.
+/// The encoder profile.
 struct Cia406;
 
 inventory::submit! { Registered(&Cia406) }
@@ -62,14 +62,14 @@ impl Profile for Cia406 {
     }
 }
 
-/// An encoder.
+/// The application of an encoder.
 #[derive(Clone, Debug)]
 struct Encoder {
     sheet: Measurement,
     model: Model,
     motion: Motion,
-    /// The offset that the preset adds to the position (6509h); for an inclinometer the zero point, in hundredths of
-    /// a degree.
+    /// The offset that the preset adds to the position (6509h). For an inclinometer: the zero point, in hundredths of a
+    /// degree.
     offset: i64,
     /// Time of the last write to 6003h.
     preset_at: Option<Timestamp>,
@@ -103,7 +103,7 @@ impl Application for Encoder {
     }
 
     fn process_value(&self, now: Timestamp, at: Multiplexer, again: bool, device: &Surroundings<'_>) -> Option<u64> {
-        // For a draw-wire encoder the second time is the redundant channel.
+        // In the PDO of a draw-wire encoder, the second occurrence of an object is the redundant channel.
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, device.parameters);
         }
@@ -216,7 +216,7 @@ impl Encoder {
     }
 }
 
-/// 6501h and 6502h while scaling is on: units per revolution, and the number of revolutions in the range.
+/// 6501h or 6502h while scaling is on: units per revolution, or the number of revolutions in the range.
 fn scaled_resolution(at: Multiplexer, parameters: &Parameters) -> Option<u64> {
     let number = |index| parameters.number_or_zero(index, 0);
     if number(encoder::OPERATING_PARAMETERS) & SCALING == 0 {
@@ -231,5 +231,5 @@ fn scaled_resolution(at: Multiplexer, parameters: &Parameters) -> Option<u64> {
 const POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_VALUE, 0);
 const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(encoder::OPERATING_PARAMETERS, 0);
 
-/// 6503h bit 13: a parameter to be stored is outside its limits.
+/// 6503h bit 13: a parameter that was to be stored is outside its limits.
 const PARAMETER_ALARM: u64 = 1 << 13;

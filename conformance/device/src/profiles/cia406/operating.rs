@@ -12,7 +12,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 pub(super) const CODE_SEQUENCE: u64 = 1 << 0;
 /// Bit 2: 6001h and 6002h are in use.
 pub(super) const SCALING: u64 = 1 << 2;
-/// Bit 12: universal scaling function (V3.2); the position continues over the end of the physical range.
+/// Bit 12: the universal scaling function (V3.2) lets the position continue beyond the end of the physical range.
 const UNIVERSAL_SCALING: u64 = 1 << 12;
 /// Bit 14: the device enters operational by itself.
 const START_IN_OPERATIONAL: u64 = 1 << 14;
@@ -23,7 +23,7 @@ pub(super) fn starts_in_operational(parameters: &Parameters) -> bool {
 }
 
 impl Encoder {
-    /// Checks a write to 6000h, 6001h or 6002h: no reserved bits; the range covers at least one revolution.
+    /// Checks a write to 6000h, 6001h or 6002h: no reserved bits, and a range of at least one revolution.
     pub(super) fn check_operating(
         &self,
         at: Multiplexer,
@@ -64,7 +64,7 @@ impl Encoder {
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
-    /// 6000h, as the measurement uses it.
+    /// The bits of 6000h that this firmware uses for the measurement.
     pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
         let mut bits =
             parameters.number_or_zero(encoder::OPERATING_PARAMETERS, 0) & u64::from(self.sheet.operating_bits);
@@ -90,7 +90,7 @@ impl Encoder {
         self.operating(parameters) & SCALING != 0
     }
 
-    /// Whether 6000h lets the position continue at the end of the physical range.
+    /// Whether the position continues beyond the end of the physical range.
     pub(super) const fn goes_on(&self, operating: u64) -> bool {
         operating & SCALING != 0
             && match self.sheet.universal_scaling {
@@ -107,12 +107,12 @@ impl Encoder {
         set && !self.firmware.has(Fault::SpeedFormatIgnored)
     }
 
-    /// The number of positions: 6002h if scaling is on, else all physical ones that fit into 6004h.
+    /// The number of positions: 6002h if scaling is on, else all physical positions that fit into 6004h.
     pub(super) fn range(&self, parameters: &Parameters) -> i128 {
         self.range_by(self.operating(parameters), parameters)
     }
 
-    /// As [`Encoder::range`], for a known 6000h.
+    /// As [`Encoder::range`], for a value of 6000h that the caller has already read.
     pub(super) fn range_by(&self, operating: u64, parameters: &Parameters) -> i128 {
         if operating & SCALING == 0 {
             return physical_range(&self.sheet).min(FULL_RANGE);
@@ -125,20 +125,20 @@ impl Encoder {
     }
 }
 
-/// The number of positions in 32 bits.
+/// The number of positions that 32 bits can show.
 const FULL_RANGE: i128 = 1 << 32;
 
-/// The number in 6002h, where 0 means 2^32.
+/// The number of units in 6002h, where 0 means 2^32.
 fn units_of(range: u64) -> u64 {
     if range == 0 { 1 << 32 } else { range }
 }
 
-/// The steps of one revolution.
+/// The number of steps in one revolution.
 pub(super) fn steps(sheet: &Measurement) -> u64 {
     1 << sheet.single_turn_bits.min(32)
 }
 
-/// The steps of all revolutions.
+/// The number of steps in all revolutions.
 pub(super) fn physical_range(sheet: &Measurement) -> i128 {
     i128::from(steps(sheet)) * i128::from(sheet.revolutions.max(1))
 }

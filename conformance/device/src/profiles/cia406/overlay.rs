@@ -1,4 +1,4 @@
-//! Faults in the object dictionary of an encoder: they override the description.
+//! Faults in the object dictionary of an encoder, as an overlay over the description.
 
 use crate::device::{Content, Parameters};
 use crate::{Fault, Firmware};
@@ -7,12 +7,12 @@ use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
 use canvass_analyzer::profiles::cia406::objects as encoder;
 
-/// A single-turn encoder in the upper word of 1000h.
+/// The encoder type "single-turn" in the upper word of 1000h.
 const SINGLE_TURN: u64 = 0x0001_0000;
-/// A bit of 6503h and 6504h that is reserved.
+/// A reserved bit of 6503h and 6504h.
 const RESERVED_ALARM: u64 = 1 << 3;
 
-/// Changes the objects of an encoder in the dictionary by the faults of the firmware.
+/// Changes the objects of an encoder in the object dictionary according to the firmware's faults.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     let wrong = |fault: Fault, at: Multiplexer, number: u64, parameters: &mut Parameters| {
         if firmware.has(fault) {

@@ -1,5 +1,5 @@
-//! Position value (6004h), preset (6003h) and offset (6509h); the same with high precision (6008h, 6009h), which of a
-//! sensor of at most 32 bits is no other.
+//! Position value (6004h), preset (6003h) and offset (6509h); and the high-precision position and preset (6008h,
+//! 6009h), which are equal to 6004h and 6003h for a sensor of at most 32 bits.
 //!
 //! ```text
 //! physical --code sequence, scaling--> position in measuring units --+ 6509h--> 6004h
@@ -14,9 +14,9 @@ use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
 
-/// Duration of the nonsense that a faulty firmware shows after a preset.
+/// Time for which a faulty firmware shows a wrong position after a preset.
 const GLITCH: Duration = Duration::from_millis(30);
-/// Duration for which the position of a faulty firmware stands still after a preset.
+/// Time for which the position stands still after a preset, in a faulty firmware.
 const STANDSTILL: Duration = Duration::from_millis(400);
 
 impl Encoder {
@@ -39,7 +39,7 @@ impl Encoder {
         }
     }
 
-    /// Time of the last update of the position, in a faulty firmware.
+    /// Time up to which a faulty firmware has updated the position; `now` without the fault.
     fn counted_until(&self, now: Timestamp) -> Timestamp {
         let stands = self.preset_at.filter(|_| self.firmware.has(Fault::PresetStopsCounting));
         stands.filter(|&at| now.since(at) < STANDSTILL).unwrap_or(now)
@@ -55,7 +55,7 @@ impl Encoder {
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
-    /// Handles a write to 6003h: the position takes that value now.
+    /// Handles a write to 6003h: the position becomes this value now.
     pub(super) fn preset(&mut self, now: Timestamp, value: u64, parameters: &Parameters) {
         if !self.firmware.has(Fault::PresetIgnored) {
             self.offset = (i128::from(value) - self.scaled(now, parameters)) as i64;
@@ -63,7 +63,7 @@ impl Encoder {
         }
     }
 
-    /// 6004h.
+    /// The value of 6004h.
     pub(super) fn position(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         if self.firmware.has(Fault::RangeZeroStops) && self.has_full_range(parameters) {
             return 0;
@@ -77,7 +77,7 @@ impl Encoder {
         self.is_scaled(parameters) && parameters.number(encoder::TOTAL_MEASURING_RANGE, 0) == Some(0)
     }
 
-    /// 6004h, as if 6003h had never been written.
+    /// The value that 6004h would have without any preset.
     pub(super) fn position_without_preset(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         self.scaled(now, parameters) as u64
     }
@@ -87,7 +87,7 @@ impl Encoder {
         self.scaled_by(self.operating(parameters), now, parameters)
     }
 
-    /// As [`Encoder::scaled`], for a known 6000h.
+    /// As [`Encoder::scaled`], for a value of 6000h that the caller has already read.
     fn scaled_by(&self, operating: u64, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut physical = self.motion.position(now, steps(&self.sheet));
         if operating & CODE_SEQUENCE != 0 {
@@ -112,7 +112,8 @@ impl Encoder {
     }
 }
 
-/// The remainder, never negative. Nearly all positions fit into 64 bits, where a division is much faster.
+/// The remainder of `position` by `range`, never negative. Nearly all positions fit into 64 bits, where a division is
+/// much faster.
 fn wrapped(position: i128, range: i128) -> i128 {
     match (i64::try_from(position), i64::try_from(range)) {
         (Ok(position), Ok(range)) => position.rem_euclid(range).into(),

@@ -1,5 +1,5 @@
-//! Raw data of the sensor: the manufacturer's raw position with its inverse and its checksum (2160h to 2162h), and
-//! that of the profile (600Bh, 600Ch).
+//! Raw data of the sensor: the manufacturer's raw position with its inverse and its checksum (2160h to 2162h), and the
+//! profile's raw position (600Bh, 600Ch).
 
 use super::Encoder;
 use super::operating::{physical_range, steps};
@@ -27,13 +27,14 @@ impl Encoder {
         })
     }
 
-    /// The steps over all revolutions, independent of the code sequence; 32-bit objects show the lower bits.
+    /// The position in steps over all revolutions, independent of the code sequence. 32-bit objects show the lower
+    /// bits.
     fn raw(&self, now: Timestamp) -> u64 {
         let now = if self.firmware.has(Fault::RawPositionStands) { Timestamp::ZERO } else { now };
         self.motion.position(now, steps(&self.sheet)).rem_euclid(physical_range(&self.sheet)) as u64
     }
 
-    /// CRC-16 with polynomial 1021h over the bytes of the raw position as they are transmitted.
+    /// CRC-16 with polynomial 1021h over the bytes of the raw position, in the order of transmission.
     fn checksum(&self, raw: u32) -> u16 {
         let start = if self.firmware.has(Fault::RawCrcStartWrong) { 0xFFFF } else { CRC_START };
         crc16(start, &raw.to_le_bytes())

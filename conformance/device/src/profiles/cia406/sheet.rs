@@ -1,4 +1,4 @@
-//! The measurement of an encoder: the table `[application]` of a sheet.
+//! The measurement of an encoder: the table `[application]` of its sheet.
 
 use super::description::describe;
 use crate::models::{ApplicationSheet, ProfileSheet, RegisteredSheet};
@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny as ForPeople;
 use toml::Table;
 
-/// Reads sheets of encoders.
+/// Reads the sheets of encoders.
 struct Sheets;
 
 inventory::submit! { RegisteredSheet(&Sheets) }
@@ -19,7 +19,7 @@ impl ProfileSheet for Sheets {
     }
 
     fn read(&self, sheet: &str) -> Result<ApplicationSheet, toml::de::Error> {
-        /// The other tables are read elsewhere.
+        /// The sheet without its other tables, which other code reads.
         #[derive(Deserialize)]
         struct Whole {
             application: Option<Measurement>,
@@ -33,50 +33,50 @@ impl ProfileSheet for Sheets {
     }
 }
 
-/// The measurement.
+/// The measurement of an encoder.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Measurement {
-    /// What is measured.
+    /// The measured quantity.
     pub kind: EncoderKind,
     /// The resolution of one revolution, in bits.
     pub single_turn_bits: u8,
-    /// The revolutions that can be distinguished.
+    /// The number of revolutions that the encoder can distinguish.
     pub revolutions: u32,
-    /// Neither 6001h nor 6002h is smaller, but for the 0 of 6002h, which stands for 2^32.
+    /// The lowest value of 6001h and 6002h. A 0 in 6002h is allowed: it stands for 2^32.
     pub units_per_revolution_least: u32,
-    /// Above it, 6505h bit 0 warns.
+    /// The speed above which 6505h bit 0 warns; `None`: no warning.
     pub speed_warning_rpm: Option<u32>,
-    /// Whether the position goes on over the end of the physical range.
+    /// When the position continues beyond the end of the physical range.
     pub universal_scaling: UniversalScaling,
     /// The bit of 6000h that makes the speed units per second instead of revolutions per minute.
     pub speed_format_bit: u8,
-    /// The bits of 6000h that have a meaning in the profile or in the manual; a write of others is refused.
+    /// The bits of 6000h that the profile or the manual defines. The device refuses a write that sets other bits.
     pub operating_bits: u16,
-    /// Of a draw-wire encoder: the sum of its two channels, in 0.1 mm.
+    /// For a draw-wire encoder: the sum of both channels, in 0.1 mm.
     pub full_scale_tenth_mm: u32,
-    /// Of a draw-wire encoder: how far one turn of its drum moves the wire, in 0.1 mm.
+    /// For a draw-wire encoder: the movement of the wire in one turn of the drum, in 0.1 mm.
     pub tenth_mm_per_revolution: u32,
-    /// Of an inclinometer: how the housing hangs, in hundredths of a degree, clockwise.
+    /// For an inclinometer: the tilt of the housing, in hundredths of a degree, clockwise.
     pub tilt_hundredths: i32,
-    /// Which of these values the manual does not say: for readers of the file.
+    /// For people: the values among these that the manual does not give.
     pub assumed: ForPeople,
-    /// For people: over which times the speed is measured.
+    /// For people: the times over which the speed is measured.
     pub integration_times_ms: ForPeople,
     /// For people: the finest resolution of the family.
     pub single_turn_bits_most: ForPeople,
-    /// For people: what the speed is measured in.
+    /// For people: the unit of the measured speed.
     pub speed_unit: ForPeople,
     /// For people: the step of a linear scale.
     pub step_nm: ForPeople,
     /// For people: whether revolutions are counted.
     pub turns: ForPeople,
-    /// For people: what 0 in 6002h means.
+    /// For people: the meaning of 0 in 6002h.
     pub zero_range_means_2_pow_32: ForPeople,
 }
 
 impl Default for Measurement {
-    /// As version 3.2 of the profile has it.
+    /// The values of version 3.2 of the profile.
     fn default() -> Self {
         Self {
             kind: EncoderKind::Rotary,
@@ -101,28 +101,29 @@ impl Default for Measurement {
     }
 }
 
-/// What an encoder measures.
+/// The quantity that an encoder measures.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EncoderKind {
     /// The angle of a shaft, and its revolutions.
     Rotary,
-    /// A place on a straight scale; its period counts as a revolution.
+    /// A position on a straight scale. The period of the scale counts as a revolution.
     Linear,
     /// The length of a wire, by two redundant channels, and the tilt of the housing.
     DrawWire,
 }
 
-/// When the universal scaling function works: any scaling, without a jump where the physical range ends.
+/// When the universal scaling function works: any scaling, without a jump of the position at the end of the physical
+/// range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UniversalScaling {
-    /// As bit 12 of 6000h says.
+    /// While bit 12 of 6000h is set.
     #[serde(rename = "by-bit-12")]
     ByBit12,
-    /// Wherever scaling is on.
+    /// Whenever scaling is on.
     Always,
-    /// Not at all.
+    /// Never: the device does not have the function.
     Never,
 }
 

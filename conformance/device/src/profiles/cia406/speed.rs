@@ -1,9 +1,9 @@
 //! Speed (6030h, 6031h, 2130h), acceleration (6040h, 6041h) and jerk (6050h): the changes of position, speed and
 //! acceleration within an integration time.
 //!
-//! Speed is in revolutions per minute or in measuring units per second, as 6000h says; acceleration in the same per
-//! second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, as a gear has; of devices
-//! with 2130h they are its sub-indexes 1 and 2, and change units per second only.
+//! The unit of speed is revolutions per minute or measuring units per second, as 6000h says. Acceleration is the change
+//! of this speed per second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, for
+//! example for a gear. In devices with 2130h its sub-indexes 1 and 2 take their place, for units per second only.
 
 use super::Encoder;
 use super::operating::steps;
@@ -13,14 +13,14 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_traces::{Duration, Timestamp};
 
-/// Parts of a revolution for calculating changes of position: far finer than the resolution of the position.
+/// Parts of a revolution in which changes of position are calculated: far finer than the resolution of the position.
 const PARTS: u64 = 1 << 32;
-/// Parts of a unit for calculating speeds, so that their differences are exact enough.
+/// Parts of a unit in which speeds are calculated, so that their differences are exact enough.
 const FINE: i128 = 1_000_000;
-/// The integration time if no object sets it.
+/// The integration time, if no object sets one.
 const INTEGRATION_TIME: Duration = Duration::from_millis(100);
 const NANOSECONDS: i128 = 1_000_000_000;
-/// 6031h:01: use the raw position, in physical steps; otherwise 6004h, in measuring units.
+/// 6031h:01: the speed follows the raw position, in physical steps. Otherwise it follows 6004h, in measuring units.
 const RAW_POSITION: u64 = 2;
 
 impl Encoder {
@@ -40,7 +40,7 @@ impl Encoder {
         Some(rounded(fine, FINE).clamp(low, high) as i64 as u64)
     }
 
-    /// The speed of 6030h, in parts of its unit.
+    /// The speed that 6030h shows, in parts of its unit.
     fn shown_speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut speed = self.speed(now, parameters);
         if self.firmware.has(Fault::SpeedSignIgnoresCodeSequence) && self.is_turned(parameters) {
@@ -52,25 +52,25 @@ impl Encoder {
         if self.firmware.has(Fault::SpeedNotZeroAtRest) { speed + 50 * FINE } else { speed }
     }
 
-    /// The speed in parts of its unit, with the sign of the counting direction.
+    /// The speed in parts of its unit; its sign is the direction of counting.
     fn speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let (time, multiplier, divisor) = self.averaging(encoder::SPEED_PARAMETER, parameters);
         let (parts, nanoseconds) = self.turned(now, time);
         let units = self.speed_in_units(parameters);
-        // 2130h affects only the speed in units.
+        // 2130h affects only the speed in units per second.
         let (multiplier, divisor) = match parameters.number(0x2130, 1) {
             Some(factor) if units => (i128::from(factor), nonzero(parameters.number(0x2130, 2))),
             _ => (multiplier, divisor),
         };
         let per_revolution = match units {
             true => i128::from(self.units_per_revolution(parameters)),
-            // Per minute.
+            // One minute in seconds.
             false => 60,
         };
         let sign = if self.is_turned(parameters) { -1 } else { 1 };
         let sign = if sign < 0 && self.firmware.has(Fault::SpeedDoubledBackwards) { sign * 2 } else { sign };
         let numerator = sign * parts * per_revolution * multiplier;
-        // parts / PARTS revolutions in so many nanoseconds.
+        // `parts / PARTS` revolutions were made in `nanoseconds`.
         let exact = numerator.saturating_mul(FINE) / (i128::from(PARTS) * divisor);
         exact.saturating_mul(NANOSECONDS) / nanoseconds
     }
@@ -84,7 +84,7 @@ impl Encoder {
         }
     }
 
-    /// The change of speed, in parts of its unit per second.
+    /// The acceleration: the change of speed, in parts of its unit per second.
     fn acceleration(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let (time, multiplier, divisor) = self.averaging(encoder::ACCELERATION_PARAMETER, parameters);
         let (before, nanoseconds) = window(now, time);
@@ -109,34 +109,34 @@ impl Encoder {
         (time.max(Duration::from_millis(1)), multiplier, divisor)
     }
 
-    /// The rotation of the shaft in the time before now, in parts of a revolution, and that time.
+    /// The rotation of the shaft in the last `time`, in parts of a revolution, and that time in nanoseconds.
     fn turned(&self, now: Timestamp, time: Duration) -> (i128, i128) {
         let (before, nanoseconds) = window(now, time);
         (self.motion.position(now, PARTS) - self.motion.position(before, PARTS), nanoseconds)
     }
 
-    /// Whether the shaft turns faster than allowed (6505h bit 0).
+    /// Whether the shaft turns faster than its limit (6505h bit 0).
     pub fn is_too_fast(&self, now: Timestamp) -> bool {
         let Some(limit) = self.sheet.speed_warning_rpm else { return false };
         let (parts, nanoseconds) = self.turned(now, INTEGRATION_TIME);
-        // Both positions are rounded down, so one part more is no speed.
+        // Both positions are rounded down, so a difference of one part may be no movement.
         let turned = (parts.abs() - 1).saturating_mul(60 * NANOSECONDS);
         turned > i128::from(limit) * i128::from(PARTS) * nanoseconds
     }
 }
 
-/// The time `time` before now, but not before power-on, and the nanoseconds between.
+/// The begin of the window that ends now and lasts `time`, but not before power-on; and its length in nanoseconds.
 fn window(now: Timestamp, time: Duration) -> (Timestamp, i128) {
     let before = Timestamp(now.nanos().saturating_sub(time.nanos()));
     (before, i128::from(now.since(before).nanos()).max(1))
 }
 
-/// A factor or divisor: 1 if there is none or it is 0.
+/// A factor or divisor; 1 if the object does not exist or is 0.
 fn nonzero(number: Option<u64>) -> i128 {
     i128::from(number.unwrap_or(1).max(1))
 }
 
-/// Divides, rounding to the nearest.
+/// Divides and rounds to the nearest integer.
 fn rounded(value: i128, by: i128) -> i128 {
     (value.saturating_mul(2).saturating_add(by)).div_euclid(2 * by)
 }

@@ -11,8 +11,8 @@ const OVERFLOW: u64 = 1 << 1;
 const UNDERFLOW: u64 = 1 << 2;
 
 impl Encoder {
-    /// 6400h: above the high limit is an overflow, below the low limit an underflow. A position outside both, or
-    /// outside 650Ah, is out of range.
+    /// The value of 6400h: overflow above the high limit, underflow below the low limit. A position beyond either
+    /// limit, or outside 650Ah, is also out of range.
     pub(super) fn work_area(&self, now: Timestamp, sub: u8, parameters: &Parameters) -> Option<u64> {
         let (low, high) = (
             parameters.number(encoder::WORK_AREA_LOW_LIMIT, sub)?,
@@ -38,13 +38,13 @@ impl Encoder {
     }
 }
 
-/// Whether the position is above the maximum or below the minimum of 650Ah. Both are signed; a negative maximum means
-/// none.
+/// Whether the position is outside the minimum and maximum of 650Ah. Both are signed; without a maximum above the
+/// minimum there is no limit.
 fn is_outside_module(position: u64, parameters: &Parameters) -> bool {
     let signed = |sub| parameters.number(encoder::MODULE_IDENTIFICATION, sub).map(|raw| i64::from(raw as u32 as i32));
     let (Some(low), Some(high)) = (signed(2), signed(3)) else { return false };
     let position = i64::try_from(position).unwrap_or(i64::MAX);
-    // i32::MAX stands for a range that does not fit into 650Ah.
+    // i32::MAX marks a range that does not fit into 650Ah.
     let bounded = high > low && high != i64::from(i32::MAX);
     bounded && !(low..=high).contains(&position)
 }
