@@ -47,15 +47,15 @@ pub struct LmtAddress {
 /// The services of a device. `None` in a field: not described.
 #[derive(Clone, Debug)]
 pub struct Services {
-    /// It sends a boot-up message after initialisation.
+    /// The device sends a boot-up message after initialisation.
     pub boot_up_message: bool,
-    /// It has an LSS slave.
+    /// The device has an LSS slave.
     pub lss: Option<bool>,
-    /// LSS does not work in operational.
+    /// The LSS slave does not work in operational.
     pub lss_not_in_operational: bool,
-    /// It answers Fastscan.
+    /// The LSS slave answers Fastscan.
     pub fastscan: Option<bool>,
-    /// It answers the inquiry services of LSS.
+    /// The LSS slave answers the inquiry services.
     pub lss_inquiry: Option<bool>,
     /// A node-ID configured by LSS takes effect by a restart when the slave leaves configuration state; otherwise it
     /// takes effect at the next reset.
