@@ -121,8 +121,8 @@ pub fn waivers(bytes: &[u8]) {
     }
 }
 
-/// The two files of a model: the bytes before the first NUL are its sheet, the bytes after it are its EDS. All bytes are
-/// also read as the EDS of a device without sheet.
+/// The two files of a model: the bytes before the first NUL are its sheet, the bytes after it are its EDS. All bytes
+/// together are also read as the EDS of a device without sheet.
 pub fn model(bytes: &[u8]) {
     let end = bytes.iter().position(|&byte| byte == 0);
     let (sheet, eds) = bytes.split_at(end.unwrap_or(0));

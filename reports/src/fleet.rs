@@ -65,7 +65,7 @@ pub struct Question {
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(fleet: &Fleet, out: &mut dyn Write) -> io::Result<()> {
     let questions = fleet.questions.iter().map(|question| (question.name, question.title));
     let sections: Vec<(&str, &str)> = std::iter::once(("course", "Over time")).chain(questions).collect();

@@ -39,7 +39,7 @@ pub struct Page<'a> {
 /// many megabytes.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn write(
     page: &Page<'_>,
     out: &mut dyn Write,
@@ -101,7 +101,7 @@ pub fn plot_licence() -> Markup {
 /// Writes a part of a page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn put(out: &mut dyn Write, part: Markup) -> io::Result<()> {
     out.write_all(part.into_string().as_bytes())
 }
@@ -135,7 +135,7 @@ fn policy(styles: &[&str], scripts: &[&str]) -> String {
 /// Writes data for the scripts, as an element that nothing runs. Whatever strings it holds, none ends the element.
 ///
 /// # Errors
-/// What `out` gives; if `value` can't be JSON.
+/// The errors of `out`, or an error if `value` can't be expressed in JSON.
 pub fn put_data(out: &mut dyn Write, id: &str, value: &impl Serialize) -> io::Result<()> {
     put(out, html! { (PreEscaped("<script type=\"application/json\" id=\"")) (id) (PreEscaped("\">")) })?;
     let mut json = io::BufWriter::new(NoMarkup(out));

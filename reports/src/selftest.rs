@@ -20,7 +20,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(matrix: &Matrix, fuzzed: &Sparing, out: &mut dyn Write) -> io::Result<()> {
     let not_spared = fuzzed.rows().filter(|row| !row.violations.is_empty());
     let result = SelftestResult {

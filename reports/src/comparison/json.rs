@@ -6,10 +6,7 @@ use crate::results::compare::Summary;
 use crate::results::{self, CompareResult, Contract};
 use std::io::{self, Write};
 
-/// Writes the document.
-///
-/// # Errors
-/// What `out` gives.
+/// Writes the JSON document.
 pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     let count = |direction| comparison.of(direction).count();
     let (better, other, worse) = (count(Direction::Better), count(Direction::Other), count(Direction::Worse));

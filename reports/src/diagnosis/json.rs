@@ -18,7 +18,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     let results = diagnosed.results;
     let nodes = results.buses.iter().flat_map(|(id, bus)| {

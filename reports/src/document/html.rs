@@ -12,7 +12,7 @@ use std::io::{self, Write};
 /// Writes the page, section by section.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub(super) fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
     let all = || document.sections.iter().chain(&document.about);
     let titles: Vec<(&str, &str)> = all().map(|section| (section.id, &*section.title)).collect();

@@ -152,7 +152,7 @@ impl Problem {
 /// Writes a document; `command` is what was run: `diagnose`.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub(crate) fn write(command: &str, suites: &[Suite], out: &mut dyn Write) -> io::Result<()> {
     let mut report = Report::unnamed();
     report.add_test_suites(suites.iter().enumerate().map(|(number, suite)| suite.to_junit(number, command)));

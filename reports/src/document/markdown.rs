@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// Writes the document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
     let out: &mut dyn Write = &mut Visible::new(out, false);
     writeln!(out, "# {}\n\n{}.", markdown(&document.title), markdown(&capitalised(&document.outcome)))?;

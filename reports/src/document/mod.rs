@@ -25,13 +25,13 @@ pub trait Report {
     /// Writes it for programs: the contract of [`crate::results`].
     ///
     /// # Errors
-    /// What `out` gives.
+    /// The errors of `out`.
     fn json(&self, out: &mut dyn Write) -> io::Result<()>;
 
     /// Writes it.
     ///
     /// # Errors
-    /// What `out` gives.
+    /// The errors of `out`.
     fn write(&self, form: Form, out: &mut dyn Write) -> io::Result<()> {
         match form {
             Form::Text(style) => text::render(&self.document(Depth::Screen), style, out),

@@ -17,7 +17,7 @@ const NARROW: (usize, &str) = (8, "  ");
 /// Writes the document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(document: &Document, style: Style, out: &mut dyn Write) -> io::Result<()> {
     let mut printer = Printer { out: &mut Visible::new(out, style.color), style, is_apart: true };
     for section in document.sections.iter().filter(|section| !section.blocks.is_empty()) {

@@ -54,7 +54,7 @@ pub fn text(table: &Table) -> String {
 /// The table as JSON.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(table: &Table, out: &mut dyn Write) -> io::Result<()> {
     let result = FuzzSelftestResult {
         faults: table.rows.iter().map(|one| row(one, table.limit)).collect(),

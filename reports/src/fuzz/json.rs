@@ -15,7 +15,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     results::write(&result(run), out)
 }

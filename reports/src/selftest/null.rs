@@ -11,7 +11,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(rows: &[NullRow], out: &mut dyn Write) -> io::Result<()> {
     let devices = rows.iter().map(device).collect();
     results::write(&NullSelftestResult { devices, schema: NullSelftestResult::SCHEMA.into() }, out)

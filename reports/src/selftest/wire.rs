@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(matrix: &WireMatrix, out: &mut dyn Write) -> io::Result<()> {
     let primitive =
         |(primitive, counts): (Primitive, Counts)| WirePrimitive { counts: counted(counts), primitive: primitive.id() };

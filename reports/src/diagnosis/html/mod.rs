@@ -55,7 +55,7 @@ const MOST_FINDINGS: usize = 1000;
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn Write) -> io::Result<()> {
     let seen = collected.excerpt.seen();
     let evidence = diagnosed.results.findings.iter().take(MOST_FINDINGS).flat_map(|finding| &finding.evidence);

@@ -20,7 +20,7 @@ const CASES: usize = 500;
 /// Writes a table of all nodes, and each in full: on many channels they are thousands.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn write(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     put(out, html! { (PreEscaped("<section aria-labelledby=\"nodes\">")) h2 #nodes { "Nodes" } })?;
     match overview(diagnosed, true).split_first() {
