@@ -87,6 +87,9 @@ const MOVES: Duration = Duration::from_millis(1_100);
 const LONGEST_LOOK: Duration = Duration::from_secs(5);
 
 /// Reads all settings again, even those that no frame has named, and writes none. `None`: the device does not answer.
+///
+/// # Errors
+/// [`BusError`] if the bus fails.
 pub(super) fn compare(bus: &mut dyn Bus, knowledge: &Knowledge) -> Result<Option<FinalState>, BusError> {
     let mut client = Client { exchange: Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX }, knowledge };
     let until = client.exchange.bus.now() + LONGEST_LOOK;
@@ -127,6 +130,9 @@ fn number(value: &[u8]) -> u64 {
 pub(super) const LONGEST: usize = 8;
 
 /// Reads a number of up to eight bytes; `None` if the object can't be read as one.
+///
+/// # Errors
+/// [`BusError`] if the bus fails.
 pub(super) fn read(bus: &mut dyn Bus, at: Multiplexer, knowledge: &Knowledge) -> Result<Option<u64>, BusError> {
     let exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
     Client { exchange, knowledge }.read(at)

@@ -140,6 +140,9 @@ const PAUSES: u64 = 10;
 
 /// Fuzzes a device until `go_on`, which is asked after each sequence, says no. If the bus fails, the run ends and keeps
 /// its results.
+///
+/// # Errors
+/// [`FuzzError::Unreachable`] if the device can't be reached.
 pub fn run(
     stand: &mut dyn TestStand,
     mut knowledge: Knowledge,
@@ -181,6 +184,12 @@ pub fn run(
 }
 
 /// Fuzzes the device on any bus, live or in this process, with a reset before each sequence. See [`run`].
+///
+/// A device in this process that panics is reported as dead. The bus must then provide a new device after the next
+/// reset; otherwise the run ends.
+///
+/// # Errors
+/// As [`run`].
 pub fn campaign(
     bus: &mut dyn Bus,
     knowledge: Knowledge,
@@ -192,6 +201,9 @@ pub fn campaign(
 }
 
 /// Runs one sequence unchanged and reports the violations that it shows.
+///
+/// # Errors
+/// As [`run`].
 pub fn replay(
     stand: &mut dyn TestStand,
     mut knowledge: Knowledge,

@@ -48,6 +48,9 @@ pub struct Detected {
 const SHRINK_BUDGET: u32 = 2_000;
 
 /// Searches for a fault on the model that shows it. Touches that the fault needs are allowed.
+///
+/// # Errors
+/// [`FuzzError`] if the device can't be reached.
 pub fn detect(fault: Fault, seed: u64, limit: Limit) -> Result<Trial, FuzzError> {
     let Some(model) = Model::by_id(fault.model()) else {
         return Ok(Trial { fault, seed, found: None, exchanges: 0 });
@@ -73,6 +76,9 @@ fn node_of(model: &Model) -> NodeId {
 }
 
 /// Fuzzes a model until its first violation. `go_on` gets the number of frames sent.
+///
+/// # Errors
+/// [`FuzzError`] if the device can't be reached.
 pub fn fuzz(
     model: &'static Model,
     firmware: impl Into<Firmware>,

@@ -121,6 +121,8 @@ pub(super) fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) 
 }
 
 /// A model on a simulated bus, and the knowledge from its description.
+///
+/// `node` is the node-ID of the device. `bit_rate` is in bit/s. `seed` determines the random choices of the device.
 pub fn simulated(
     model: &'static Model,
     node: NodeId,
@@ -133,6 +135,9 @@ pub fn simulated(
 
 /// The device of a simulated bus's address with the node-ID `node`, if that is given, and the knowledge from its
 /// description.
+///
+/// # Errors
+/// [`BusError::Address`] if a file that it names can't be read.
 pub fn of_address(
     device: &SimulatedDevice,
     node: Option<NodeId>,

@@ -79,6 +79,9 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 /// Sends `frames` random frames to a device of this model. The same seed gives the same storm.
 ///
 /// One device in eight has a random combination of faults. Such a device may fall silent.
+///
+/// # Errors
+/// [`Broken`] if the device fails.
 pub fn storm(model: &Model, frames: u64, seed: u64) -> Result<Storm, Broken> {
     let mut bytes = [0; 16];
     // This algorithm does not accept a seed of zeros only.

@@ -1,4 +1,6 @@
 //! The assumption that a live device serves frames in their order, and the required duration of its silence.
+//!
+//! SDO and LSS have separate values, as many stacks serve them in separate tasks.
 
 use super::property::Property;
 use canvass_traces::Duration;

@@ -7,6 +7,9 @@ use crate::results::{self, CompareResult, Contract};
 use std::io::{self, Write};
 
 /// Writes the JSON document.
+///
+/// # Errors
+/// The errors of `out`.
 pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     let count = |direction| comparison.of(direction).count();
     let (better, other, worse) = (count(Direction::Better), count(Direction::Other), count(Direction::Worse));

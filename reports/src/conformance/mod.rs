@@ -29,6 +29,9 @@ use std::io::{self, Write};
 /// A receiver of the events of a run.
 pub trait Reporter {
     /// Takes the next event.
+    ///
+    /// # Errors
+    /// The errors of writing the report.
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
 
     /// Sets the provenance of the result, as far as it is known by now. The latest is reported.

@@ -139,7 +139,7 @@ fn seen(record: &Record, words: &str) -> SeenFrame {
     }
 }
 
-/// The length that a remote frame asks for.
+/// The length that a remote frame requests.
 fn dlc(frame: &Frame) -> Option<usize> {
     frame.is_remote().then(|| frame.len())
 }

@@ -35,7 +35,7 @@ fn alarm((case, kind, reason): &(&'static Case, Kind, Reason)) -> FalseAlarm {
     FalseAlarm { case: case.id.into(), reason: reason.to_string(), verdict: Verdict(*kind) }
 }
 
-/// A line for each device, and for each pass that is not in the reviewed list.
+/// A line for each device, and for each pass that the reviewed list does not contain.
 pub fn text(rows: &[NullRow]) -> String {
     let mut text = String::new();
     for row in rows {

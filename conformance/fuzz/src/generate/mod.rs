@@ -1,4 +1,7 @@
 //! Sequences of frames: valid dialogues, dialogues with one mistake, and nonsense.
+//!
+//! The generator is a proptest strategy. Its value is the concrete list of frames, so that a finding can be replayed
+//! without the generator. The value tree shrinks this list ([`super::shrink`]).
 
 mod dice;
 mod layer_setting;

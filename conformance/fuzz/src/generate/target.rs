@@ -62,6 +62,8 @@ impl FromStr for Target {
 }
 
 /// One or more targets, interleaved.
+///
+/// The textual form is `all`, or the names with commas between them in the order of [`Target::ALL`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Targets(u8);
 

@@ -47,6 +47,9 @@ impl Watch {
     }
 
     /// Checks an EMCY message.
+    ///
+    /// # Errors
+    /// [`Violation`] if the device must not send it.
     pub fn came(&mut self, now: Timestamp, frame: &Frame, nmt: &nmt::Slave) -> Result<(), Violation> {
         if frame.len() != 8 {
             let expected = "an EMCY of eight bytes";

@@ -246,6 +246,9 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
     }
 
     /// Checks a frame of the slave.
+    ///
+    /// # Errors
+    /// [`Violation`] if the slave must not send it now.
     pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let response = Response::<D>::read(frame.data()).ok().filter(|_| frame.len() == 8);
         let awaited = self.awaited;
@@ -292,6 +295,9 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
     }
 
     /// Checks whether an answer is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         if now < self.due {
             return Ok(());

@@ -1,4 +1,7 @@
 //! A model of the LMT slave of CiA DS-205, seen from outside.
+//!
+//! Only configurations, inquiries and "identify remote slave" are answered. Configured values take effect after the
+//! power was switched off and on.
 
 use super::Violation;
 use super::layer_setting::{Effect, InOrder, LayerSetting, Mode, Options, includes};
@@ -180,6 +183,9 @@ impl Slave {
     }
 
     /// Checks a frame of the slave.
+    ///
+    /// # Errors
+    /// [`Violation`] if the slave must not send it now.
     pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let awaits_part = matches!(self.at.awaited, Awaited::OneOf(OneOf::Part(_)));
         if awaits_part && let Ok(Response::Part { value, .. }) = Response::read(frame.data()) {

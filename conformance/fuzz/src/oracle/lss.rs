@@ -350,6 +350,9 @@ impl Slave {
     }
 
     /// Checks a frame of the slave.
+    ///
+    /// # Errors
+    /// [`Violation`] if the slave must not send it now.
     pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         if now < self.grace && frame.len() == 8 {
             self.grace = Timestamp::ZERO;

@@ -1,4 +1,9 @@
 //! Reference models of a CANopen device: the frames that it must, may and must not send.
+//!
+//! The models are written from the standard and share no code with the simulated device, because an oracle that shares
+//! code with a device shares its mistakes. Each service has a file; this one passes each frame to its service. If the
+//! standard leaves a choice, every choice is right. After a frame that the standard does not describe, a model judges
+//! nothing until it knows the state again.
 
 mod codes;
 mod emcy;
@@ -329,6 +334,9 @@ impl Oracle {
     }
 
     /// Checks whether an answer is overdue at `now`.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer that was due has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         if self.blind || self.due().is_none_or(|due| now < due) {
             return Ok(());
@@ -445,6 +453,9 @@ impl Oracle {
     }
 
     /// Checks at the end of a sequence what can be judged only over time, such as periods.
+    ///
+    /// # Errors
+    /// [`Violation`] if a periodic message was missing.
     pub fn finish(&mut self, now: Timestamp) -> Result<(), Violation> {
         if self.blind {
             return Ok(());

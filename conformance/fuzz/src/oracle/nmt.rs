@@ -279,6 +279,9 @@ impl Slave {
     }
 
     /// Checks whether the device may send anything but error control now.
+    ///
+    /// # Errors
+    /// [`Violation`] if it must not.
     pub fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
         let silent = match self.phase {
             Phase::Unconfigured => true,
@@ -294,6 +297,9 @@ impl Slave {
     }
 
     /// Checks a frame with the identifier of error control.
+    ///
+    /// # Errors
+    /// [`Violation`] if the state, the period or the toggle bit is wrong.
     pub fn shown(
         &mut self,
         now: Timestamp,
@@ -525,6 +531,9 @@ impl Slave {
     }
 
     /// Checks whether an answer is overdue at `now`.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp, knowledge: &Knowledge) -> Result<(), Violation> {
         if now >= self.boot_due {
             self.boot_due = Timestamp::MAX;
@@ -545,6 +554,9 @@ impl Slave {
     }
 
     /// Checks whether heartbeats are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
     pub fn finish(
         &mut self,
         now: Timestamp,

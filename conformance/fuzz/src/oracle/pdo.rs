@@ -143,6 +143,9 @@ impl Pdos {
     }
 
     /// Applies a SYNC of the fuzzer.
+    ///
+    /// # Errors
+    /// None so far: a missing PDO is judged when it is overdue.
     pub fn synchronised(
         &mut self,
         now: Timestamp,
@@ -229,6 +232,9 @@ impl Pdos {
     }
 
     /// Checks a frame of the device that belongs to no other service.
+    ///
+    /// # Errors
+    /// [`Violation`] if the device must not send it.
     pub fn came(
         &mut self,
         now: Timestamp,
@@ -262,6 +268,9 @@ impl Pdos {
     }
 
     /// Checks whether a PDO is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if a PDO is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         for seen in &mut self.seen {
             if now >= seen.due {
@@ -278,6 +287,9 @@ impl Pdos {
     }
 
     /// Checks whether cyclic PDOs are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
     pub fn finish(
         &mut self,
         now: Timestamp,

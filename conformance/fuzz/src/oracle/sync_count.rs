@@ -2,6 +2,10 @@
 //! time.
 
 /// The SYNC messages since the PDO was started or configured, and the range of those that may cause the next TPDO.
+///
+/// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC. It does not say with
+/// which of the first n SYNC messages the TPDO begins, nor how long after a SYNC it comes if 1007h sets no window. So a
+/// TPDO shows its SYNC only within a range, which narrows with each TPDO.
 #[derive(Clone, Debug)]
 pub(super) struct SyncCount {
     /// Number of SYNC messages since the beginning.

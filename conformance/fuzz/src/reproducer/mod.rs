@@ -1,4 +1,15 @@
 //! The reproducers of a violation: a log that can be replayed, and a Rust test.
+//!
+//! A regression file contains several such logs, one after the other. Each begins with a line that begins with
+//! [`HEAD`]:
+//!
+//! ```text
+//! # canvass fuzz: PROP-02 toggle bit, seed 7, canvass 0.1.0
+//! (0000000000.000000) can0 601#2100200008000000
+//! (0000000000.100000) can0 601#1000000000000000
+//! ```
+//!
+//! `canplayer` and readers of candump logs read only the frames of it.
 
 mod candump;
 mod rust_test;

@@ -1,4 +1,6 @@
 //! The PDOs of a node as a CAN database (DBC) for CAN tools without CANopen.
+//!
+//! Frames decoded with the database have the same values as in [`crate::signals`].
 
 mod names;
 mod text;

@@ -52,6 +52,9 @@ impl Shown {
     }
 
     /// A self-contained page to search and to print.
+    ///
+    /// # Errors
+    /// The errors of `out`.
     pub fn html(&self, out: &mut dyn Write) -> io::Result<()> {
         html::render(self, out)
     }

@@ -1,4 +1,4 @@
-//! Each node in figures.
+//! The figures of each node.
 
 use super::{lane, text};
 use crate::diagnosis::Diagnosed;
@@ -17,7 +17,8 @@ const STATES: usize = 40;
 /// Maximum number of listed cases of CiA's test tool.
 const CASES: usize = 500;
 
-/// Writes a table of all nodes, and each in full: on many channels they are thousands.
+/// Writes a table of all nodes, then each node in full. It writes piece by piece, as there may be thousands of nodes on
+/// many channels.
 ///
 /// # Errors
 /// The errors of `out`.
@@ -177,7 +178,7 @@ fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
     }
 }
 
-/// The cases of a conformance test, as they are marked.
+/// The cases of a conformance test whose marks were found in the capture.
 fn test_run(diagnosed: &Diagnosed<'_>, run: &TestRun) -> Markup {
     let all = run.cases.len() as u64 + run.omitted;
     html! {

@@ -1,4 +1,7 @@
 //! A model of the SDO server of CiA 301, seen from outside: the correct answers in each state.
+//!
+//! A request is first turned into the allowed answers ([`Awaited`]), and the actual answer is then compared with them.
+//! The states are those of the transfer, and each carries only its own data.
 
 mod awaited;
 mod block;
@@ -426,6 +429,9 @@ impl Server {
     }
 
     /// Checks whether an answer is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         if now < self.due {
             return Ok(());

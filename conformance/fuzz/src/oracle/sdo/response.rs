@@ -47,6 +47,9 @@ fn only_abort(response: Response, frame: &Frame) -> Result<Abort, Wrong> {
 
 impl Server {
     /// Checks a frame of the server. `true`: the models can't follow its effect.
+    ///
+    /// # Errors
+    /// [`Violation`] if the server must not send it now.
     pub fn answered(
         &mut self,
         now: Timestamp,
