@@ -189,7 +189,7 @@ pub fn run(
 /// reset; otherwise the run ends.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn campaign(
     bus: &mut dyn Bus,
     knowledge: Knowledge,
@@ -203,7 +203,7 @@ pub fn campaign(
 /// Runs one sequence unchanged and reports the violations that it shows.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn replay(
     stand: &mut dyn TestStand,
     mut knowledge: Knowledge,

@@ -270,7 +270,7 @@ impl SdoReach {
 pub struct LssReach {
     /// The states that the slave has.
     pub states: Vec<LssState>,
-    /// Commands that are never sent, because the user has not allowed them.
+    /// Commands that are never sent, because the user has not allowed them or LMT does not have them.
     pub never: Vec<LssCommand>,
 }
 

@@ -23,7 +23,7 @@ impl Reading {
     /// A part of a capture could not be read, so that frames may be missing here.
     ///
     /// # Errors
-    /// As [`Reading::record`].
+    /// The errors of [`Reading::record`].
     pub fn interrupted(&mut self, captures: &Merge) -> io::Result<()> {
         self.flush(captures)?;
         self.diagnosis.interrupted();
@@ -72,7 +72,7 @@ impl Reading {
     /// Ends the diagnosis. Returns its results and the collector.
     ///
     /// # Errors
-    /// As [`Reading::record`].
+    /// The errors of [`Reading::record`].
     pub fn finish(
         mut self,
         captures: &Merge,

@@ -88,7 +88,7 @@ impl Columns {
         Some(number)
     }
 
-    /// A name that no other column has yet.
+    /// A name that no other column has.
     fn free_name(&mut self, place: &Place<'_>, unit: &str) -> String {
         let object = place.signal.multiplexer();
         let of_node = format!("{}.{}", place.channel_name, place.node);

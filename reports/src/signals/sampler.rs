@@ -61,7 +61,7 @@ impl Sampler {
     /// Takes a decoded frame.
     ///
     /// # Errors
-    /// As [`Sheet::row`].
+    /// The errors of [`Sheet::row`].
     pub fn frame(
         &mut self,
         record: &Record,
@@ -106,7 +106,7 @@ impl Sampler {
     /// Passes on the last row, if rows come at fixed times.
     ///
     /// # Errors
-    /// As [`Sheet::row`].
+    /// The errors of [`Sheet::row`].
     pub fn finish(&mut self, sheet: &mut dyn Sheet, out: &mut Vec<u8>) -> io::Result<()> {
         let after_all = self.latest.map(|latest| latest + Duration(1));
         after_all.map_or(Ok(()), |after_all| self.until(after_all, sheet, out))

@@ -379,8 +379,8 @@ impl Slave {
         }
     }
 
-    /// The device has reported an error, and 1029h determines its next state. Communication errors belong to sub-index
-    /// 1. The device decides which class any other error belongs to.
+    /// The device has reported an error, and 1029h determines its next state. Sub-index 1 is for communication errors.
+    /// The device decides which class any other error belongs to.
     pub fn erred(
         &mut self,
         now: Timestamp,
