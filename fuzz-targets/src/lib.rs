@@ -1,6 +1,6 @@
-//! Everything that reads bytes from outside, and what must hold for it whatever the bytes are: nothing panics, and what
-//! is refused is refused with words. Coverage-guided by `cargo +nightly fuzz run --fuzz-dir fuzz-targets TARGET`; with random and with mutated
-//! real inputs by a test of the workspace, on every toolchain.
+//! Fuzz targets for all readers of foreign bytes. No input may make a reader panic, and each refusal must have a
+//! message. `cargo +nightly fuzz run --fuzz-dir fuzz-targets TARGET` fuzzes with coverage feedback. A test of the
+//! workspace feeds random and mutated real inputs to the readers with every toolchain.
 
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::filter::Filter;
@@ -12,7 +12,7 @@ use canvass_fuzzer::reproducer;
 use canvass_suite::waiver::Waivers;
 use canvass_traces::{CanId, Capture, ChannelId, Format, Frame, ReadOptions, Record, Source, Timestamp};
 
-/// A reader: its name, what takes the bytes, and where real inputs lie.
+/// A reader: its name, the function that reads the bytes, and the folders of real inputs.
 pub type Target = (&'static str, fn(&[u8]), &'static [&'static str]);
 
 /// All readers.
@@ -72,7 +72,7 @@ formats! {
     minimon = "minimon",
 }
 
-/// Captures of every format, recognised by their content, compressed ones too.
+/// Captures of every format, recognised by their content, also compressed.
 pub fn capture(bytes: &[u8]) {
     read(bytes, None);
 }
@@ -121,13 +121,13 @@ pub fn waivers(bytes: &[u8]) {
     }
 }
 
-/// The two files of a model: the bytes before the first NUL are its sheet, those after it its EDS; without a NUL an EDS
-/// of the same bytes is read as a device of which nothing else is known.
+/// The two files of a model: the bytes before the first NUL are its sheet, the bytes after it are its EDS. All bytes
+/// together are also read as the EDS of a device without sheet.
 pub fn model(bytes: &[u8]) {
     let end = bytes.iter().position(|&byte| byte == 0);
     let (sheet, eds) = bytes.split_at(end.unwrap_or(0));
     if let (Ok(sheet), Ok(eds)) = (std::str::from_utf8(sheet), std::str::from_utf8(eds)) {
-        // A sheet alone is judged too: an EDS without content is refused after it.
+        // A sheet alone is judged, too: the empty EDS is refused only after it.
         if let Err(error) = Model::read(eds.trim_start_matches('\0'), sheet) {
             assert!(!error.to_string().is_empty());
         }
@@ -137,7 +137,8 @@ pub fn model(bytes: &[u8]) {
     }
 }
 
-/// What an SLCAN adapter sends, in pieces of any length; a frame that is understood is written as it can be read again.
+/// The output of an SLCAN adapter, in pieces of any length. Each frame that is understood can be written and read
+/// again.
 pub fn slcan(bytes: &[u8]) {
     let mut decoder = Decoder::default();
     let cut = bytes.first().map_or(0, |&byte| usize::from(byte)).min(bytes.len());
@@ -160,12 +161,12 @@ pub fn slcan(bytes: &[u8]) {
     }
 }
 
-/// Reproducers of the fuzzer, and captures that are replayed.
+/// Reproducers of the fuzzer, and captures to replay.
 pub fn reproducer(bytes: &[u8]) {
     match reproducer::read(bytes, NodeId::MIN) {
         Ok(sequences) => {
             for sequence in &sequences {
-                // What is read is written so that it can be read again.
+                // A sequence that was read can be written and read again.
                 let again = reproducer::read(reproducer::candump(sequence).as_bytes(), NodeId::MIN);
                 assert!(again.is_ok() || sequence.stimuli.iter().any(|stimulus| stimulus.frame.len() > 8), "{again:?}");
             }
@@ -174,7 +175,7 @@ pub fn reproducer(bytes: &[u8]) {
     }
 }
 
-/// Points of a motion.
+/// The points of a motion.
 pub fn motion(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Err(error) = MotionSpec::from_csv(text) {

@@ -1,4 +1,4 @@
-//! Writes the JSON Schemas of all results into a folder: a part of `cargo xtask docs`.
+//! Writes the JSON Schemas of all results into a folder. It is a part of `cargo xtask docs`.
 
 use canvass_reports::results::schemas::{file_name, schemas};
 use std::path::PathBuf;

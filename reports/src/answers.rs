@@ -1,8 +1,8 @@
-//! The table of allowed answers, in words.
+//! The table of allowed answers in words.
 
 use canvass_suite::situation::Situation;
 
-/// What passes, the best answer first: `0609 0011h`, `0504 0000h or no answer`.
+/// The answers that pass, the best first: `0609 0011h`, `0504 0000h or no answer`.
 pub fn allowed(situation: Situation) -> String {
     let answers = situation.answers();
     let mut words = codes(answers.aborts);
@@ -12,7 +12,7 @@ pub fn allowed(situation: Situation) -> String {
     words.join(" or ")
 }
 
-/// What only CiA's test tool accepts; empty where there is nothing of that kind.
+/// The answers that only CiA's test tool accepts. Empty if there are none.
 pub fn tolerated(situation: Situation) -> String {
     codes(situation.answers().tolerated).join(" or ")
 }

@@ -1,10 +1,10 @@
-//! Text for terminals that show nothing but ASCII.
+//! Text for terminals that show only ASCII.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// The text with a likeness in ASCII for each character that the program itself writes; any other becomes `\u{3B1}`, so that
-/// nothing is lost.
+/// The text in ASCII. A character that the program itself writes gets a similar one; any other becomes `\u{3B1}`, so
+/// that nothing is lost.
 pub fn ascii(text: &str) -> Cow<'_, str> {
     if text.is_ascii() {
         return Cow::Borrowed(text);
@@ -21,7 +21,8 @@ pub fn ascii(text: &str) -> Cow<'_, str> {
     Cow::Owned(plain)
 }
 
-/// Frames of tables and signs of verdicts keep their width, so that columns stay columns.
+/// The similar ASCII text of a character. Table frames and signs of verdicts keep their width, so that columns stay
+/// aligned.
 const fn likeness(c: char) -> Option<&'static str> {
     Some(match c {
         '─' | '═' | '┄' | '–' | '—' => "-",

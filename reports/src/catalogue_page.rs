@@ -35,7 +35,7 @@ them. Starting without a command (`301/boot-up/self-start`) is the matter of CiA
 (`301/sdo/frame/remote`) and that a short request does no harm (`301/sdo/frame/short`) is said nowhere: these two are *should*.
 ";
 
-/// The page.
+/// The page with the cases.
 pub fn markdown(cases: &[&'static Case]) -> String {
     let mut page = HEAD.to_owned();
     let of = |level| cases.iter().filter(|case| case.level == level).count();
@@ -53,7 +53,7 @@ pub fn markdown(cases: &[&'static Case]) -> String {
     page
 }
 
-/// The table of allowed answers.
+/// Appends the table of allowed answers.
 fn situations(page: &mut String) {
     page.push_str(
         "\n## Allowed answers\n\nWhat passes in which situation, the best answer first. Cases and the fuzzer ask this one table; \
@@ -69,7 +69,7 @@ fn situations(page: &mut String) {
     }
 }
 
-/// A row for each case: what it demands, where that stands, and what it allows.
+/// Appends a row for each case: its clause, confidence and level, and the allowed answers.
 fn table(page: &mut String, cases: &[&'static Case]) {
     page.push_str("\n| case | clause | confidence | level | allowed answers |\n|---|---|---|---|---|\n");
     for case in cases {

@@ -1,4 +1,4 @@
-//! Colours of the terminal, for lines and for the cells of tables.
+//! Colours of the terminal, for lines and for table cells.
 
 use comfy_table::Cell;
 
@@ -15,14 +15,14 @@ pub(crate) enum Color {
 /// The escape sequence that ends a colour.
 const END: &str = "\x1b[0m";
 
-/// Appends what begins the colour, if there is one.
+/// Appends the escape sequence that begins the colour, if there is one.
 pub(crate) fn push_begin(color: Option<Color>, out: &mut Vec<u8>) {
     if let Some(color) = color {
         out.extend_from_slice(color.escape().as_bytes());
     }
 }
 
-/// Appends what ends the colour, if there is one.
+/// Appends the escape sequence that ends the colour, if there is one.
 pub(crate) fn push_end(color: Option<Color>, out: &mut Vec<u8>) {
     if color.is_some() {
         out.extend_from_slice(END.as_bytes());
@@ -30,7 +30,7 @@ pub(crate) fn push_end(color: Option<Color>, out: &mut Vec<u8>) {
 }
 
 impl Color {
-    /// The escape sequence that begins it.
+    /// The escape sequence that begins the colour.
     const fn escape(self) -> &'static str {
         match self {
             Self::Red => "\x1b[31m",
@@ -42,12 +42,12 @@ impl Color {
         }
     }
 
-    /// A text in this colour, if colours are wanted.
+    /// A text in this colour, if `wanted`.
     pub(crate) fn paint(self, text: &str, wanted: bool) -> String {
         if wanted { format!("{}{text}{END}", self.escape()) } else { text.to_owned() }
     }
 
-    /// A cell in this colour. Its table leaves the colours out where none are wanted; in WebAssembly there are none.
+    /// A cell in this colour. The table ignores it if colours are not wanted. WebAssembly has no colours.
     pub(crate) fn cell(self, cell: Cell) -> Cell {
         #[cfg(not(target_family = "wasm"))]
         let cell = cell.fg(match self {

@@ -1,4 +1,4 @@
-//! Two results of `canvass test --format json`: what changed from one release of a firmware to the next.
+//! A comparison of two results of `canvass test --format json`: the changes from one release of a firmware to the next.
 
 mod json;
 mod report;
@@ -16,14 +16,15 @@ use serde_json::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// A measured time that changes by less than this share is as before, in percent.
+/// A measured time counts as unchanged if it differs by less than this percentage.
 pub const NOTICEABLE_PERCENT: u64 = 10;
 
-/// A measured time that changes by less is as before, whatever the share: timers and buses jitter.
+/// A measured time counts as unchanged if it differs by less than this time, whatever the percentage, because timers
+/// and buses jitter.
 const NOTICEABLE_NS: u64 = 1_000_000;
 
 impl Direction {
-    /// All, the worst first.
+    /// All directions, the worst first.
     pub const ALL: [Self; 3] = [Self::Worse, Self::Better, Self::Other];
 
     const fn title(self) -> &'static str {
@@ -34,7 +35,7 @@ impl Direction {
         }
     }
 
-    /// The word for it in JSON.
+    /// The word for the direction in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Worse => "worse",
@@ -47,30 +48,30 @@ impl Direction {
 /// All differences, the worst first.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comparison {
-    /// Regressions first, then improvements, then the rest.
+    /// All differences: regressions first, then improvements, then the rest.
     pub changes: Vec<Change>,
-    /// Where it comes from.
+    /// The provenance of the comparison.
     pub provenance: Provenance,
 }
 
 impl Change {
-    /// One that is neither for the worse nor for the better.
+    /// A change that is neither worse nor better.
     fn other(kind: &'static str, subject: &str, old: Option<String>, new: Option<String>) -> Self {
         let (kind, subject) = (kind.into(), subject.to_owned());
         Self { direction: Direction::Other, kind, new, old, reason: None, returned: None, subject }
     }
 
-    /// What it was and what it is, for people.
+    /// The old and the new value for people.
     fn values(&self) -> (&str, &str) {
         (self.old.as_deref().unwrap_or("-"), self.new.as_deref().unwrap_or("-"))
     }
 
-    /// Whether it is a case that is bad now and was not.
+    /// Whether the change is a case that is bad now and was not before.
     fn is_regression(&self) -> bool {
         self.kind == "verdict" && self.direction == Direction::Worse && self.new.is_some()
     }
 
-    /// Why, for people; first of all that it had been fixed.
+    /// The reason of the change for people. It begins with the fact that an error has returned, if it has.
     fn why(&self) -> Option<String> {
         let returned = self.returned.as_ref().map(|release| format!("again: it was bad in {release}"));
         let parts: Vec<String> = returned.into_iter().chain(self.reason.clone()).collect();
@@ -78,17 +79,17 @@ impl Change {
     }
 }
 
-/// What to make of cases that only the old result has.
+/// The rating of cases that are only in the old result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Missing {
-    /// What is no longer tested got worse.
+    /// A case that is no longer tested counts as worse.
     #[default]
     Worse,
-    /// It was left out on purpose.
+    /// The case was left out on purpose.
     Allowed,
 }
 
-/// Compares two results. Where they come from is for who has read them to say.
+/// Compares two results. The caller, who has read them, adds the provenance.
 pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparison {
     let mut changes = verdicts(old, new, missing);
     changes.extend(new.cancelled.then(cancelled));
@@ -99,7 +100,7 @@ pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparis
     Comparison { changes, provenance: Provenance::default() }
 }
 
-/// A run that did not come to its end says nothing of what it left out.
+/// A cancelled run says nothing about the remaining cases, which counts as worse.
 fn cancelled() -> Change {
     let new = Some("cancelled".to_owned());
     Change { direction: Direction::Worse, ..Change::other("run", "the new run", None, new) }
@@ -113,14 +114,14 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
         let kind = |case: &Case| case.verdict.0;
         let direction = match (old.map(kind), new.map(kind)) {
             (Some(old), Some(new)) if old == new => return None,
-            // It is shown, and does not count yet.
+            // A case in quarantine is shown, but does not count.
             _ if new.is_some_and(|case| case.quarantine.is_some()) => Direction::Other,
             (Some(old), Some(new)) => match new.badness().cmp(&old.badness()) {
                 Ordering::Greater => Direction::Worse,
                 Ordering::Less => Direction::Better,
                 Ordering::Equal => Direction::Other,
             },
-            // A case that is new fails for the first time, or says nothing of what was before.
+            // A new case that is bad counts as worse, although there is no earlier verdict.
             (None, Some(new)) if new.badness() >= Kind::Inconclusive.badness() => Direction::Worse,
             (Some(old), None) if old.is_executed() && missing == Missing::Worse => Direction::Worse,
             _ => Direction::Other,
@@ -131,7 +132,7 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
     })
 }
 
-/// Why a case is not good, and until when that does not count.
+/// The reason why a case is not good, and the end of its quarantine.
 fn why(case: &Case) -> Option<String> {
     let Reason { duty, expected, actual } = case.reason.as_ref()?;
     let told = |Quarantine { until, owner, .. }: &Quarantine| format!("in quarantine until {until} ({owner}); ");
@@ -154,7 +155,7 @@ fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
             && (!is_time || difference > NOTICEABLE_NS);
         let shown =
             |m: &Measurement| if is_time { milliseconds(Duration(m.value)) + " ms" } else { m.value.to_string() };
-        // A longer or shorter time is wrong only where a case says so, and then its verdict changes.
+        // A changed time is wrong only if a case says so, and then its verdict changes.
         is_noticeable.then(|| Change::other("timing", name, Some(shown(old)), Some(shown(new))))
     })
 }
@@ -180,7 +181,7 @@ fn differences(kind: &'static str, old: &BTreeMap<String, String>, new: &BTreeMa
     pairs(old, new, |subject, old, new| (old != new).then(|| Change::other(kind, subject, old.cloned(), new.cloned())))
 }
 
-/// Every key of one of the maps, with what each has for it.
+/// All keys of both maps, each with its value in either map.
 fn pairs<T>(
     old: &BTreeMap<String, T>,
     new: &BTreeMap<String, T>,
@@ -192,7 +193,7 @@ fn pairs<T>(
 }
 
 impl Comparison {
-    /// Whether something got worse.
+    /// Whether a change is for the worse.
     pub fn has_regressions(&self) -> bool {
         self.changes.iter().any(|change| change.direction == Direction::Worse)
     }
@@ -201,7 +202,8 @@ impl Comparison {
         self.changes.iter().filter(move |change| change.direction == direction)
     }
 
-    /// Tells regressions that return from new ones, by the releases before the two, oldest first.
+    /// Marks regressions that were bad in an earlier release before the two compared. `earlier` is sorted, oldest
+    /// first.
     pub fn recall(&mut self, earlier: &[(String, TestResult)]) {
         let was_bad = |(_, result): &&(String, TestResult), id: &str| result.failed().any(|failed| failed == id);
         for change in self.changes.iter_mut().filter(|change| change.is_regression()) {
@@ -210,7 +212,7 @@ impl Comparison {
         }
     }
 
-    /// One line about the outcome.
+    /// The outcome in one line.
     fn outcome(&self) -> String {
         let returned = match self.changes.iter().filter(|change| change.returned.is_some()).count() {
             0 => String::new(),

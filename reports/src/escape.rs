@@ -1,12 +1,12 @@
-//! Strings that come off a bus or out of a file are hostile: a device may call itself `<script>`, `ESC [2J` or
-//! `=cmd()`. Every renderer takes them through here.
+//! Texts from a bus or a file are hostile: a device may call itself `<script>`, `ESC [2J` or `=cmd()`. Every renderer
+//! escapes them with the functions of this module.
 //!
-//! Markup is escaped by what writes it (maud, quick-junit, serde_json); what they leave alone are characters that act
-//! on terminals and spreadsheets, that reorder text, or that XML forbids.
+//! The writers of markup (maud, quick-junit, serde_json) escape it. They leave characters alone that act on terminals
+//! and spreadsheets, that reorder text, or that XML forbids.
 //!
-//! Nothing else leaves the program: its standard output and its reports are a [`Visible`], what it prints at once is a
-//! [`Printable`], and whatever it says on standard error goes through [`printable`]. Both have no way round: the streams
-//! themselves can be had in one place only (`clippy.toml`), and a [`Printable`] is made here only.
+//! All output is escaped: standard output and reports are a [`Visible`], texts printed at once are a [`Printable`], and
+//! messages on standard error go through [`printable`]. There is no way around this: only one place has access to the
+//! streams themselves (`clippy.toml`), and only this module makes a [`Printable`].
 
 use crate::ascii::ascii;
 use std::borrow::Cow;
@@ -14,9 +14,9 @@ use std::fmt::{self, Write as _};
 use std::io;
 
 /// The text on one line, with every character made visible that would act instead of being shown: control characters
-/// (C0, DEL, C1), line separators, bidirectional controls, invisible tags and what is no character at all.
+/// (C0, DEL, C1), line separators, bidirectional controls, invisible tags and noncharacters.
 ///
-/// They become `\x1B` or `\u{202E}`.
+/// Such a character becomes `\x1B` or `\u{202E}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
     visible(text, acts)
 }
@@ -42,9 +42,9 @@ fn visible(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Text without control characters, wherever it comes from: the only thing that the program prints.
+/// Text without control characters, the only thing that the program prints.
 ///
-/// There is no other way to make one than those below, so that what was not looked at can't be printed:
+/// Only the functions below make one, so that unchecked text can't be printed:
 ///
 /// ```compile_fail
 /// let name = canvass_reports::escape::Printable("\x1b[2J".to_owned());
@@ -63,7 +63,7 @@ impl Printable {
         Self(document(text).into_owned())
     }
 
-    /// JSON, with a line end after it.
+    /// JSON on one line, with a line end after it.
     pub fn json(value: &serde_json::Value) -> Self {
         Self(json(&format!("{value}\n")).into_owned())
     }
@@ -90,27 +90,27 @@ impl fmt::Display for Printable {
     }
 }
 
-/// A document on its way out: control characters are made visible. Lines stay, and where colours are
-/// wanted, so do the sequences that set them.
+/// An output stream that makes control characters visible. Lines stay, and if colours are wanted, so do the sequences
+/// that set them.
 #[derive(Debug)]
 pub struct Visible<W> {
     out: W,
     colors: bool,
     ascii: bool,
-    /// The beginning of a character or of a sequence whose end is still to come.
+    /// The beginning of a character or sequence whose end has not been written yet.
     pending: Vec<u8>,
 }
 
-/// The longest sequence that sets colours: `ESC [ 38;2;255;255;255;48;2;255;255;255 m`.
+/// Maximum length of a sequence that sets colours: `ESC [ 38;2;255;255;255;48;2;255;255;255 m`.
 const LONGEST_SEQUENCE: usize = 48;
 
 impl<W: io::Write> Visible<W> {
-    /// Writes to `out`; `colors`: with those that the renderer sets.
+    /// A stream that writes to `out`. `colors`: the renderer's colours stay.
     pub const fn new(out: W, colors: bool) -> Self {
         Self { out, colors, ascii: false, pending: Vec::new() }
     }
 
-    /// With nothing but ASCII, where that is wanted.
+    /// Replaces all other characters by ASCII, if `ascii`.
     #[must_use]
     pub fn in_ascii(self, ascii: bool) -> Self {
         Self { ascii, ..self }
@@ -139,7 +139,7 @@ impl<W: io::Write> Visible<W> {
     }
 }
 
-/// The length of the sequence that a text begins with, if that sets colours and nothing else.
+/// The length of the sequence at the beginning of a text, if it sets colours and nothing else.
 fn color_sequence(text: &str) -> Option<usize> {
     let parameters = text.strip_prefix("\x1b[")?;
     let length = parameters.find(|c: char| !c.is_ascii_digit() && c != ';')?;
@@ -148,13 +148,13 @@ fn color_sequence(text: &str) -> Option<usize> {
 
 impl<W: io::Write> io::Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Nearly always: lines of a decoder come by millions.
+        // The fast way for nearly all lines, as a decoder writes millions.
         if self.pending.is_empty() && is_plain(bytes) && (!self.ascii || bytes.is_ascii()) {
             return self.out.write_all(bytes).map(|()| bytes.len());
         }
         self.pending.extend_from_slice(bytes);
         let pending = std::mem::take(&mut self.pending);
-        // What is cut in the middle waits for the rest.
+        // A character or sequence that is cut waits for its rest.
         let mut end = match std::str::from_utf8(&pending) {
             Ok(_) => pending.len(),
             Err(error) if error.error_len().is_none() => error.valid_up_to(),
@@ -179,7 +179,7 @@ impl<W: io::Write> io::Write for Visible<W> {
     }
 }
 
-/// Whether these are whole characters of which none acts, as far as a quick look tells.
+/// Whether the bytes are whole characters of which none acts, as far as a quick check tells.
 fn is_plain(bytes: &[u8]) -> bool {
     if is_usual(bytes) {
         return true;
@@ -205,8 +205,9 @@ fn is_plain(bytes: &[u8]) -> bool {
 
 /// Whether all bytes are printable ASCII or line ends, as nearly always.
 fn is_usual(bytes: &[u8]) -> bool {
-    // One run without a way out, of minima and maxima, which processors compute of 16 bytes at once. Counted from the line
-    // end, which is 0, what is too low comes last; counted from the one after it, the line end does.
+    // A single pass without early exit over minima and maxima, which processors compute for 16 bytes at once. Counted
+    // from the line end as 0, too low bytes wrap to the highest numbers. Counted from the byte after it, the line end
+    // does.
     const LINE_END: u8 = b'\n';
     let (most, least) = bytes.iter().fold((0, u8::MAX), |(most, least), &byte| {
         (byte.wrapping_sub(LINE_END).max(most), byte.wrapping_sub(LINE_END + 1).min(least))
@@ -214,7 +215,7 @@ fn is_usual(bytes: &[u8]) -> bool {
     most <= b'~' - LINE_END && least >= b' ' - LINE_END - 1
 }
 
-/// Whether a character does something other than appear.
+/// Whether a character does more than appear.
 pub const fn acts(c: char) -> bool {
     matches!(c,
         '\0'..='\x1F' | '\x7F'..='\u{9F}'
@@ -222,15 +223,15 @@ pub const fn acts(c: char) -> bool {
         | '\u{FEFF}' | '\u{FFF0}'..='\u{FFFB}' | '\u{FFFE}' | '\u{FFFF}' | '\u{E0000}'..='\u{E0FFF}')
 }
 
-/// One cell of a CSV file. Spreadsheets run what begins with `=`, `+`, `-` or `@`: an apostrophe before it keeps it
-/// text. A number with its sign stays a number.
+/// A cell of a CSV file. Spreadsheets evaluate a cell that begins with `=`, `+`, `-` or `@`, so an apostrophe before it
+/// keeps it text. A number with its sign stays a number.
 pub fn csv_cell(text: &str) -> String {
     let mut cell = String::with_capacity(text.len() + 2);
     write_csv_cell(text, &mut |part| cell.push_str(part));
     cell
 }
 
-/// Appends such a cell; allocates only where there are characters that act.
+/// Appends a CSV cell as [`csv_cell`] makes it. Allocates only if the text contains characters that act.
 pub fn push_csv_cell(out: &mut Vec<u8>, text: &str) {
     if stays_as_cell(text.as_bytes()) {
         return out.extend_from_slice(text.as_bytes());
@@ -238,11 +239,12 @@ pub fn push_csv_cell(out: &mut Vec<u8>, text: &str) {
     write_csv_cell(text, &mut |part| out.extend_from_slice(part.as_bytes()));
 }
 
-/// Whether a text is its own cell, as nearly all are: printable ASCII that needs no quotes and looks like no formula.
+/// Whether a text needs no change as a cell, like nearly all texts: printable ASCII that needs no quotes and is no
+/// formula.
 fn stays_as_cell(text: &[u8]) -> bool {
     let (Some(first), Some(last)) = (text.first(), text.last()) else { return true };
     let is_plain = |byte: &u8| matches!(byte, b' '..=b'~') & !matches!(byte, b'"' | b',' | b';');
-    // Without a way out: so processors look at 16 bytes at once.
+    // Without an early exit, processors check 16 bytes at once.
     let is_all_plain = text.iter().fold(true, |all, byte| all & is_plain(byte));
     is_all_plain && *last != b' ' && !matches!(first, b' ' | b'=' | b'+' | b'-' | b'@')
 }
@@ -269,7 +271,7 @@ fn write_csv_cell(text: &str, write: &mut dyn FnMut(&str)) {
     }
 }
 
-/// Text inside a Markdown document or one of its table cells: nothing in it is markup.
+/// Text within a Markdown document or table cell. No part of it acts as markup.
 pub fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in printable(text).chars() {
@@ -281,7 +283,7 @@ pub fn markdown(text: &str) -> String {
                 shown.push('\\');
                 shown.push(c);
             }
-            // Would become links by themselves.
+            // These characters would make links.
             '@' => shown.push_str("&#64;"),
             ':' if shown.ends_with("http") || shown.ends_with("https") => shown.push_str("&#58;"),
             _ => shown.push(c),
@@ -290,7 +292,7 @@ pub fn markdown(text: &str) -> String {
     shown
 }
 
-/// A JSON document that is safe to show: characters that act become `\u` escapes, which mean the same to every reader.
+/// A JSON document that is safe to show. Characters that act become `\u` escapes, which mean the same to every reader.
 /// Line ends between values stay.
 pub fn json(document: &str) -> Cow<'_, str> {
     let unsafe_here = |c: char| c != '\n' && acts(c);
@@ -309,8 +311,8 @@ pub fn json(document: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// JSON on its way out, as [`json`]: large documents are not held in memory first. A character may not be cut, as
-/// `serde_json` cuts none.
+/// A stream that escapes JSON as [`json`] does, without holding large documents in memory. No write may cut a
+/// character; `serde_json` never does.
 #[derive(Debug)]
 pub struct JsonText<W>(pub W);
 
@@ -359,7 +361,7 @@ mod tests {
         assert_eq!(markdown("a|b <script> [x](http://y) `c`"), "a\\|b &lt;script&gt; \\[x\\](http&#58;//y) \\`c\\`");
     }
 
-    /// What comes out if a text is written in two pieces.
+    /// The output if a text is written in two pieces.
     fn through(text: &str, at: usize, colors: bool) -> String {
         use std::io::Write;
         let mut visible = Visible::new(Vec::new(), colors);
@@ -380,7 +382,7 @@ mod tests {
         }
     }
 
-    /// Every character, alone and within others: the quick look overlooks none.
+    /// The quick check finds every character that acts, alone and within other characters.
     #[test]
     fn a_quick_look_overlooks_nothing() {
         for c in '\0'..=char::MAX {

@@ -1,5 +1,5 @@
-//! What a lake of captures and results tells, as one self-contained page: plots over days and months, and a table for each
-//! question.
+//! The results of a lake of captures and test results as one self-contained page, with plots over days and months and a
+//! table for each question.
 
 use crate::escape::printable;
 use crate::page::{self, Page};
@@ -10,38 +10,38 @@ use std::io::{self, Write};
 const STYLES: [&str; 2] = [include_str!("../assets/uplot/uPlot.min.css"), include_str!("../assets/fleet.css")];
 const SCRIPTS: [&str; 2] = [include_str!("../assets/uplot/uPlot.iife.min.js"), include_str!("../assets/fleet.js")];
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Clone, Debug, Default)]
 pub struct Fleet {
-    /// The lake, as it was named.
+    /// The address of the lake, as the user gave it.
     pub lake: String,
-    /// What there is: a name and a figure each.
+    /// The contents of the lake: each a name and a figure.
     pub totals: Vec<(&'static str, String)>,
-    /// How something went.
+    /// Plots of values over time or releases.
     pub plots: Vec<Plot>,
     /// The questions with their answers.
     pub questions: Vec<Question>,
-    /// The program that made it.
+    /// The program that made the page.
     pub made_by: String,
 }
 
 /// Values over days, months or releases.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Plot {
-    /// What is shown, with its unit.
+    /// The title, with the unit of the values.
     pub title: String,
-    /// What stands below, in this order.
+    /// The labels of the horizontal axis, in this order.
     pub labels: Vec<String>,
-    /// A line each.
+    /// The lines of the plot.
     pub lines: Vec<Line>,
 }
 
 /// A line of a plot.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Line {
-    /// What it is called; empty where it is the only one.
+    /// The name of the line. Empty if it is the only one.
     pub name: String,
-    /// A value for each label, where there is one.
+    /// A value for each label. `None` if a value is missing.
     pub values: Vec<Option<f64>>,
 }
 
@@ -50,22 +50,22 @@ pub struct Line {
 pub struct Question {
     /// The name of its view.
     pub name: &'static str,
-    /// What is asked.
+    /// The text of the question.
     pub title: &'static str,
-    /// What the answer says, and what to be careful with.
+    /// The meaning of the answer, and its limits.
     pub doc: String,
     /// The names of the columns.
     pub columns: Vec<String>,
-    /// Rows of as many cells; nothing where a value is missing.
+    /// The rows, with a cell for each column. `None` if a value is missing.
     pub rows: Vec<Vec<Option<String>>>,
-    /// Whether there are more rows than these.
+    /// Whether rows were left out.
     pub is_cut: bool,
 }
 
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(fleet: &Fleet, out: &mut dyn Write) -> io::Result<()> {
     let questions = fleet.questions.iter().map(|question| (question.name, question.title));
     let sections: Vec<(&str, &str)> = std::iter::once(("course", "Over time")).chain(questions).collect();

@@ -2,21 +2,21 @@
 //!
 //! - [`answers`]: the table of allowed answers;
 //! - [`catalogue_page`]: all cases, as a page;
-//! - [`comparison`]: what changed between two results of a conformance run;
+//! - [`comparison`]: the changes between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
-//! - [`descriptions`]: what was wrong in device descriptions;
-//! - [`diagnosis`]: what was wrong in a capture;
-//! - [`document`]: what a report says, and its forms: text, Markdown, HTML, JUnit;
-//! - [`events`]: what the frames brought about, one line or one JSON object each;
-//! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
-//! - [`fleet`]: what a lake of captures and results tells;
+//! - [`descriptions`]: the findings in device descriptions;
+//! - [`diagnosis`]: the findings in a capture;
+//! - [`document`]: the content of a report, and its forms: text, Markdown, HTML, JUnit;
+//! - [`events`]: events that frames caused, one line or one JSON object each;
+//! - [`escape`]: escaping of hostile texts from a bus or a file, for every rendering;
+//! - [`fleet`]: the results of a lake of captures and test results;
 //! - [`fuzz`]: the reports of a run of the fuzzer;
-//! - [`history`]: which case was how in which release;
-//! - [`provenance`]: where a result comes from;
-//! - [`quality`]: what captures hold and lack;
-//! - [`results`]: what the commands print as JSON, as types;
-//! - [`selftest`]: which faults the cases detect;
+//! - [`history`]: the verdicts of cases over the releases;
+//! - [`provenance`]: the origin of a result;
+//! - [`quality`]: the quality of captures;
+//! - [`results`]: the types of the commands' JSON output;
+//! - [`selftest`]: the faults that the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
 #![warn(clippy::disallowed_methods)]

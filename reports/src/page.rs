@@ -1,7 +1,8 @@
-//! What all HTML pages have in common: one file that needs nothing else, light and dark, printable, usable on a phone.
+//! The common parts of all HTML pages: each is one self-contained file, light and dark, printable, and usable on a
+//! phone.
 //!
-//! A page loads nothing and runs nothing but what stands in it: its content security policy names our styles and
-//! scripts by their hash. What comes off a bus goes through maud, which escapes markup, or through [`put_data`].
+//! A page loads nothing and runs only its own scripts: the content security policy names our styles and scripts by
+//! their hash. Texts from a bus go through maud, which escapes markup, or through [`put_data`].
 
 use crate::escape::{self, Visible};
 use base64::Engine as _;
@@ -14,38 +15,38 @@ use std::io::{self, Write};
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
 const UPLOT_LICENSE: &str = include_str!("../assets/uplot/LICENSE");
-/// A magnifying glass, so that no browser asks a server for an icon.
+/// A magnifying glass as the icon of a page, so that no browser asks a server for one.
 const ICON: &str = "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' \
                     stroke='%232f6fd6' stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E\
                     %3Cpath d='M10 10l4.5 4.5'/%3E%3C/g%3E%3C/svg%3E";
 
 /// The parts of a page.
 pub struct Page<'a> {
-    /// What the window is called.
+    /// The title of the window.
     pub title: &'a str,
-    /// Styles beside those of all pages.
+    /// Additional styles of this page.
     pub styles: &'a [&'a str],
-    /// Scripts beside those of all pages, run in this order at the end of the body.
+    /// Additional scripts of this page, run in this order at the end of the body.
     pub scripts: &'a [&'a str],
-    /// Above the main part.
+    /// The markup above the main part.
     pub header: Markup,
     /// Links to the sections: their ids and names.
     pub sections: &'a [(&'a str, &'a str)],
-    /// Below the main part.
+    /// The markup below the main part.
     pub footer: Markup,
 }
 
-/// Writes the whole document; `main` writes the main part, piece by piece where it is large, so that nobody holds a page of
-/// many megabytes.
+/// Writes the whole document. `main` writes the main part, piece by piece if it is large, so that memory never holds a
+/// page of many megabytes.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn write(
     page: &Page<'_>,
     out: &mut dyn Write,
     main: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // Nothing of ours holds characters that act: what does came from outside, and somebody has forgotten it.
+    // Our own texts contain no characters that act. Such a character came from outside and was not escaped by mistake.
     let mut out = Visible::new(out, false);
     let styles: Vec<&str> = std::iter::once(STYLE).chain(page.styles.iter().copied()).collect();
     let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(page.scripts.iter().copied()).collect();
@@ -88,12 +89,12 @@ pub fn write(
     out.flush()
 }
 
-/// A name and its value, in a list of facts.
+/// A name and its value in a list of facts.
 pub fn fact(name: &str, value: &str) -> Markup {
     html! { div { dt { (name) } dd { (escape::printable(value)) } } }
 }
 
-/// What has to be said of the library that draws plots.
+/// The licence of the library that draws plots.
 pub fn plot_licence() -> Markup {
     html! { details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } } }
 }
@@ -101,12 +102,12 @@ pub fn plot_licence() -> Markup {
 /// Writes a part of a page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn put(out: &mut dyn Write, part: Markup) -> io::Result<()> {
     out.write_all(part.into_string().as_bytes())
 }
 
-/// The switch between the system's colours, light and dark ones.
+/// The switch between light, dark and the system's colours.
 fn themes() -> Markup {
     html! {
         fieldset.themes {
@@ -118,7 +119,7 @@ fn themes() -> Markup {
     }
 }
 
-/// Nothing from outside; of what stands inside only our own styles and scripts.
+/// The content security policy: nothing from outside, and only our own styles and scripts.
 fn policy(styles: &[&str], scripts: &[&str]) -> String {
     let hashes = |parts: &[&str]| {
         let hashes = parts.iter().map(|part| format!("'sha256-{}'", BASE64.encode(Sha256::digest(part.as_bytes()))));
@@ -132,10 +133,10 @@ fn policy(styles: &[&str], scripts: &[&str]) -> String {
     )
 }
 
-/// Writes data for the scripts, as an element that nothing runs. Whatever strings it holds, none ends the element.
+/// Writes data for the scripts in an element that is not run. No string in the data can end the element.
 ///
 /// # Errors
-/// What `out` gives; if `value` can't be JSON.
+/// The errors of `out`, or an error if `value` can't be expressed in JSON.
 pub fn put_data(out: &mut dyn Write, id: &str, value: &impl Serialize) -> io::Result<()> {
     put(out, html! { (PreEscaped("<script type=\"application/json\" id=\"")) (id) (PreEscaped("\">")) })?;
     let mut json = io::BufWriter::new(NoMarkup(out));
@@ -145,7 +146,7 @@ pub fn put_data(out: &mut dyn Write, id: &str, value: &impl Serialize) -> io::Re
     out.write_all(b"</script>")
 }
 
-/// JSON within a page. What could be markup stands in its strings only.
+/// Writes JSON within a page. Only strings can contain markup characters, which are escaped.
 struct NoMarkup<'a>(&'a mut dyn Write);
 
 impl Write for NoMarkup<'_> {
@@ -183,7 +184,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<Vec<String>>(inner).unwrap(), hostile);
     }
 
-    /// A hash that is not of what the browser sees would leave the page without styles and scripts.
+    /// With a wrong hash the browser would ignore the page's styles and scripts.
     #[test]
     fn the_policy_names_what_stands_in_the_page() {
         assert!(policy(&["a"], &["b"]).contains("style-src 'sha256-ypeBEsobvcr6wjGzmiPcTaeG7/gUfE5yuYB3ha/uSLs='"));

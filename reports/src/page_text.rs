@@ -1,4 +1,4 @@
-//! Texts of rules, as they are set for a terminal.
+//! The layout of rule texts on a terminal.
 
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ pub fn wrapped(text: &str, indent: &str) -> String {
     lines + line.trim_end() + "\n"
 }
 
-/// As many parts in a line as fit, with a separator and a blank between them.
+/// The parts in lines of at most `width` columns. The separator and a blank are between the parts of a line.
 pub fn packed(parts: &[String], separator: &str, width: usize) -> Vec<String> {
     let length = |text: &str| text.chars().count();
     let mut lines: Vec<String> = Vec::new();

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write as _};
 
 pub const HEX: &[u8; 16] = b"0123456789ABCDEF";
 
-/// The two digits of every byte: one load instead of two, and no shifts.
+/// The two hexadecimal digits of every byte. The table saves a load and the shifts.
 static HEX_PAIRS: [[u8; 2]; 256] = {
     let mut pairs = [[0; 2]; 256];
     let mut byte = 0;
@@ -17,7 +17,7 @@ static HEX_PAIRS: [[u8; 2]; 256] = {
     pairs
 };
 
-/// The two digits of 0 to 99.
+/// The two decimal digits of 0 to 99.
 static DECIMAL_PAIRS: [[u8; 2]; 100] = {
     let mut pairs = [[0; 2]; 100];
     let mut n = 0;
@@ -28,13 +28,13 @@ static DECIMAL_PAIRS: [[u8; 2]; 100] = {
     pairs
 };
 
-/// The two digits of a byte.
+/// The two hexadecimal digits of a byte.
 pub fn hex_pair(byte: u8) -> [u8; 2] {
     HEX_PAIRS[usize::from(byte)]
 }
 
-/// Appends the first bytes of a block. Copying a whole block and taking off the rest costs less than a copy of unknown
-/// length.
+/// Appends the first `len` bytes of a block. Copying the whole block and cutting the rest costs less than a copy of
+/// unknown length.
 #[inline]
 pub fn push_front<const N: usize>(out: &mut Vec<u8>, block: &[u8; N], len: usize) {
     let end = out.len() + len.min(N);
@@ -42,9 +42,9 @@ pub fn push_front<const N: usize>(out: &mut Vec<u8>, block: &[u8; N], len: usize
     out.truncate(end);
 }
 
-/// Appends two digits for each byte, with `separator` between them.
+/// Appends two hexadecimal digits for each byte, with `separator` between the bytes.
 pub fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
-    // Eight bytes at a time: growing the buffer costs more than the digits.
+    // Eight bytes are appended at a time, as growing the buffer costs more than the digits.
     for (n, eight) in bytes.chunks(8).enumerate() {
         match separator {
             Some(separator) => {
@@ -104,14 +104,14 @@ pub fn push_fraction(out: &mut Vec<u8>, mut n: u64, width: usize) {
     out.extend_from_slice(&digits[digits.len() - width.min(digits.len())..]);
 }
 
-/// Appends the last six decimal digits of a number, as most times have them.
+/// Appends the last six decimal digits of a number, the usual precision of times.
 #[inline]
 pub fn push_six_digits(out: &mut Vec<u8>, n: u32) {
     let [a, b, c] = [n / 10_000, n / 100, n].map(|pair| DECIMAL_PAIRS[(pair % 100) as usize]);
     out.extend_from_slice(&[a[0], a[1], b[0], b[1], c[0], c[1]]);
 }
 
-/// Fills up with blanks to `width` columns from `start`.
+/// Appends blanks up to `width` columns from `start`.
 pub fn pad(out: &mut Vec<u8>, start: usize, width: usize) {
     let mut missing = (start + width).saturating_sub(out.len());
     while missing > 0 {
@@ -126,7 +126,7 @@ pub fn push_text(out: &mut Vec<u8>, text: impl Display) {
     let _ = write!(Bytes(out), "{text}");
 }
 
-/// A buffer of bytes that texts are written to.
+/// A byte buffer as a writer of text.
 struct Bytes<'a>(&'a mut Vec<u8>);
 
 impl fmt::Write for Bytes<'_> {
@@ -136,7 +136,7 @@ impl fmt::Write for Bytes<'_> {
     }
 }
 
-/// Appends what a frame means.
+/// Appends the meaning of a frame.
 pub fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
     match meaning.fixed() {
         Some(text) => out.extend_from_slice(text.as_bytes()),
@@ -144,7 +144,7 @@ pub fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
     }
 }
 
-/// Appends a JSON string. Characters that act instead of being shown are escaped, as all that JSON forbids.
+/// Appends a JSON string. Characters that act instead of being shown are escaped, like those that JSON forbids.
 pub fn push_json_string(out: &mut Vec<u8>, text: impl Display) {
     out.push(b'"');
     let _ = write!(JsonEscaped(out), "{text}");
@@ -179,7 +179,7 @@ impl JsonEscaped<'_> {
     }
 }
 
-/// Appends a text on one line: every character that acts instead of being shown becomes `�`.
+/// Appends a text on one line. Every character that acts instead of being shown becomes `�`.
 pub fn push_visible(out: &mut Vec<u8>, text: &str) {
     if text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
         out.extend_from_slice(text.as_bytes());

@@ -7,26 +7,26 @@ use canvass_traces::quality::{Gaps, Sighting};
 use canvass_traces::{Capture, ChannelId, Channels, Format, Quality, Reader, TimeBase};
 use std::fmt::Write;
 
-/// One capture and what was seen of it.
+/// One capture with its quality.
 #[derive(Clone, Copy, Debug)]
 pub struct CaptureQuality<'a> {
     /// The file's name.
     pub name: &'a str,
     pub format: Format,
-    /// What its times count from.
+    /// The origin of the capture's times.
     pub time_base: TimeBase,
-    /// What was seen.
+    /// The quality of the capture.
     pub quality: &'a Quality,
 }
 
 impl<'a> CaptureQuality<'a> {
-    /// Of a capture that was read.
+    /// The quality of a capture that was read.
     pub fn new(capture: &'a Capture, quality: &'a Quality) -> Self {
         Self { name: capture.name(), format: capture.format(), time_base: capture.time_base(), quality }
     }
 }
 
-/// All captures together.
+/// The sum of all captures.
 fn total(captures: &[CaptureQuality<'_>]) -> Quality {
     captures.iter().fold(Quality::default(), |mut total, capture| {
         total.add(capture.quality);
@@ -34,7 +34,7 @@ fn total(captures: &[CaptureQuality<'_>]) -> Quality {
     })
 }
 
-/// Every capture, and the total where there are several; `channels` names the channels of all.
+/// The quality of each capture, and the total if there are several. `channels` names the channels of all captures.
 pub fn text(captures: &[CaptureQuality<'_>], channels: &Channels) -> String {
     let mut text = String::from("capture quality\n");
     for capture in captures {
@@ -72,7 +72,7 @@ fn push_quality(text: &mut String, name: Option<&str>, quality: &Quality, channe
     }
 }
 
-/// `5000: 4000 standard, 1000 error`.
+/// The number of frames by kind: `5000: 4000 standard, 1000 error`.
 fn frames(quality: &Quality) -> String {
     let kinds: Vec<String> = counted(&quality.frames.by_kind()).collect();
     let colon = if kinds.is_empty() { "" } else { ": " };
@@ -112,7 +112,7 @@ fn gaps(gaps: &Gaps, name: Option<&str>) -> String {
     }
 }
 
-/// The place as damages show it, or the time where the file is not told.
+/// The place of a damage: its line or offset in the file, or its time if the file is not known.
 fn place(name: Option<&str>, at: Sighting) -> String {
     match name {
         Some(name) => format!("{name}:{}", at.place.number),
@@ -120,7 +120,7 @@ fn place(name: Option<&str>, at: Sighting) -> String {
     }
 }
 
-/// What to be careful with.
+/// The warnings about a capture.
 pub fn warnings(quality: &Quality) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(resolution) = quality.resolution.get()
@@ -186,7 +186,7 @@ fn seen(at: Sighting) -> Place {
     Place { number: at.place.number, offset: at.place.offset, t: at.time.nanos() }
 }
 
-/// What times count from, in JSON.
+/// The JSON name of a time base.
 pub const fn time_base(base: TimeBase) -> &'static str {
     match base {
         TimeBase::Utc => "utc",
@@ -196,7 +196,7 @@ pub const fn time_base(base: TimeBase) -> &'static str {
     }
 }
 
-/// The channels that have frames.
+/// The channels with frames, and the number of frames.
 fn by_channel<'a>(quality: &'a Quality, channels: &'a Channels) -> impl Iterator<Item = (&'a str, u64)> {
     let named = quality.channels.iter().enumerate();
     named.filter(|(_, frames)| **frames > 0).map(|(id, frames)| (channels.name(ChannelId(id as u16)), *frames))

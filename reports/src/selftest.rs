@@ -1,4 +1,4 @@
-//! The selftest's matrix: which case failed on which fault. As JSON it is a [`SelftestResult`].
+//! The matrix of the selftest with the cases that failed on each fault. As JSON it is a [`SelftestResult`].
 
 pub mod null;
 pub mod wire;
@@ -20,7 +20,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(matrix: &Matrix, fuzzed: &Sparing, out: &mut dyn Write) -> io::Result<()> {
     let not_spared = fuzzed.rows().filter(|row| !row.violations.is_empty());
     let result = SelftestResult {
@@ -133,7 +133,7 @@ fn model(row: &ModelRow) -> results::selftest::ModelRow {
     results::selftest::ModelRow { executed, false_alarms, model }
 }
 
-/// The matrix for people: a line for each fault with the cases that failed on it, then what is wrong with the catalogue,
+/// The matrix for people: a line for each fault with the cases that failed on it, then the errors of the catalogue,
 /// then the counts.
 pub fn text(matrix: &Matrix, fuzzed: &Sparing) -> String {
     let mut text = String::new();
@@ -158,7 +158,7 @@ pub fn text(matrix: &Matrix, fuzzed: &Sparing) -> String {
     text
 }
 
-/// What is wrong with the catalogue: faults that are missed, false alarms, cases that fail on nothing.
+/// Appends the errors of the catalogue: missed faults, false alarms, and cases that never fail.
 fn wrong_lines(text: &mut String, matrix: &Matrix) {
     for row in &matrix.faults {
         for (case, kind) in &row.missed {
@@ -196,7 +196,7 @@ fn masking_line(text: &mut String, masking: &Masking) {
     );
 }
 
-/// What suite and fuzzer make of liberties, and of faults beside them.
+/// Appends the results of suite and fuzzer for liberties, and for faults in addition to liberties.
 fn sparing_lines(text: &mut String, sparing: &selftest::Sparing, fuzzed: &Sparing) {
     for row in sparing.alone.iter().chain(&sparing.combined) {
         let taken = names(row.liberties).join(", ");
@@ -227,7 +227,7 @@ fn sparing_lines(text: &mut String, sparing: &selftest::Sparing, fuzzed: &Sparin
     );
 }
 
-/// What the fuzzer made of liberties.
+/// Appends the results of the fuzzer for liberties.
 fn fuzzed_lines(text: &mut String, fuzzed: &Sparing) {
     for row in fuzzed.rows() {
         let taken = names(row.liberties).join(", ");

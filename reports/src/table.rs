@@ -1,8 +1,8 @@
-//! Tables for terminals. In WebAssembly there is none, and no colours.
+//! Tables for terminals. WebAssembly has neither terminals nor colours.
 
 use comfy_table::{ContentArrangement, Table, presets};
 
-/// A table of that width, with colours or without, whatever is known of the terminal.
+/// A table of this width, with or without colours, whatever the actual terminal is.
 pub(crate) fn table(width: u16, colors: bool) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);

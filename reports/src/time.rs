@@ -1,53 +1,54 @@
-//! The time of a frame as it is shown.
+//! The shown time of a frame.
 
 use crate::push::{push_decimal, push_fraction, push_six_digits, push_text};
 use canvass_traces::{Duration, Timestamp};
 
-/// How the time of a frame is shown.
+/// The style of a frame's shown time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum TimeStyle {
-    /// Seconds as they stand in the capture.
+    /// Seconds as in the capture.
     #[default]
     Absolute,
     /// Seconds since the first frame.
     Relative,
     /// Seconds since the frame before.
     Delta,
-    /// Date and time of day in UTC, as RFC 3339 writes them, with nanoseconds.
+    /// Date and time in UTC with nanoseconds, in the notation of RFC 3339.
     Utc,
-    /// The same in the zone of this computer, with its distance from UTC.
+    /// Date and time in the zone of this computer with its offset from UTC and nanoseconds, in the notation of RFC
+    /// 3339.
     Local,
 }
 
-/// Shows one time after the other.
+/// Formats the times of frames one after the other.
 #[derive(Clone)]
 pub struct Clock {
     style: TimeStyle,
-    /// Always nine decimals: for machines.
+    /// Always nine decimals, for programs.
     full: bool,
     first: Option<Timestamp>,
     previous: Option<Timestamp>,
-    /// A second and its text: most frames have the same as the one before.
+    /// A second and its text, as most frames are in the same second as the one before.
     second: (u64, Vec<u8>),
-    /// What follows a date.
+    /// The text after a date.
     zone: Vec<u8>,
 }
 
 const NANOS: u64 = 1_000_000_000;
 
-/// Milliseconds with three digits after the point: what a person compares.
+/// A time in milliseconds with three decimals, which is enough for comparisons by people.
 pub fn milliseconds(time: Duration) -> String {
     let micros = time.nanos() / 1_000;
     format!("{}.{:03}", micros / 1_000, micros % 1_000)
 }
 
 impl Clock {
-    /// A clock for people: six decimals, nine where the time has them.
+    /// A clock for people: six decimals, or nine if the time has them.
     pub const fn new(style: TimeStyle) -> Self {
         Self { style, full: false, first: None, previous: None, second: (u64::MAX, Vec::new()), zone: Vec::new() }
     }
 
-    /// A clock for machines: always nine decimals.
+    /// A clock for programs: always nine decimals.
     pub const fn full(style: TimeStyle) -> Self {
         let mut clock = Self::new(style);
         clock.full = true;
@@ -59,7 +60,7 @@ impl Clock {
         self.style
     }
 
-    /// The columns that most times take: seconds since 1970 with six decimals, or a date.
+    /// The width of most times in columns: seconds since 1970 with six decimals, or a date.
     pub const fn width(&self) -> usize {
         match self.style {
             TimeStyle::Absolute => 17,
@@ -90,7 +91,7 @@ impl Clock {
         }
     }
 
-    /// Whole seconds and the point after them.
+    /// Appends the whole seconds and the point after them.
     fn push_seconds(&mut self, second: u64, out: &mut Vec<u8>) {
         let (known, digits) = &mut self.second;
         if *known != second || digits.is_empty() {
@@ -113,7 +114,7 @@ impl Clock {
                 TimeStyle::Local => jiff::tz::TimeZone::system(),
                 _ => jiff::tz::TimeZone::UTC,
             };
-            // 64 bits of nanoseconds end in the year 2554: every second has a date.
+            // 64 bits of nanoseconds reach to the year 2554, so every second has a date.
             if let Ok(time) = jiff::Timestamp::from_second(second.cast_signed()) {
                 let time = time.to_zoned(zone);
                 push_text(date, time.strftime("%Y-%m-%dT%H:%M:%S"));

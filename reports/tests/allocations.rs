@@ -1,4 +1,4 @@
-//! In steady state, no frame makes the decoder allocate: from the capture's bytes to the line.
+//! In steady state the decoder allocates no memory for a frame, from the capture's bytes to the line.
 
 #[cfg(test)]
 mod steady_state {
@@ -30,7 +30,7 @@ mod steady_state {
 0BF#0000000000000000
 ";
 
-    /// Number of cycles until all memory has its final size.
+    /// Number of cycles until all buffers have their final size.
     const WARM_UP: usize = 8;
     const COUNTED: usize = 100;
 
@@ -68,7 +68,7 @@ mod steady_state {
         allocation_counter::measure(|| frames(COUNTED * cycle)).count_total
     }
 
-    /// The counter counts.
+    /// The counter counts allocations.
     #[test]
     fn an_allocation_is_seen() {
         let counted = allocation_counter::measure(|| drop(std::hint::black_box(vec![1_u8])));

@@ -1,6 +1,6 @@
-//! The schemas in `docs/schemas` are those of the types, and the lines of `decode` are of their type, to the byte.
+//! The schemas in `docs/schemas` are those of the types, and the lines of `decode` match their type to the byte.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but clippy uses it to recognise where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::network::Network;
@@ -26,7 +26,7 @@ fn the_schemas_in_the_documentation_are_current() {
     }
 }
 
-/// The lines of a capture in which node 63 is an encoder.
+/// The lines for a capture in which node 63 is an encoder.
 fn lines(path: &Path) -> Vec<String> {
     let Ok(mut capture) = Capture::open(path, &ReadOptions::default()) else { return Vec::new() };
     let mut network = Network::new();

@@ -1,6 +1,6 @@
-//! A whole run on the simulated bus, through every report.
+//! A whole run on the simulated bus, shown in every report.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but clippy uses it to recognise where a test may unwrap.
 #![cfg(test)]
 
 use canvass_bus::{Bus, SimulatedBus};
@@ -72,10 +72,10 @@ fn every_report_of_a_faulty_device() {
             &mut RunReport::new(&mut lines, Form::Text(Style::default())),
         ],
     );
-    // A stale multiplexer shows in every case that provokes an abort.
+    // The fault of a stale multiplexer shows in every case that provokes an abort.
     let failures = summary.count(Kind::Fail);
     assert!(failures >= 2 && summary.count(Kind::Deviation) == 1, "{summary:?}");
-    // To look at.
+    // The files are kept for inspection.
     let directory = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     for (name, bytes) in [("run.html", &page), ("run.xml", &xml), ("run.md", &text), ("run.txt", &lines)] {
         std::fs::write(directory.join(name), bytes).unwrap();

@@ -1,5 +1,5 @@
-//! The state in which a sequence finds a device that goes on: what a reset has not brought back is written back, and what
-//! can't be is known.
+//! The state of a device that is not made anew for each sequence. The fuzzer writes values back that a reset has not
+//! brought back, and remembers the values that it can't write back.
 
 use super::stimulus::Stimulus;
 use super::{Knowledge, Known, limits};
@@ -14,19 +14,20 @@ use canvass_bus::{Bus, BusError};
 use canvass_traces::{Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
-/// An object that has not its value of power-on, though the device was reset and the value written.
+/// An object whose value differs from its power-on value even after a reset and a write.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Kept {
-    /// The object.
+    /// The address of the object.
     pub at: Multiplexer,
-    /// Its value.
+    /// The current value.
     pub value: u64,
-    /// That of power-on.
+    /// The value after power-on.
     pub power_on: u64,
 }
 
-/// Reads what those frames may have changed, and writes back what the reset has not. What can't be written back is reported.
-/// `earlier`: what could not be written back before, and is looked at again. `observe` sees every frame of it.
+/// Reads the objects that the frames in `sent` may have changed, and writes the power-on values back that the reset has
+/// not brought back. Returns the objects that keep another value. `earlier`: objects that could not be written back
+/// before; they are checked again. `observe` sees every frame of these transfers.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
@@ -50,7 +51,7 @@ pub(super) fn restore(
     }
     client.write_back(&mut changed)?;
     if sent.iter().any(|stimulus| stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID)) {
-        // The slave may be in configuration; the command is the same for LSS and LMT.
+        // The slave may be in configuration state. "Switch state global" is the same for LSS and LMT.
         client.exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
         client.exchange.wait_for(knowledge.patience.quiet, |_| None::<()>)?;
     }
@@ -64,27 +65,28 @@ pub(super) fn restore(
     Ok(kept)
 }
 
-/// What the settings of a device hold at the end of a run.
+/// The values of a device's settings at the end of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FinalState {
     /// Number of settings that were read before the run.
     pub settings: usize,
     /// Number of these settings that were also read after the run.
     pub compared: usize,
-    /// Those that hold another value than before. What moves by itself is not among them.
+    /// Settings whose value differs from that before the run. Values that change by themselves are left out.
     pub different: Vec<Kept>,
 }
 
 /// Number of unanswered requests after which the fuzzer stops asking the device.
 const MOST_SILENT: u32 = 3;
 
-/// What differs is read once more after that time: a clock has gone on by then.
+/// Time after which a different value is read again. A value that has changed by then changes by itself, such as a
+/// clock.
 const MOVES: Duration = Duration::from_millis(1_100);
 
-/// Maximum time for reading the settings, so that a run ends in its time on a slow device, too.
+/// Maximum time for reading the settings. The run ends in time even if the device is slow.
 const LONGEST_LOOK: Duration = Duration::from_secs(5);
 
-/// Reads the settings again, whether or not a frame has named them, and writes nothing; `None`: the device does not answer.
+/// Reads all settings again, even those that no frame has named, and writes none. `None`: the device does not answer.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
@@ -124,10 +126,10 @@ fn number(value: &[u8]) -> u64 {
     value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte))
 }
 
-/// The longest value that is a number.
+/// Maximum length of a number in bytes.
 pub(super) const LONGEST: usize = 8;
 
-/// Reads a number of up to eight bytes; `None`: it can't be read.
+/// Reads a number of up to eight bytes; `None` if the object can't be read as one.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
@@ -143,7 +145,7 @@ struct Client<'a> {
 }
 
 impl Client<'_> {
-    /// Reads a number; `None`: it can't be read.
+    /// Reads a number; `None` if the object can't be read as one.
     fn read(&mut self, at: Multiplexer) -> Result<Option<u64>, BusError> {
         Ok(match self.transfer(Transfer::upload(at))? {
             Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(&value)),
@@ -151,7 +153,7 @@ impl Client<'_> {
         })
     }
 
-    /// Writes a number; whether it was confirmed.
+    /// Writes a number. Returns whether the device confirmed the download.
     fn write(&mut self, known: &Known, value: u64) -> Result<bool, BusError> {
         let bytes = value.to_le_bytes();
         let value = bytes.get(..known.size.unwrap_or(0)).unwrap_or_default();
@@ -162,11 +164,12 @@ impl Client<'_> {
         self.exchange.transfer(self.knowledge.node, what, self.knowledge.patience.answer)
     }
 
-    /// Writes values of power-on in the order in which a device takes them: what is valid is made invalid, parameters and
-    /// mapping are written, the number of mapped objects, and last what makes it valid again.
+    /// Writes power-on values in the order that a device accepts: first the PDOs and services are made invalid, then
+    /// parameters and mappings are written, then the numbers of mapped objects, and last the COB-IDs.
     fn write_back(&mut self, changed: &mut [(&Known, u64)]) -> Result<(), BusError> {
         for (known, power_on) in changed.iter().filter(|(known, _)| is_cob_id(known.at)) {
-            // Off with the identifier that it has, as a valid one must not change; then with its own.
+            // A valid COB-ID must not change its identifier: the first write makes it invalid, the second sets the
+            // identifier.
             if let Some(now) = self.read(known.at)? {
                 self.write(known, now | u64::from(CobId::INVALID))?;
             }
@@ -177,7 +180,7 @@ impl Client<'_> {
             if self.write(known, *power_on)? {
                 continue;
             }
-            // The PDO of a parameter that is refused is valid, or its mapping in use.
+            // A device refuses a parameter while its PDO is valid, and a mapping while it is in use.
             let knowledge = self.knowledge;
             let others = switches(known.at).into_iter().filter_map(|at| knowledge.position(at));
             let others: Vec<(&Known, u64)> = others.filter_map(|other| restorable(knowledge, other)).collect();
@@ -193,7 +196,7 @@ impl Client<'_> {
     }
 }
 
-/// The objects that those frames may write: those with which a download begins, and those that an RPDO may carry.
+/// The objects that the frames in `sent` may write: by an SDO download, or by an RPDO.
 fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
     let request = REQUEST_BASE + u16::from(knowledge.node.raw());
     let mut touched = BTreeSet::new();
@@ -213,7 +216,7 @@ fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
     touched
 }
 
-/// An object whose value of power-on was read and may be written.
+/// The object with this number and its power-on value, if that value was read and may be written back.
 fn restorable(knowledge: &Knowledge, entry: usize) -> Option<(&Known, u64)> {
     let known = knowledge.entries().get(entry).filter(|known| known.was_read)?;
     let is_free = limits::writing(known.at, knowledge, &BTreeSet::new()).is_none();
@@ -233,7 +236,7 @@ fn is_mapping(at: Multiplexer) -> bool {
     matches!(at.index.0, 0x1600..0x1800 | 0x1A00..0x1C00)
 }
 
-/// What has to be off while that object is written.
+/// The COB-IDs and mappings that must be disabled while the object at `at` is written.
 fn switches(at: Multiplexer) -> Vec<Multiplexer> {
     match at.index.0 {
         object::INHIBIT_TIME_EMCY => vec![Multiplexer::new(object::COB_ID_EMCY, 0)],

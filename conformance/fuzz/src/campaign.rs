@@ -1,4 +1,4 @@
-//! A run of the fuzzer: sequences until its time is over, each violation once, made small.
+//! A run of the fuzzer: sequences until its time is over. Each violation is reported once, with a short sequence.
 
 mod shortening;
 mod violations;
@@ -28,94 +28,94 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use violations::Unrepeated;
 
-/// What a run does.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The services.
+    /// The services to fuzz.
     pub targets: Targets,
-    /// The seed of everything random.
+    /// The seed of all random choices.
     pub seed: u64,
-    /// The touches that the user allows.
+    /// The touches that the user allows: effects on the device that are otherwise avoided.
     pub allow: BTreeSet<Touch>,
-    /// How many tries making one violation smaller may take.
+    /// Maximum number of tries to make the sequence of one violation shorter.
     pub shrink_budget: u32,
-    /// When the run ends, also in the middle of a sequence or of making one shorter.
+    /// The end of the run, even within a sequence or while one is made shorter.
     pub time: TimeLimit,
     /// End with the first violation.
     pub stop_at_first: bool,
     /// Sequences of earlier runs, tried first.
     pub regressions: Vec<Sequence>,
-    /// Try only those.
+    /// Run only the regressions.
     pub only_regressions: bool,
 }
 
 /// A violation with the shortest sequence that shows it.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What does not hold.
+    /// The violated property, the expected and the actual behaviour.
     pub violation: Violation,
-    /// The shortest sequence that was found to show it.
+    /// The shortest sequence found that shows the violation.
     pub sequence: Sequence,
-    /// All frames of that sequence, with the device's, as they were on the bus.
+    /// All frames on the bus during the sequence, including the device's.
     pub evidence: Vec<Record>,
-    /// Whether it came again when the sequence was repeated from power-on. If not, sequence and evidence are those of the
-    /// one time.
+    /// Whether the violation came again when the sequence was repeated from power-on. If not, sequence and evidence are
+    /// those of its only occurrence.
     pub confirmed: bool,
-    /// The objects that had not their values of power-on when it was seen: neither a reset nor a write had brought them
-    /// back. What is confirmed is confirmed with these.
+    /// Objects without their power-on values when the violation was seen: neither a reset nor a write had brought these
+    /// back. A confirmation also begins with them.
     pub state: Vec<Kept>,
-    /// The bus was lost before it could be repeated.
+    /// The bus was lost before the sequence could be repeated.
     pub is_cut_off: bool,
 }
 
-/// The state of a run, told after each sequence.
+/// The state of a run, reported after each sequence.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Exchanges: frames that were sent, and after which the answer, or the silence, was judged.
+    /// Number of frames after which the answer, or the silence, was judged.
     pub executions: u64,
-    /// Frames that were sent, with those after which anything may come.
+    /// Number of frames sent, including frames after which the standard leaves everything open.
     pub frames: u64,
-    /// Sequences that were run.
+    /// Number of sequences that were run.
     pub sequences: u64,
-    /// What was exercised.
+    /// The combinations of state, command and answer seen so far.
     pub coverage: &'a Coverage,
-    /// Violations so far.
+    /// Number of violations so far.
     pub violations: usize,
 }
 
 /// The result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Exchanges: frames that were sent, and after which the answer, or the silence, was judged. Those of shrinking
-    /// included.
+    /// Number of frames after which the answer, or the silence, was judged. Frames sent to shorten sequences count,
+    /// too.
     pub executions: u64,
-    /// Frames that were sent, with those after which anything may come.
+    /// Number of frames sent, including frames after which the standard leaves everything open.
     pub frames: u64,
-    /// Sequences that were run.
+    /// Number of sequences that were run.
     pub sequences: u64,
-    /// What was exercised.
+    /// The combinations of state, command and answer that were seen.
     pub coverage: Coverage,
-    /// What the time of the bus went into.
+    /// How the time on the bus was used.
     pub spent: Spent,
-    /// The part of it in which violations were repeated and made shorter.
+    /// The part of [`spent`](Self::spent) for repeating and shortening violations.
     pub spent_on_violations: Spent,
-    /// Sequences that say nothing, because frames were lost on this machine or the bus was interrupted.
+    /// Number of sequences without a result, because this machine lost frames or the bus was interrupted.
     pub unjudged: u64,
-    /// Whether the device did not come back after a reset: the run ended with that.
+    /// Whether the run ended because the device did not come back after a reset.
     pub dead: bool,
-    /// The device was made anew for each sequence: there is none that the run could leave changed.
+    /// Whether each sequence got a new simulated device, so that the run could leave none changed.
     pub is_simulated: bool,
-    /// What the run leaves behind on a device that goes on; `None`: it does not answer any more, or is simulated.
+    /// The settings that the run leaves on a live device. `None`: it does not answer any more, or is simulated.
     pub left: Option<FinalState>,
-    /// Each violation once.
+    /// All violations, one for each rule.
     pub violations: Vec<Found>,
-    /// How often, and how long, the way to the bus was interrupted.
+    /// Number and duration of interruptions of the connection to the bus.
     pub interruptions: Option<Interruptions>,
-    /// Why the run ended early: the bus did not come back, or failed in another way.
+    /// Why the run ended early: the bus did not come back, or failed otherwise.
     pub ended_by: Option<String>,
 }
 
-/// Why a run says nothing about the device.
+/// Why a run has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum FuzzError {
     /// The device does not answer.
@@ -126,19 +126,20 @@ pub enum FuzzError {
     Bus(#[from] BusError),
 }
 
-/// More violations of different kinds than this are not distinguished any more: the device is simply broken.
+/// Number of violations after which a run ends: the device is simply broken.
 const MOST_VIOLATIONS: usize = 25;
 
 /// Number of sequences after which the fuzzer looks anew for the least exercised combination.
 const REFOCUS: u64 = 64;
-/// Number of sequences after which it does so on a device that is not reset between them: there a sequence takes much
-/// longer.
+/// Number of sequences after which the fuzzer looks anew for this combination on a live device, where a sequence takes
+/// much longer.
 const REFOCUS_LIVE: u64 = 4;
 
-/// On a device that is not reset between sequences, one part in [`PAUSES`] of the time is spent in pauses.
+/// On a live device, at most one part in [`PAUSES`] of the time is spent in pauses.
 const PAUSES: u64 = 10;
 
-/// Fuzzes a device. `go_on` is asked after each sequence. If the bus fails, the run ends with what was found until then.
+/// Fuzzes a device until `go_on`, which is asked after each sequence, says no. If the bus fails, the run ends and keeps
+/// its results.
 ///
 /// # Errors
 /// [`FuzzError::Unreachable`] if the device can't be reached.
@@ -182,13 +183,13 @@ pub fn run(
     Ok(campaign.outcome())
 }
 
-/// Fuzzes the device on any bus, live or in this process; it is reset before each sequence. See [`run`].
+/// Fuzzes the device on any bus, live or in this process, with a reset before each sequence. See [`run`].
 ///
-/// A device in this process that panics is reported as dead; the bus must then give a new one after the next reset, or
-/// the run ends.
+/// A device in this process that panics is reported as dead. The bus must then provide a new device after the next
+/// reset; otherwise the run ends.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn campaign(
     bus: &mut dyn Bus,
     knowledge: Knowledge,
@@ -199,10 +200,10 @@ pub fn campaign(
     run(&mut stand, knowledge, plan, go_on)
 }
 
-/// Runs one sequence, as it is, and says what it shows.
+/// Runs one sequence unchanged and reports the violations that it shows.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn replay(
     stand: &mut dyn TestStand,
     mut knowledge: Knowledge,
@@ -223,22 +224,23 @@ pub fn replay(
 
 struct Campaign<'a> {
     executor: Executor,
-    /// Violations that were reported, and how often those were tried that did not come back: the same one again is no news.
+    /// Violations that were reported, and violations that did not come back with the number of tries: they are not
+    /// reported again.
     seen: BTreeMap<(Property, &'static str), Standing>,
     violations: Vec<Found>,
     sequences: u64,
     dead: bool,
     is_simulated: bool,
     left: Option<FinalState>,
-    /// What repeating and shortening violations took.
+    /// The time for repeating and shortening violations.
     spent_on_violations: Spent,
     /// When the first sequence began.
     begun: Timestamp,
-    /// Violations that are confirmed, and may be made shorter.
+    /// Confirmed violations whose sequences may be made shorter.
     unshortened: VecDeque<Shortening>,
-    /// What that has taken.
+    /// Time spent on shortening so far.
     shortened_for: Duration,
-    /// A violation that was seen and is being repeated.
+    /// The violation that is being repeated.
     unrepeated: Option<Unrepeated>,
     interruptions: Option<Interruptions>,
     ended_by: Option<String>,
@@ -257,7 +259,7 @@ enum Standing {
 }
 
 impl Campaign<'_> {
-    /// Sequences until the run is over.
+    /// Runs sequences until the run is over.
     fn fuzz(
         &mut self,
         stand: &mut dyn TestStand,
@@ -265,7 +267,8 @@ impl Campaign<'_> {
         go_on: &mut dyn FnMut(Progress<'_>) -> bool,
     ) -> Result<(), BusError> {
         for sequence in &self.plan.regressions {
-            // There are few of them, and each has shown something before: what is seen now is to be the device's doing.
+            // Each of these few sequences has shown a violation before: the careful pace excludes late answers to other
+            // frames.
             self.attempt(stand, SequenceTree::new(sequence.clone()), Pace::Careful)?;
             if self.is_over(go_on) {
                 return Ok(());
@@ -287,7 +290,7 @@ impl Campaign<'_> {
         let pace = if stand.is_repeatable() { Pace::Careful } else { Pace::Swift };
         let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
         let refocus = if stand.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
-        // What was looked for and not reached waits for its next turn: a device may never get there.
+        // A combination that was tried and not reached waits for its next turn: a device may never get there.
         let mut tried = BTreeMap::new();
         loop {
             if self.sequences.is_multiple_of(refocus) {
@@ -314,7 +317,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The bus has failed: what was found until then is kept.
+    /// Keeps the results of the run when the bus has failed.
     fn end_early(&mut self, error: &BusError) {
         self.ended_by.get_or_insert_with(|| error.to_string());
         if let Some(Unrepeated { seen, doubts, is_swift }) = self.unrepeated.take() {
@@ -323,7 +326,8 @@ impl Campaign<'_> {
         self.keep_unshortened();
     }
 
-    /// A device that goes on is left as it was found: nothing was stored. The last sequence may have been its end.
+    /// Resets a live device and compares its settings with those at the beginning. It may also have died in the last
+    /// sequence.
     fn leave(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         if stand.is_repeatable() || self.dead {
             return Ok(());
@@ -333,7 +337,7 @@ impl Campaign<'_> {
             Ended::Well | Ended::Violation(_) => {}
         }
         if !self.dead {
-            // What can't be read at the end takes nothing from what was found before.
+            // An error while the settings are read must not lose the results of the run.
             let compared = catch_unwind(AssertUnwindSafe(|| baseline::compare(stand.bus(), self.executor.knowledge())));
             self.left = compared.ok().and_then(Result::ok).flatten();
         }
@@ -368,7 +372,7 @@ impl Campaign<'_> {
             violations: self.violations.len(),
         };
         let enough = self.plan.stop_at_first && !self.violations.is_empty();
-        // After its time no sequence is judged any more.
+        // A sequence is not judged after the end of its time.
         !go_on(progress) || self.plan.time.is_over() || enough || self.dead || self.violations.len() >= MOST_VIOLATIONS
     }
 
@@ -393,13 +397,14 @@ impl Campaign<'_> {
 
 fn rng(seed: u64) -> TestRng {
     let mut bytes = [0; 16];
-    // An all-zero state is no state for this generator.
+    // The generator does not accept a state of zeros only.
     bytes[..8].copy_from_slice(&seed.to_le_bytes());
     bytes[8..].copy_from_slice(&(!seed ^ 0x9E37_79B9_7F4A_7C15).to_le_bytes());
     TestRng::from_seed(RngAlgorithm::XorShift, &bytes)
 }
 
-/// Leaves out the pauses for which there is no time: those before have taken more than their share, or one is longer than that.
+/// Leaves out a pause if the pauses before have taken more than their share of the time, or if it is longer than this
+/// share.
 fn keep_to_share(sequence: &mut Sequence, spent: &Spent) {
     let share = Duration(spent.total().nanos() / PAUSES);
     let (_, mut paused) = spent.of(Cause::Pause);
@@ -413,7 +418,8 @@ fn keep_to_share(sequence: &mut Sequence, spent: &Spent) {
     }
 }
 
-/// The combination of SDO state and command that came least; those that were looked for before count as often as that.
+/// The SDO state and command that came least often. A combination that the fuzzer has already tried counts each try as
+/// an occurrence.
 fn least_exercised(
     coverage: &Coverage,
     knowledge: &Knowledge,

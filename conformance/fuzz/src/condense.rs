@@ -1,5 +1,5 @@
-//! What of many frames leaves a device as they all do, as far as the standard says: the state of NMT that was commanded last,
-//! and what was written last to each object.
+//! Reduces many frames to those that, according to the standard, set the state of a device: the last NMT command, and
+//! the last value written to each object.
 
 use super::Knowledge;
 use super::stimulus::Stimulus;
@@ -8,21 +8,21 @@ use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_analyzer::wire::sdo::REQUEST_BASE;
 use std::collections::BTreeSet;
 
-/// What a later frame makes superfluous.
+/// The effect of a frame. A later frame with the same effect makes an earlier one superfluous.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Effect {
     State,
-    /// On the object with that multiplexer.
+    /// The value of the object with this multiplexer.
     Value([u8; 3]),
 }
 
-/// Of those frames the ones that matter for what comes after them, each with time for its answer.
+/// Selects the frames that matter for the frames after them. Each gets time for its answer.
 pub(super) fn condense(sent: &[Stimulus], knowledge: &Knowledge) -> Vec<Stimulus> {
     let mut later = BTreeSet::new();
     let mut condensed = Vec::new();
     for stimulus in sent.iter().rev() {
         if commanded(stimulus, knowledge).is_some_and(Command::is_reset) {
-            // What came before is gone.
+            // The reset undoes all earlier frames.
             break;
         }
         if effect(stimulus, knowledge).is_some_and(|effect| later.insert(effect)) {
@@ -39,7 +39,7 @@ fn effect(stimulus: &Stimulus, knowledge: &Knowledge) -> Option<Effect> {
     }
     let request = REQUEST_BASE + u16::from(knowledge.node.raw());
     match *stimulus.frame.data() {
-        // An expedited download.
+        // Expedited download.
         [command, low, high, sub, _, _, _, _] if command & 0xF2 == 0x22 => {
             Some(Effect::Value([low, high, sub])).filter(|_| stimulus.frame.cob_id() == Some(request))
         }
@@ -47,7 +47,7 @@ fn effect(stimulus: &Stimulus, knowledge: &Knowledge) -> Option<Effect> {
     }
 }
 
-/// The command of NMT to the device, alone or among all.
+/// The NMT command in a frame, if it is addressed to the device or to all nodes.
 fn commanded(stimulus: &Stimulus, knowledge: &Knowledge) -> Option<Command> {
     let frame = &stimulus.frame;
     let Ok(message) = Nmt::read(frame.data()) else { return None };
@@ -64,7 +64,7 @@ mod tests {
     use canvass_analyzer::NodeId;
     use canvass_traces::{CanId, Frame};
 
-    /// The last start, the last value of 1017h; nothing of the time before a reset.
+    /// The last start and the last value of 1017h remain. Frames before a reset are left out.
     #[test]
     fn what_a_later_frame_undoes_goes() {
         let knowledge = Knowledge::new(NodeId::new(5).unwrap(), None, None);

@@ -1,4 +1,4 @@
-//! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
+//! The combinations of state, command and class of answer that a run has seen, of the SDO server and the LSS slave.
 
 use super::{Knowledge, Known, Services};
 use canvass_analyzer::wire::Wire;
@@ -8,7 +8,7 @@ use canvass_suite::touch::Touch;
 use canvass_traces::Frame;
 use std::collections::BTreeSet;
 
-/// Defines an enum with a name for each variant and a list of all.
+/// Defines an enum with a name for each variant and a list of all variants.
 macro_rules! classes {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)* }) => {
         $(#[$doc])*
@@ -18,10 +18,10 @@ macro_rules! classes {
         }
 
         impl $name {
-            /// All of them.
+            /// All variants.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// In words.
+            /// The name in words.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$variant => $text,)* }
             }
@@ -32,7 +32,7 @@ macro_rules! classes {
 classes! {
     /// States of the SDO server.
     SdoState {
-        /// No transfer.
+        /// No transfer is active.
         Idle = "idle",
         /// A segmented download.
         Download = "segmented download",
@@ -52,13 +52,13 @@ classes! {
 }
 
 classes! {
-    /// What a client can send.
+    /// Classes of frames that an SDO client can send.
     Command {
         /// Expedited download.
         Expedited = "expedited download",
-        /// Begin of a segmented download.
+        /// Initiate segmented download.
         BeginDownload = "begin segmented download",
-        /// Request to read.
+        /// Initiate upload.
         BeginUpload = "initiate upload",
         /// Download segment.
         DownloadSegment = "download segment",
@@ -66,7 +66,7 @@ classes! {
         UploadSegment = "upload segment",
         /// Abort.
         Abort = "abort",
-        /// Begin of a block upload.
+        /// Initiate block upload.
         BeginBlockUpload = "initiate block upload",
         /// Start of a block upload.
         StartBlockUpload = "start block upload",
@@ -74,7 +74,7 @@ classes! {
         ConfirmBlockUpload = "confirm block",
         /// End of a block upload.
         EndBlockUpload = "end block upload",
-        /// Begin of a block download.
+        /// Initiate block download.
         BeginBlockDownload = "initiate block download",
         /// End of a block download.
         EndBlockDownload = "end block download",
@@ -90,9 +90,9 @@ classes! {
 }
 
 classes! {
-    /// What came back.
+    /// Classes of answers.
     Answer {
-        /// Nothing.
+        /// No answer.
         None = "none",
         /// An abort.
         Abort = "abort",
@@ -108,11 +108,11 @@ classes! {
 classes! {
     /// States of the LSS slave.
     LssState {
-        /// Waiting.
+        /// Waiting state.
         Waiting = "waiting",
-        /// Some parts of the address have come.
+        /// Waiting state, after some parts of the LSS address have come.
         Selecting = "waiting, selecting",
-        /// Configuration.
+        /// Configuration state.
         Configuration = "configuration",
         /// Without node-ID.
         Unconfigured = "without node-ID",
@@ -122,7 +122,7 @@ classes! {
 }
 
 classes! {
-    /// What an LSS master can send.
+    /// Classes of frames that an LSS master can send.
     LssCommand {
         /// 04h.
         SwitchGlobal = "switch state global",
@@ -146,7 +146,7 @@ classes! {
         Inquire = "inquire",
         /// 5Eh.
         InquireNodeId = "inquire node-ID",
-        /// Anything else.
+        /// Any other command.
         Unknown = "unknown command",
         /// Fewer than eight bytes.
         Short = "short frame",
@@ -154,7 +154,7 @@ classes! {
 }
 
 impl Command {
-    /// The class of a frame to the SDO server.
+    /// The class of a frame to the SDO server. In a block download the segments have no command specifier.
     pub fn of(frame: &Frame, in_block_download: bool) -> Self {
         if frame.len() != 8 {
             return Self::Short;
@@ -196,7 +196,7 @@ impl Answer {
 }
 
 impl LssCommand {
-    /// The class of a frame to the slave of LSS or LMT, by the names of LSS.
+    /// The class of a frame to the LSS or LMT slave, named after the service of LSS.
     pub fn of<D: Dialect>(frame: &Frame) -> Self {
         let request = Request::<D>::read(frame.data()).ok().filter(|_| frame.len() == 8);
         match request {
@@ -223,7 +223,7 @@ const ANSWERS: usize = Answer::ALL.len();
 const LSS_STATES: usize = LssState::ALL.len();
 const LSS_COMMANDS: usize = LssCommand::ALL.len();
 
-/// How often each combination was seen.
+/// Number of occurrences of each combination.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Coverage {
     sdo: [[[u64; ANSWERS]; COMMANDS]; SDO_STATES],
@@ -236,17 +236,17 @@ impl Default for Coverage {
     }
 }
 
-/// What a run can reach of the SDO server: which states it has.
+/// The states of the SDO server that a run can reach.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SdoReach {
-    /// It knows block transfers.
+    /// The server supports block transfers.
     pub blocks: bool,
-    /// It has a value that does not fit into one frame, so that it is sent in segments.
+    /// An object has a value that does not fit into one frame and is sent in segments.
     pub long_values: bool,
 }
 
 impl SdoReach {
-    /// Of that device; where nobody has said, it has all.
+    /// The reach on a device. A feature that nobody has described counts as supported.
     pub fn of(knowledge: &Knowledge) -> Self {
         let is_long = |known: &Known| known.readable && known.size.is_none_or(|size| size > 4);
         Self {
@@ -264,25 +264,26 @@ impl SdoReach {
     }
 }
 
-/// What a run can reach of LSS, or of LMT. A master can send every command in every state; so what counts is which states
-/// the slave has, and what nobody has allowed.
+/// What a run can reach of LSS or LMT. A master can send every command in every state, so only the slave's states and
+/// the commands that are not allowed matter.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LssReach {
     /// The states that the slave has.
     pub states: Vec<LssState>,
-    /// What is never sent.
+    /// Commands that are never sent, because the user has not allowed them or LMT does not have them.
     pub never: Vec<LssCommand>,
 }
 
 impl LssReach {
-    /// Of a device with those services, where only that is allowed. `unconfigured`: it can be had without node-ID.
+    /// The reach on a device with these services if only `allow` is allowed. `unconfigured`: the test stand can provide
+    /// the device without node-ID.
     pub fn of(services: &Services, unconfigured: bool, allow: &BTreeSet<Touch>) -> Self {
         let states = LssState::ALL.iter().copied().filter(|state| match state {
             LssState::Waiting => true,
             LssState::Selecting | LssState::Configuration => services.lmt || services.lss != Some(false),
             LssState::Unconfigured | LssState::Scanning => unconfigured && !services.lmt,
         });
-        // LMT has neither.
+        // Services of LSS that LMT does not have.
         let lss_only = [LssCommand::IdentifyNonConfigured, LssCommand::Fastscan, LssCommand::InquireNodeId];
         let needs = [
             (LssCommand::ConfigureNodeId, Touch::NodeId),
@@ -297,12 +298,12 @@ impl LssReach {
 }
 
 impl Coverage {
-    /// A request to the SDO server and the class of its answer.
+    /// Counts a request to the SDO server and the class of its answer.
     pub const fn sdo(&mut self, state: SdoState, command: Command, answer: Answer) {
         self.sdo[state as usize][command as usize][answer as usize] += 1;
     }
 
-    /// A frame with a 29-bit identifier, which the server must not notice.
+    /// Counts a frame with a 29-bit identifier, which the server must ignore.
     pub fn sdo_frame(&mut self, state: Option<SdoState>, command: Command, frame: &Frame, knowledge: &Knowledge) {
         let twin = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(knowledge.node.raw());
         if let Some(state) = state.filter(|_| frame.id().raw() == u32::from(twin)) {
@@ -310,23 +311,23 @@ impl Coverage {
         }
     }
 
-    /// A request to the LSS slave, and whether it was answered.
+    /// Counts a request to the LSS slave, and whether it was answered.
     pub const fn lss(&mut self, state: LssState, command: LssCommand, answered: bool) {
         self.lss[state as usize][command as usize][answered as usize] += 1;
     }
 
-    /// How often the SDO server got that command in that state.
+    /// Number of times that the SDO server got the command in the state.
     pub fn sdo_count(&self, state: SdoState, command: Command) -> u64 {
         self.sdo[state as usize][command as usize].iter().sum()
     }
 
-    /// How often the LSS slave got that command in that state.
+    /// Number of times that the LSS slave got the command in the state.
     pub fn lss_count(&self, state: LssState, command: LssCommand) -> u64 {
         self.lss[state as usize][command as usize].iter().sum()
     }
 
-    /// The combinations of SDO state and command that can be reached. A block segment exists only in a block download,
-    /// where nothing but an abort is anything else.
+    /// The combinations of SDO state and command that can be reached. Block segments exist only in a block download,
+    /// where the server reads every frame of eight bytes as a segment, except an abort.
     pub fn sdo_pairs(reach: SdoReach) -> impl Iterator<Item = (SdoState, Command)> {
         let states = SdoState::ALL.iter().copied().filter(move |&state| reach.has(state));
         let pairs = states.flat_map(|state| Command::ALL.iter().map(move |&command| (state, command)));
@@ -344,26 +345,26 @@ impl Coverage {
         pairs.filter(|(_, command)| !reach.never.contains(command))
     }
 
-    /// How many combinations of state and command were seen, of SDO and LSS.
+    /// Number of combinations of state and command that were seen, of SDO and LSS together.
     pub fn exercised(&self) -> usize {
         let sdo = self.sdo.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
         let lss = self.lss.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
         sdo + lss
     }
 
-    /// How many of the reachable SDO pairs were seen, and how many there are.
+    /// Number of reachable SDO combinations that were seen, and number of all.
     pub fn sdo_share(&self, reach: SdoReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::sdo_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.sdo_count(state, command) > 0).count(), pairs.len())
     }
 
-    /// How many of the reachable LSS pairs were seen, and how many there are.
+    /// Number of reachable LSS combinations that were seen, and number of all.
     pub fn lss_share(&self, reach: &LssReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::lss_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.lss_count(state, command) > 0).count(), pairs.len())
     }
 
-    /// All LSS combinations that were seen: state, command, whether it was answered, how often.
+    /// All LSS combinations that were seen: state, command, whether it was answered, number.
     pub fn lss_rows(&self) -> impl Iterator<Item = (LssState, LssCommand, bool, u64)> {
         LssState::ALL.iter().flat_map(move |&state| {
             LssCommand::ALL.iter().flat_map(move |&command| {
@@ -375,7 +376,7 @@ impl Coverage {
         })
     }
 
-    /// All SDO combinations that were seen: state, command, answer, how often.
+    /// All SDO combinations that were seen: state, command, answer, number.
     pub fn sdo_rows(&self) -> impl Iterator<Item = (SdoState, Command, Answer, u64)> {
         SdoState::ALL.iter().flat_map(move |&state| {
             Command::ALL.iter().flat_map(move |&command| {

@@ -1,5 +1,5 @@
-//! The fuzzer is tested: how fast it finds each fault of the simulated devices, and how short the sequences are that
-//! show it; and that it finds nothing on a model without fault.
+//! A test of the fuzzer: how fast it finds each fault of the simulated devices, how short the resulting sequences are,
+//! and that it finds nothing on a model without faults.
 
 use super::campaign::{self, Found, FuzzError, Plan};
 use super::generate::{Target, Targets};
@@ -11,12 +11,12 @@ use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-/// How long a fault is looked for.
+/// The limits of the search for a fault.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Frames, those of making the sequence small not counted.
+    /// Number of frames, without those sent to shorten the sequence.
     pub exchanges: u64,
-    /// Time of this computer.
+    /// Time on this computer.
     pub time: Duration,
 }
 
@@ -27,27 +27,27 @@ pub struct Trial {
     pub fault: Fault,
     /// The seed.
     pub seed: u64,
-    /// What was found, in which time; `None`: nothing until the limit.
+    /// The violation that shows the fault. `None`: none was found within the limit.
     pub found: Option<Detected>,
-    /// Frames that were sent.
+    /// Number of frames sent.
     pub exchanges: u64,
 }
 
-/// A fault was found.
+/// A fault that was found.
 #[derive(Clone, Debug)]
 pub struct Detected {
-    /// What showed it.
+    /// The violation that shows the fault.
     pub found: Found,
-    /// The time of this computer until the violation was seen, and until its sequence was as short as it gets.
+    /// Time on this computer until the violation was seen and its sequence shortened.
     pub elapsed: Duration,
-    /// The same sequence shows nothing on the model without the fault: it is the fault that was found.
+    /// The same sequence shows nothing on the model without the fault, so the fault caused the violation.
     pub caused: bool,
 }
 
-/// How many tries making a sequence shorter may take.
+/// Maximum number of tries to shorten a sequence.
 const SHRINK_BUDGET: u32 = 2_000;
 
-/// Looks for a fault on the model that shows it; what has to be allowed is done where the fault needs it.
+/// Searches for a fault on the model that shows it. Touches that the fault needs are allowed.
 ///
 /// # Errors
 /// [`FuzzError`] if the device can't be reached.
@@ -70,12 +70,12 @@ pub fn detect(fault: Fault, seed: u64, limit: Limit) -> Result<Trial, FuzzError>
     Ok(Trial { fault, seed, found: Some(Detected { found, elapsed, caused: violation.is_none() }), exchanges })
 }
 
-/// The node-ID of the model as delivered, or that which one without gets.
+/// The node-ID of the model as delivered, or the lowest if it is delivered without one.
 fn node_of(model: &Model) -> NodeId {
     model.default_node().unwrap_or(NodeId::MIN)
 }
 
-/// Fuzzes a model until its first violation. `go_on` is asked with the number of frames sent.
+/// Fuzzes a model until its first violation. `go_on` gets the number of frames sent.
 ///
 /// # Errors
 /// [`FuzzError`] if the device can't be reached.
@@ -106,7 +106,7 @@ pub fn fuzz(
 pub struct FuzzedFault {
     /// The fault.
     pub fault: Fault,
-    /// One for each seed.
+    /// One trial for each seed.
     pub trials: Vec<Trial>,
 }
 
@@ -115,55 +115,56 @@ pub struct FuzzedFault {
 pub struct Table {
     /// One row for each fault.
     pub rows: Vec<FuzzedFault>,
-    /// Within this time every seed has to find a fault.
+    /// Time within which every seed has to find each fault.
     pub limit: Duration,
 }
 
 impl FuzzedFault {
-    /// What was found, by seed.
+    /// The violations found, by seed.
     pub fn found(&self) -> impl Iterator<Item = &Detected> {
         self.trials.iter().filter_map(|trial| trial.found.as_ref())
     }
 
-    /// Whether every seed found it in time, with a sequence that comes back, and not without the fault.
+    /// Whether every seed found the fault in time, with a sequence that is confirmed and shows nothing without the
+    /// fault.
     pub fn is_good(&self, limit: Duration) -> bool {
         let is_good = |detected: &Detected| detected.found.confirmed && detected.caused && detected.elapsed <= limit;
         self.trials.iter().all(|trial| trial.found.as_ref().is_some_and(is_good))
     }
 
-    /// The time to find it, with the usual seed.
+    /// The median time to find the fault over the seeds.
     pub fn median_time(&self) -> Option<Duration> {
         median(self.found().map(|detected| detected.elapsed).collect())
     }
 
-    /// The time to find it, with the least lucky seed.
+    /// The longest time to find the fault over the seeds.
     pub fn longest_time(&self) -> Option<Duration> {
         self.found().map(|detected| detected.elapsed).max()
     }
 
-    /// The frames of the usual minimal sequence.
+    /// The median number of frames of the shortened sequences.
     pub fn median_frames(&self) -> Option<usize> {
         median(self.found().map(|detected| detected.found.sequence.stimuli.len()).collect())
     }
 
-    /// The frames of the longest minimal sequence.
+    /// The largest number of frames of the shortened sequences.
     pub fn most_frames(&self) -> Option<usize> {
         self.found().map(|detected| detected.found.sequence.stimuli.len()).max()
     }
 }
 
 impl Table {
-    /// The time to find a fault: the median over faults and seeds.
+    /// The median time to find a fault over faults and seeds.
     pub fn median_time(&self) -> Option<Duration> {
         median(self.rows.iter().flat_map(FuzzedFault::found).map(|detected| detected.elapsed).collect())
     }
 
-    /// The longest time of all.
+    /// The longest time to find a fault over faults and seeds.
     pub fn longest_time(&self) -> Option<Duration> {
         self.rows.iter().filter_map(FuzzedFault::longest_time).max()
     }
 
-    /// The frames of a minimal sequence: the median over faults and seeds.
+    /// The median number of frames of a shortened sequence over faults and seeds.
     pub fn median_frames(&self) -> Option<usize> {
         median(
             self.rows
@@ -174,13 +175,13 @@ impl Table {
         )
     }
 
-    /// The frames of the longest minimal sequence of all.
+    /// The largest number of frames of a shortened sequence over faults and seeds.
     pub fn most_frames(&self) -> Option<usize> {
         self.rows.iter().filter_map(FuzzedFault::most_frames).max()
     }
 }
 
-/// The lower one of the two in the middle.
+/// The median; the lower of the two middle values if their number is even.
 fn median<T: Ord + Copy>(mut values: Vec<T>) -> Option<T> {
     values.sort_unstable();
     values.get(values.len().checked_sub(1)? / 2).copied()

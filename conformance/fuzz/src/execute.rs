@@ -1,4 +1,4 @@
-//! Runs one sequence and holds every frame against the reference models.
+//! Runs sequences and checks every frame against the reference models.
 
 mod history;
 mod known;
@@ -45,58 +45,59 @@ pub(super) struct Executor {
     time: TimeLimit,
 }
 
-/// What is known of the device between two sequences.
+/// The condition of the device between two sequences.
 #[derive(Debug)]
 struct Condition {
-    /// Where the last sequence has left it.
+    /// The state in which the last sequence has left the device.
     left: Left,
-    /// Sequences since the last start.
+    /// Number of sequences since the last start.
     in_a_row: u32,
-    /// What the last start has not brought back.
+    /// Objects that the last start has not brought back to their power-on values.
     kept: Vec<Kept>,
-    /// The last sequence has not begun: the device was not at rest before it, and has shown so.
+    /// Whether the device is still being brought to rest, so that the next sequence has not begun. A violation then has
+    /// another cause than the sequence.
     is_between: bool,
 }
 
-/// How a sequence is run.
+/// How a sequence begins, and how long the fuzzer waits after each frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Pace {
-    /// From a start, and after each frame there is time for an answer that must not come.
+    /// The sequence begins with a start, and each frame is followed by enough time to see an answer that must not come.
     Careful,
-    /// On a device that goes on: from where the last sequence has left it, if that is known, and with the next frame at
-    /// once where an answer too many would come before the next answer.
+    /// On a live device the sequence begins in the state that the last one has left, if that is known. The next frame
+    /// follows at once if an excess answer would come before the answer to this next frame.
     Swift,
 }
 
-/// Where a sequence has left the device.
+/// The state in which a sequence has left the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Left {
-    /// Where the next one can begin.
+    /// At rest: the next sequence can begin.
     AtRest,
-    /// Where the next one can begin once the device has said what it holds.
+    /// The next sequence can begin after the fuzzer has read the device's state and values.
     Recoverable,
-    /// Where only a reset helps.
+    /// Unknown: only a reset helps.
     Unknown,
 }
 
-/// How a sequence ended.
+/// The result of a sequence.
 #[derive(Debug)]
 pub(super) enum Ended {
-    /// All properties hold, or nothing can be said.
+    /// All properties hold, or nothing can be judged.
     Well,
-    /// One does not hold.
+    /// A property does not hold.
     Violation(Violation),
-    /// The device was lost before the sequence: the reset did not bring it back. `dead`: nor did further ones.
+    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not either.
     Lost { violation: Violation, dead: bool },
 }
 
-/// What a server violates that can't be read any more.
+/// The violation of a server that can't be read any more.
 const WEDGED: (Property, &str) = (Property::Responsive, "canonical read");
 
-/// The rule that a device breaks that does nothing any more.
+/// The rule that a device violates if it does nothing any more.
 pub(super) const DEATH: &str = "device death";
 
-/// The rule that a device breaks that one reset does not bring back.
+/// The rule that a device violates if it comes back only after a further reset.
 const REVIVED: &str = "reset after a sequence";
 
 /// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the bus.
@@ -109,11 +110,12 @@ const MOST_IN_A_ROW: u32 = 64;
 /// An answer is slow if it takes this multiple of the time after which the device counts as silent.
 const SLOW_ANSWER: u64 = 25;
 
-/// Maximum number of slow answers of a kind that are waited for and judged; the client aborts the other transfers.
+/// Maximum number of slow answers of one kind that are awaited and judged. After that the client aborts the transfer
+/// instead.
 const MOST_SLOW: u32 = 2;
 
-/// Maximum wait for silence where others keep the bus busy, as a multiple of the time after which the device counts as
-/// silent.
+/// Maximum wait for silence while other nodes keep the bus busy, as a multiple of the time after which the device
+/// counts as silent.
 const MOST_QUIET: u64 = 10;
 
 /// Wait for an optional answer of a device that is not reset between sequences, as a multiple of the time after which
@@ -123,25 +125,26 @@ const LATE_ANSWER: u64 = 3;
 /// Maximum number of frames that wait for their answers.
 const LATELY: usize = 8;
 
-/// Wait for an answer that was missing before, as a multiple of the time after which the device counts as silent:
-/// twelve times the usual time of an answer, and more.
+/// Wait for an answer that was missing before, as a multiple of the time after which the device counts as silent. It is
+/// at least twelve times the usual time of an answer.
 const MISSING_ANSWER: u64 = 6;
 
-/// Whether an answer to that frame that must not come is wrong whenever it comes: servers and slaves answer one request
-/// after the other, and the models of SDO and LSS don't mix them up. What other frames do, the next one may meet half done.
+/// Whether a forbidden answer to the frame is recognised however late it comes. Servers and slaves answer one request
+/// after the other, and the models of SDO and LSS don't mix them up. Other frames may still take effect while the next
+/// one comes.
 fn shows_late(frame: &Frame) -> bool {
     let is_request = |id| matches!(id, 0x600..=0x67F | lss::MASTER_CAN_ID);
     frame.id().as_standard().is_none_or(|id| is_request(id) && !frame.is_remote())
 }
 
-/// What a panic says.
+/// The text of a panic.
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
     format!("its program panicked: {}", text.unwrap_or("without a word"))
 }
 
-/// Whether a frame lets the devices change to another bit rate at once. A live bus would be lost, as nobody follows them
-/// there; the command of LSS and of LMT is the same.
+/// Whether a frame makes the devices change to another bit rate at once. The connection to a live bus would be lost,
+/// because the other nodes don't follow. LSS and LMT have the same command.
 fn activates(frame: &Frame) -> bool {
     frame.cob_id() == Some(lss::MASTER_CAN_ID) && frame.data().first() == Some(&0x15)
 }
@@ -154,7 +157,7 @@ enum Stop {
         dead: bool,
     },
     Bus(BusError),
-    /// The run is over.
+    /// The time of the run is over.
     Time,
 }
 
@@ -185,8 +188,8 @@ impl Executor {
         }
     }
 
-    /// Runs a sequence; the first property that does not hold ends it. `keep`: with its frames. If the way to the bus was
-    /// interrupted meanwhile, nothing is judged, and the sequence is run again.
+    /// Runs a sequence until its end or its first violation. `keep`: keep its frames. If the connection to the bus was
+    /// interrupted meanwhile, nothing is judged and the sequence is run again.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -203,7 +206,7 @@ impl Executor {
             if ended.is_ok() && !is_interrupted(stand, &before) {
                 return ended;
             }
-            // How long an interruption was says nothing about the device.
+            // The duration of an interruption says nothing about the device.
             (self.tally.unjudged, self.tally.spent) = (unjudged + 1, spent);
             (self.condition.left, self.history.was_interrupted) = (Left::Unknown, true);
             ended?;
@@ -231,7 +234,7 @@ impl Executor {
             self.condition.left = Left::Unknown;
         }
         let is_begun = Cell::new(self.condition.left != Left::Unknown);
-        // A device in this process can panic. What is left of it is not used any more: the next start makes it anew.
+        // A device in this process can panic. Its remains are not used any more; the next start makes a new device.
         let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(stand, sequence, &is_begun)));
         let ended = ended.unwrap_or_else(|panic| {
             let violation = self.death(DEATH, "a device that lives", &panicked(&*panic));
@@ -249,7 +252,7 @@ impl Executor {
         }
     }
 
-    /// On a live device the end of a run does not wait for that of a sequence.
+    /// On a live device the end of a run does not wait for the end of a sequence.
     fn in_time(&self, stand: &dyn TestStand) -> Result<(), Stop> {
         if !stand.is_repeatable() && self.time.is_over() { Err(Stop::Time) } else { Ok(()) }
     }
@@ -262,7 +265,7 @@ impl Executor {
         self.in_time(stand)?;
         let before = stand.bus().health();
         let goes_on = match std::mem::replace(&mut self.condition.left, Left::Unknown) {
-            // What is to be shown again must not come from where the try before has ended.
+            // A violation that is being shown again must not begin in the state that the try before has left.
             Left::AtRest if !self.known.presumes() => true,
             Left::AtRest | Left::Recoverable if !self.is_recovery_faster() => false,
             Left::AtRest | Left::Recoverable => {
@@ -279,7 +282,7 @@ impl Executor {
             is_begun.set(true);
         }
         if is_interrupted(stand, &before) {
-            // The device may not have got the reset.
+            // The device may not have received the reset.
             return Ok(());
         }
         self.history.begin(0);
@@ -290,7 +293,7 @@ impl Executor {
         if let Err(Stop::Violation(_)) = &ended
             && is_troubled(stand, &before)
         {
-            // Frames are missing that the device may have sent.
+            // The device may have sent frames that were lost here.
             self.tally.unjudged += 1;
             return Ok(());
         }
@@ -302,11 +305,11 @@ impl Executor {
         ended
     }
 
-    /// Brings the device to its start, with the values of power-on.
+    /// Starts the device with its power-on values.
     fn start(&mut self, stand: &mut dyn TestStand, start: Start) -> Result<(), Stop> {
         let begun = stand.bus().now();
         let ended = self.bring_to_start(stand, start);
-        // A simulated device begins at a new time.
+        // The clock of a simulated device begins anew with each start.
         self.tally.spent.add(Cause::Start, stand.bus().now().since(begun));
         ended
     }
@@ -316,7 +319,7 @@ impl Executor {
         self.history.start(is_repeatable);
         self.condition.in_a_row = 0;
         if !is_repeatable && self.knowledge.services.boot_up_message && self.oracle.is_booting() {
-            // Its boot-up message would be taken for that of the next reset.
+            // The pending boot-up message would be taken for the one of the next reset.
             wait_for_boot_up(stand.bus(), self.knowledge.node, self.knowledge.patience.boot)?;
         }
         let health = stand.bus().health();
@@ -350,48 +353,48 @@ impl Executor {
     /// # Errors
     /// [`BusError`] if the bus fails.
     pub fn restart(&mut self, stand: &mut dyn TestStand) -> Result<Ended, BusError> {
-        // A run whose time is over leaves the device as it was found all the same.
+        // The reset also happens after the end of the run's time, so that the device is left as it was found.
         let time = std::mem::take(&mut self.time);
         let ended = self.run(stand, &Sequence::default(), Pace::Careful, true);
         self.time = time;
         ended
     }
 
-    /// The next sequence begins with a reset, wherever the last one has left the device.
+    /// Makes the next sequence begin with a reset, whatever state the last one has left.
     pub const fn forget_rest(&mut self) {
         self.condition.left = Left::Unknown;
     }
 
-    /// A sequence has shown something that did not come back: an answer may have come later than was waited for, or the
-    /// device may serve later frames before earlier ones. Silence has to last longer for a while, and where that goes on, it
-    /// is waited for after each frame.
+    /// Handles a violation that did not come back: an answer may have come too late, or the device may serve later
+    /// frames before earlier ones. Silence has to last longer for a while. If this happens again and again, the fuzzer
+    /// waits for silence after each frame.
     pub fn distrust(&mut self, property: Property) {
         self.tally.unjudged += 1;
         self.waits.trusts.doubt(property, self.knowledge.patience.answer);
     }
 
-    /// Whether the device serves what comes first first, as far as it has shown: then an answer to a later request says that
-    /// earlier frames have done what they do.
+    /// Whether the device has so far served frames in their order. Then the answer to a later request proves that
+    /// earlier frames have taken effect.
     pub const fn is_in_order(&self, property: Property) -> bool {
         self.waits.trusts.is_in_order(property)
     }
 
-    /// What the last start has not brought back.
+    /// Objects that the last start has not brought back to their power-on values.
     pub fn kept(&self) -> &[Kept] {
         &self.condition.kept
     }
 
-    /// Whether the last sequence has not begun: the device was not at rest before it, and has shown so.
+    /// Whether the last sequence has not begun because the device was still being brought to rest.
     pub const fn is_between(&self) -> bool {
         self.condition.is_between
     }
 
-    /// What is known of the device.
+    /// The knowledge of the device.
     pub fn knowledge(&self) -> &Knowledge {
         &self.knowledge
     }
 
-    /// The device does nothing any more.
+    /// The violation of a device that does nothing any more.
     fn death(&self, rule: &'static str, expected: &str, actual: &str) -> Violation {
         Violation {
             property: Property::Alive,
@@ -443,14 +446,14 @@ impl Executor {
         self.probe(stand)
     }
 
-    /// PROP-01: whatever came before, 1000h can be read.
+    /// PROP-01: 1000h can be read after any sequence.
     fn probe(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         self.waits.followed = true;
         if !self.oracle.serves_sdo() {
             return Ok(());
         }
         if self.oracle.is_in_blocks() {
-            // There a request to read can't be distinguished from a segment.
+            // In a block download a request to read can't be distinguished from a segment.
             self.step(stand, &Stimulus::settle(self.requests.abort))?;
         }
         self.waits.probing = true;
@@ -483,12 +486,12 @@ impl Executor {
     }
 }
 
-/// Whether frames were lost on this machine, or the bus was interrupted, since then.
+/// Whether frames were lost on this machine, or the bus was interrupted, since `before`.
 fn is_troubled(stand: &mut dyn TestStand, before: &Health) -> bool {
     stand.bus().health().since(before).lost > 0 || is_interrupted(stand, before)
 }
 
-/// Whether the way to the bus was interrupted since then, or is so all the while.
+/// Whether the connection to the bus was interrupted since `before`, or still is.
 pub(super) fn is_interrupted(stand: &mut dyn TestStand, before: &Health) -> bool {
     let since = stand.bus().health().since(before);
     since.interruptions > 0 || since.interrupted_since.is_some()

@@ -1,4 +1,4 @@
-//! What the fuzzer knows of a device before it begins: its dictionary, its services, its values after power-on.
+//! The knowledge of a device before the first sequence: its dictionary, services and power-on values.
 
 use super::profile::{self, Profile};
 use canvass_analyzer::dictionary::names::{self, Role};
@@ -11,95 +11,96 @@ use canvass_device::models::Sheet;
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
-/// A device as the fuzzer knows it.
+/// The knowledge of a device.
 #[derive(Clone, Debug)]
 pub struct Knowledge {
-    /// Its node-ID.
+    /// The node-ID of the device.
     pub node: NodeId,
-    /// LSS address: 1018h:01 to 04; `None` where it could not be found out.
+    /// The LSS address: 1018h:01 to 04. `None` if it is not known.
     pub address: Option<[u32; 4]>,
-    /// LMT address, of a device with LMT.
+    /// The LMT address; `None` if the device has no LMT.
     pub lmt: Option<LmtAddress>,
-    /// What it can do.
+    /// The supported services and their variants.
     pub services: Services,
-    /// How long to wait.
+    /// Waiting times for the device.
     pub patience: Patience,
     entries: Vec<Known>,
-    /// The profiles that it may have.
+    /// The profiles that the device may have.
     profiles: Vec<&'static dyn Profile>,
-    /// The indexes of the communication parameters of its RPDOs.
+    /// The indexes of the RPDO communication parameters.
     pub rpdos: Vec<u16>,
-    /// CAN-IDs of frames that come by themselves: of other nodes, of an SDO client of the device, of its application.
+    /// CAN-IDs of frames that are sent unasked: by other nodes, by an SDO client of the device, by its application.
     pub bystanders: BTreeSet<u16>,
 }
 
 /// The address of an LMT slave.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LmtAddress {
-    /// Of all devices of the model.
+    /// The manufacturer name, common to all devices of the model.
     pub manufacturer_name: Seven,
-    /// Of all devices of the model.
+    /// The product name, common to all devices of the model.
     pub product_name: Seven,
-    /// Of this device; `None`: not known.
+    /// The serial number of this device. `None` if it is not known.
     pub serial_number: Option<Seven>,
 }
 
-/// What a device can do; `None` where nobody has said.
+/// The services of a device. `None` in a field: not described.
 #[derive(Clone, Debug)]
 pub struct Services {
-    /// It sends a boot-up message after initialisation.
+    /// The device sends a boot-up message after initialisation.
     pub boot_up_message: bool,
-    /// It has an LSS slave.
+    /// The device has an LSS slave.
     pub lss: Option<bool>,
-    /// LSS does not work in operational.
+    /// The LSS slave does not work in operational.
     pub lss_not_in_operational: bool,
-    /// It answers Fastscan.
+    /// The LSS slave answers Fastscan.
     pub fastscan: Option<bool>,
-    /// It answers the inquiry services of LSS.
+    /// The LSS slave answers the inquiry services.
     pub lss_inquiry: Option<bool>,
-    /// A node-ID that LSS configured acts when the slave leaves configuration, by a restart; else at the next reset.
+    /// A node-ID configured by LSS takes effect by a restart when the slave leaves configuration state; otherwise it
+    /// takes effect at the next reset.
     pub lss_restarts: Option<bool>,
-    /// It has an LMT slave, whose frames have the CAN-IDs of LSS.
+    /// The device has an LMT slave, which uses the CAN-IDs of LSS.
     pub lmt: bool,
-    /// The rows of table 0 that configure bit timing of LMT accepts.
+    /// The rows of table 0 that the LMT service "configure bit timing" accepts.
     pub lmt_bit_rates: Vec<u8>,
-    /// TPDOs that are filled up to eight bytes, by their number from 1.
+    /// Numbers from 1 of the TPDOs that are padded to eight bytes.
     pub padded_tpdos: Vec<u16>,
-    /// The rows of table 0 that configure bit timing accepts.
+    /// The rows of table 0 that the LSS service "configure bit timing" accepts.
     pub lss_bit_rates: Option<Vec<u8>>,
-    /// Reset communication brings the values of the whole dictionary back.
+    /// Reset communication sets the whole dictionary to its power-on values.
     pub reset_communication_loads_all: bool,
-    /// Objects whose values act, and are checked, only when they are stored.
+    /// Objects whose values take effect, and are checked, only when they are stored.
     pub acts_when_stored: Vec<Multiplexer>,
-    /// It answers node guarding.
+    /// The device answers node guarding.
     pub guarding: Option<bool>,
-    /// It knows SDO block transfers.
+    /// The SDO server supports block transfers.
     pub block_transfer: Option<bool>,
-    /// Objects whose writing changes node-ID, bit rate or what is stored.
+    /// Objects that change the node-ID, the bit rate or stored values when they are written.
     pub bus_objects: Vec<Multiplexer>,
-    /// The object that stores them.
+    /// The object that stores the values of [`Services::bus_objects`].
     pub bus_save_object: Option<Multiplexer>,
-    /// Values act and persist at once: writing them wears the memory out.
+    /// Objects whose values persist at once, so that each write wears the memory out.
     pub persist_at_once: Vec<Multiplexer>,
 }
 
 /// How long the fuzzer waits for the device.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// For an answer that must come.
+    /// Maximum time of an answer that must come.
     pub answer: Duration,
-    /// Where nothing may come.
+    /// Time without an answer after which the device counts as silent.
     pub quiet: Duration,
-    /// From a reset to the boot-up message.
+    /// Maximum time from a reset to the boot-up message.
     pub boot: Duration,
-    /// By how much times may be off that are measured here: timers tick in milliseconds, and the computer that
-    /// measures them is late sometimes.
+    /// Tolerance of times measured here. Device timers tick in milliseconds, and the measuring computer is sometimes
+    /// late.
     pub jitter: Duration,
 }
 
 impl Patience {
-    /// For a device whose answers, and whose last start, took so long. Silence lasts by what nine of ten answers took: a
-    /// single late one is the host's, and is noticed where it matters.
+    /// The patience for a device with these measured times of answers and of its last start. The time of silence
+    /// depends on the fastest nine of ten answers: a single late one is usually due to the host.
     pub fn measured(self, mut answers: Vec<Duration>, restart: Duration) -> Self {
         answers.sort_unstable();
         let slowest = answers.last().copied().unwrap_or_default();
@@ -113,9 +114,9 @@ impl Patience {
     }
 }
 
-/// What is added to twice the usual time of an answer.
+/// Maximum time added to twice the usual time of an answer.
 const LEAST_QUIET: Duration = Duration::from_millis(1);
-/// A device that boots at once is given that time all the same.
+/// Minimum time for booting, even of a device that boots at once.
 const LEAST_BOOT: Duration = Duration::from_secs(1);
 
 impl Default for Patience {
@@ -133,40 +134,41 @@ impl Default for Patience {
 /// An object of the dictionary.
 #[derive(Clone, Debug)]
 pub struct Known {
-    /// Its address.
+    /// The address of the object.
     pub at: Multiplexer,
-    /// Its type.
+    /// The data type of the object.
     pub data_type: DataType,
-    /// The length of values in bytes, where it is fixed.
+    /// The length of values in bytes, if it is fixed.
     pub size: Option<usize>,
-    /// It can be read.
+    /// The object can be read.
     pub readable: bool,
-    /// It can be written.
+    /// The object can be written.
     pub writable: bool,
-    /// It never changes.
+    /// The value never changes.
     pub constant: bool,
     /// Lowest and highest value.
     pub limits: (Option<i128>, Option<i128>),
-    /// What was written is what is read, until somebody writes it again.
+    /// A written value stays until the object is written again.
     pub stable: bool,
-    /// It keeps what was written over a reset.
+    /// A written value survives a reset.
     pub persists: bool,
-    /// What it does when it is written: no value of it is put back.
+    /// The action that writing the object triggers. The fuzzer writes no value of such an object back.
     pub acting: Option<Acting>,
-    /// It is the timer that a device profile has for a TPDO.
+    /// The object is the event timer that a device profile defines for a TPDO.
     pub is_event_timer: bool,
-    /// It can be mapped into a TPDO.
+    /// The object can be mapped into a TPDO.
     pub tpdo_mappable: bool,
-    /// How many bytes a value of variable length usually has.
+    /// Typical length in bytes of a value of variable length.
     pub usual_length: usize,
     /// The value after power-on, for types of up to eight bytes.
     pub power_on: Option<u64>,
-    /// That value was read from the device, where it may have been stored; else it is that of the description.
+    /// Whether the power-on value was read from the device, where it may have been stored, and not taken from the
+    /// description.
     pub was_read: bool,
 }
 
 impl Knowledge {
-    /// What description and sheet say.
+    /// The knowledge from the description and the device sheet.
     pub fn new(node: NodeId, description: Option<&DeviceDescription>, sheet: Option<&Sheet>) -> Self {
         let entries: Vec<Known> = description
             .map(|description| {
@@ -197,7 +199,7 @@ impl Knowledge {
         for known in &mut knowledge.entries {
             known.acting = manual.acting(known.at, description);
             known.persists = stores_by_itself || knowledge.services.persist_at_once.contains(&known.at);
-            // Node-ID and bit rate are what LSS, switches or the last start made them.
+            // LSS, switches or the last start determine node-ID and bit rate.
             known.stable &= !knowledge.services.bus_objects.contains(&known.at);
         }
         if let Some(sheet) = sheet {
@@ -211,12 +213,12 @@ impl Knowledge {
         knowledge
     }
 
-    /// Whether the dictionary is known at all.
+    /// Whether the dictionary is known.
     pub fn is_described(&self) -> bool {
         !self.entries.is_empty()
     }
 
-    /// The profiles that it may have: its own, or all where nobody knows it.
+    /// The profiles that the device may have: its own, or all if its profile is not known.
     pub fn profiles(&self) -> &[&'static dyn Profile] {
         &self.profiles
     }
@@ -226,7 +228,7 @@ impl Knowledge {
         &self.entries
     }
 
-    /// The number of that object in [`Knowledge::entries`].
+    /// The position of an object in [`Knowledge::entries`].
     pub fn position(&self, at: Multiplexer) -> Option<usize> {
         self.entries.binary_search_by_key(&at, |known| known.at).ok()
     }
@@ -236,8 +238,8 @@ impl Knowledge {
         self.position(at).and_then(|found| self.entries.get(found))
     }
 
-    /// Whether writing that object moves the zero point of a position or an angle. A device that nobody has described may have any
-    /// profile.
+    /// Whether writing the object moves the zero point of a position or an angle. A device without a description may
+    /// have any profile.
     pub fn moves_zero_point(&self, at: Multiplexer) -> bool {
         let acting = match self.is_described() {
             true => self.entry(at).and_then(|known| known.acting),
@@ -246,13 +248,13 @@ impl Knowledge {
         acting == Some(Acting::MovesZeroPoint)
     }
 
-    /// Whether there is an object with that index.
+    /// Whether the dictionary contains the index.
     pub fn has_index(&self, at: Multiplexer) -> bool {
         let first = self.entries.partition_point(|known| known.at.index < at.index);
         self.entries.get(first).is_some_and(|known| known.at.index == at.index)
     }
 
-    /// Takes over what was read from the device after power-on.
+    /// Sets the power-on value of an object as read from the device.
     pub fn learn(&mut self, at: Multiplexer, raw: u64) {
         if let Some(found) = self.position(at) {
             (self.entries[found].power_on, self.entries[found].was_read) = (Some(raw), true);
@@ -305,7 +307,7 @@ impl Services {
     }
 }
 
-/// Objects whose reading differs from what was written, by their purpose.
+/// Whether the value read differs from the value written by the purpose of the object.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
     matches!(at.index.0, object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
@@ -361,7 +363,7 @@ impl Known {
         })
     }
 
-    /// Whether a number lies within the limits.
+    /// Whether a value lies within the limits.
     pub fn in_limits(&self, raw: u64) -> bool {
         let Some(value) = Value::from_raw(self.data_type, raw).and_then(|value| value.as_number()) else { return true };
         self.limits.0.is_none_or(|low| value >= low) && self.limits.1.is_none_or(|high| value <= high)

@@ -1,5 +1,5 @@
-//! What the device itself says before the first sequence: its values, its optional services, how fast it is, and what is
-//! on the bus beside it.
+//! Reads from the device before the first sequence: its values, its optional services and its response times. It also
+//! finds the frames of other nodes on the bus.
 
 use super::baseline;
 use super::execute::is_interrupted;
@@ -18,21 +18,21 @@ use std::ops::RangeInclusive;
 /// Whether the device answered an SDO request at all.
 pub(super) type Answers = bool;
 
-/// The longest value that comes in one frame.
+/// Maximum length in bytes of a value in an expedited transfer.
 const EXPEDITED: usize = 4;
 
 /// Time for which the fuzzer listens to messages that the device sends unasked.
 const LISTEN: Duration = Duration::from_millis(600);
 
-/// The first answer may take that long: nobody knows yet how slow the device is.
+/// Time for the first answer, when the speed of the device is not known yet.
 const FIRST_ANSWER: Duration = Duration::from_secs(5);
 
 /// Maximum number of attempts to read the device if each is interrupted on the way to the bus.
 const MOST_INTERRUPTED: u32 = 5;
 
-/// Reads what the device holds after power-on: its identity, and every number of its dictionary. `lss`: and what it knows
-/// of LSS, for which all slaves of the bus are switched to configuration and back. If the way to the bus was interrupted
-/// meanwhile, all is read again.
+/// Reads the values after power-on: the identity and every number of the dictionary. `lss`: also finds the optional
+/// services of LSS, for which all slaves on the bus are switched to configuration state and back. If the connection to
+/// the bus was interrupted meanwhile, everything is read again.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
@@ -108,7 +108,7 @@ fn learn_once(
     Ok(true)
 }
 
-/// 1018h:01 to 04, where all of them are there.
+/// Reads 1018h:01 to 04; `None` if one of them is missing.
 fn address(bus: &mut dyn Bus, node: NodeId, answer: Duration) -> Result<Option<[u32; 4]>, BusError> {
     let mut address = [0; 4];
     for (sub, part) in (1..).zip(&mut address) {
@@ -120,7 +120,7 @@ fn address(bus: &mut dyn Bus, node: NodeId, answer: Duration) -> Result<Option<[
     Ok(Some(address))
 }
 
-/// What comes without being asked for, and is not of the device's predefined connections.
+/// Finds CAN-IDs of frames that are sent unasked and don't belong to the device's predefined connection set.
 fn listen(bus: &mut dyn Bus, knowledge: &mut Knowledge) -> Result<(), BusError> {
     let own = u16::from(knowledge.node.raw());
     let deadline = bus.now() + LISTEN;
@@ -134,7 +134,7 @@ fn listen(bus: &mut dyn Bus, knowledge: &mut Knowledge) -> Result<(), BusError> 
     Ok(())
 }
 
-/// Inquiry services and Fastscan are optional: whether the slave has them, its first answers tell.
+/// Finds whether the slave supports the optional inquiry services and Fastscan, by its first answers.
 fn learn_lss(stand: &mut dyn TestStand, knowledge: &mut Knowledge) -> Result<(), BusError> {
     let answer = knowledge.patience.answer;
     let bus = stand.bus();
@@ -149,7 +149,7 @@ fn learn_lss(stand: &mut dyn TestStand, knowledge: &mut Knowledge) -> Result<(),
     Ok(())
 }
 
-/// Sends a request of LSS; whether it was answered.
+/// Sends an LSS request. Returns whether it was answered.
 fn dialogue(bus: &mut dyn Bus, answer: Duration, request: lss::Request, is_answered: bool) -> Result<bool, BusError> {
     bus.send(&request.to_frame(lss::MASTER_CAN_ID))?;
     let deadline = bus.now() + if is_answered { answer } else { Duration::from_millis(5) };
@@ -161,7 +161,7 @@ fn dialogue(bus: &mut dyn Bus, answer: Duration, request: lss::Request, is_answe
     Ok(false)
 }
 
-/// Reads a number of up to four bytes; `None`: it can't be read.
+/// Reads a number of up to four bytes. `None` if the object can't be read.
 pub(super) fn read(
     bus: &mut dyn Bus,
     node: NodeId,
@@ -180,7 +180,7 @@ fn value(response: Response, at: Multiplexer) -> Option<u64> {
     }
 }
 
-/// Asks for an object: the response, and how long it took.
+/// Reads an object. Returns the response and its response time.
 pub(super) fn ask(
     bus: &mut dyn Bus,
     node: NodeId,
@@ -190,7 +190,7 @@ pub(super) fn ask(
     request(bus, node, answer, Request::upload(at))
 }
 
-/// Sends a request: the response, and how long it took.
+/// Sends a request. Returns the response and its response time.
 pub(super) fn request(
     bus: &mut dyn Bus,
     node: NodeId,

@@ -1,5 +1,5 @@
-//! What the standard leaves free must be spared by the fuzzer, too: every property on every liberty, alone and in random
-//! combinations.
+//! The fuzzer must accept every liberty that the standard allows. This is tried with all properties on each liberty
+//! alone and on random combinations.
 
 use super::campaign::{Found, FuzzError};
 use super::detection::fuzz;
@@ -10,25 +10,25 @@ use canvass_suite::selftest::{Dice, in_parallel};
 use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 
-/// How much is tried.
+/// The extent of the trial.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Chance {
-    /// The seed of the combinations and of everything that the fuzzer leaves to chance.
+    /// The seed of the combinations and of all random choices of the fuzzer.
     pub seed: u64,
-    /// How many combinations of liberties are fuzzed, beside each liberty alone.
+    /// Number of combinations of liberties, in addition to each liberty alone.
     pub combinations: usize,
-    /// How many exchanges each firmware gets.
+    /// Number of exchanges for each firmware.
     pub exchanges: u64,
 }
 
 impl Chance {
-    /// What `canvass selftest` tries.
+    /// The trial of `canvass selftest`.
     pub const WHOLE: Self = Self { seed: 1, combinations: 200, exchanges: 60_000 };
-    /// Nothing.
+    /// No trial.
     pub const NONE: Self = Self { seed: 1, combinations: 0, exchanges: 0 };
 }
 
-/// What the fuzzer made of liberties.
+/// The results of the fuzzer for liberties.
 #[derive(Clone, Debug, Default)]
 pub struct Sparing {
     /// One row for each liberty, in the order of their definition.
@@ -37,16 +37,16 @@ pub struct Sparing {
     pub combined: Vec<FuzzedLiberties>,
 }
 
-/// What the fuzzer made of a firmware that takes liberties and has no fault.
+/// The result of the fuzzer for a firmware that takes liberties and has no fault.
 #[derive(Clone, Debug)]
 pub struct FuzzedLiberties {
-    /// What it takes.
+    /// The liberties that the firmware takes.
     pub liberties: Liberties,
-    /// The model.
+    /// The id of the model.
     pub model: &'static str,
-    /// Frames after which the answer, or the silence, was judged.
+    /// Number of frames after which the answer, or the silence, was judged.
     pub exchanges: u64,
-    /// What was taken for a violation, though the standard leaves it free.
+    /// Violations that the fuzzer reported, though the standard allows this behaviour.
     pub violations: Vec<Found>,
 }
 
@@ -56,17 +56,17 @@ impl Sparing {
         self.alone.iter().chain(&self.combined)
     }
 
-    /// Whether no liberty was taken for a violation.
+    /// Whether no liberty was reported as a violation.
     pub fn is_good(&self) -> bool {
         self.rows().all(|row| row.violations.is_empty())
     }
 
-    /// How many rows have no violation.
+    /// Number of rows without a violation.
     pub fn spared(&self) -> usize {
         self.rows().filter(|row| row.violations.is_empty()).count()
     }
 
-    /// Exchanges with all firmwares.
+    /// Number of exchanges with all firmwares.
     pub fn exchanges(&self) -> u64 {
         self.rows().map(|row| row.exchanges).sum()
     }
@@ -93,13 +93,13 @@ pub fn run(chance: Chance) -> Result<Sparing, FuzzError> {
     Ok(Sparing { alone: rows(&alone)?, combined: rows(&combined)? })
 }
 
-/// `None` if the liberty's model does not exist.
+/// Fuzzes a model with the liberties. `None` if their model does not exist.
 fn row(liberties: Liberties, seed: u64, exchanges: u64) -> Result<Option<FuzzedLiberties>, FuzzError> {
     let Some(model) = liberties.iter().next().and_then(|liberty| Model::by_id(liberty.model())) else {
         return Ok(None);
     };
     let mut row = FuzzedLiberties { liberties, model: model.id(), exchanges: 0, violations: Vec::new() };
-    // With nothing allowed, as on anybody's device, and with everything.
+    // Once without any touch, as on a device of somebody else, and once with all touches.
     for allow in [BTreeSet::new(), Touch::ALL.into_iter().collect()] {
         let outcome = fuzz(model, liberties, Target::All, &allow, seed, &mut |done| done < exchanges / 2)?;
         row.exchanges += outcome.executions;

@@ -1,4 +1,4 @@
-//! What a frame would touch: nothing is sent that nobody has allowed.
+//! Checks the effects of a frame before it is sent: the user has to allow each touch.
 
 use super::Knowledge;
 use canvass_analyzer::Multiplexer;
@@ -12,9 +12,9 @@ use std::fmt;
 /// Why a frame is not sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Forbidden {
-    /// It would do what has to be allowed by name.
+    /// The frame has an effect that the user has to allow by name.
     Touch(Touch),
-    /// It would replace the device's program: no option allows that.
+    /// The frame would replace the device's program, which no option allows.
     Program,
 }
 
@@ -27,7 +27,7 @@ impl fmt::Display for Forbidden {
     }
 }
 
-/// What that frame would do and nobody has allowed; `None`: it may be sent.
+/// The effect of the frame that the user has not allowed. `None`: the frame may be sent.
 pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     let unless = |touch: Touch| (!allow.contains(&touch)).then_some(Forbidden::Touch(touch));
     let id = frame.cob_id()?;
@@ -49,7 +49,7 @@ pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Opti
         return if is_other { unless(Touch::OtherNodes) } else { None };
     }
     let &[command, low, high, sub, ..] = data else { return None };
-    // Begin of a download, normal or in blocks.
+    // Initiate download or initiate block download.
     if !matches!(command >> 5, 1 | 6) {
         return None;
     }
@@ -57,7 +57,8 @@ pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Opti
     writing(at, knowledge, allow).or_else(|| mapping(at, data, knowledge, allow))
 }
 
-/// What is mapped into an RPDO, a PDO writes. A value that comes in segments is not seen here, and may be anything.
+/// Checks an entry of an RPDO mapping, as a later RPDO writes the mapped object. The value of a segmented download is
+/// not seen here and may be any object.
 fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     if !(0x1600..0x1800).contains(&at.index.0) || at.sub.0 == 0 {
         return None;
@@ -73,7 +74,7 @@ fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTree
     }
 }
 
-/// The same for writing that object.
+/// The effect of writing the object that the user has not allowed. `None`: it may be written.
 pub fn writing(at: Multiplexer, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     let unless = |touch: Touch| (!allow.contains(&touch)).then_some(Forbidden::Touch(touch));
     let services = &knowledge.services;
@@ -95,7 +96,7 @@ mod tests {
     use canvass_analyzer::NodeId;
     use canvass_traces::CanId;
 
-    /// `65 76 61 73` ("save") to 1010h, LSS store and configure, NMT to everybody: only by name.
+    /// `65 76 61 73` ("save") to 1010h, LSS store and configure, and NMT to all nodes have to be allowed by name.
     #[test]
     fn what_wears_or_moves_a_device_is_allowed_by_name() {
         let knowledge = Knowledge::new(NodeId::new(5).unwrap(), None, None);
@@ -116,7 +117,7 @@ mod tests {
             assert_eq!(of(&frame, &knowledge, &BTreeSet::new()), Some(Forbidden::Touch(touch)), "{frame}");
             assert_eq!(of(&frame, &knowledge, &BTreeSet::from([touch])), None, "{frame}");
         }
-        // 1010h:01 by RPDO 1, at once and in segments.
+        // 1010h:01 is mapped into RPDO 1, in an expedited and in a segmented download.
         let mapped = frame(0x605, &[0x23, 0x00, 0x16, 0x01, 0x20, 0x01, 0x10, 0x10]);
         assert_eq!(of(&mapped, &knowledge, &BTreeSet::new()), Some(Forbidden::Touch(Touch::Nvm)));
         let unseen = frame(0x605, &[0x21, 0x00, 0x16, 0x01, 4, 0, 0, 0]);

@@ -1,4 +1,4 @@
-//! A device on a bus that goes on: it is reset where a sequence has to begin anew.
+//! A live device, which is reset at the start of a sequence.
 
 use super::learn::ask;
 use super::stand::{Readiness, TestStand, wait_for_boot_up};
@@ -11,28 +11,29 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, BusError};
 use canvass_traces::Duration;
 
-/// A device on a bus that goes on.
+/// A live device on its bus.
 pub struct Live<'a> {
     bus: &'a mut dyn Bus,
     node: NodeId,
     patience: Patience,
     boot_up_message: bool,
-    /// How long the last start took; `None`: there was none.
+    /// Duration of the last start; `None` before the first.
     restart: Option<Duration>,
     time: TimeLimit,
 }
 
-/// Number of resets of a device without a sign of life before it is given up.
+/// Number of resets without a sign of life after which the device counts as dead.
 const RESETS: u32 = 3;
 
-/// A device that was alive before its first reset is given that time to come back: nobody knows yet how long it takes.
+/// Boot time granted after the first reset to a device that answered before it, when its real boot time is not known
+/// yet.
 const FIRST_BOOT: Duration = Duration::from_secs(15);
 
-/// A boot-up message is waited for this long before an answer is asked for, again and again.
+/// Time to wait for a boot-up message before the device is asked for an answer. Both are repeated.
 const SOON: Duration = Duration::from_secs(1);
 
 impl<'a> Live<'a> {
-    /// The device that `knowledge` is about.
+    /// Resets the device that `knowledge` describes.
     pub fn new(bus: &'a mut dyn Bus, knowledge: &Knowledge) -> Self {
         let boot_up_message = knowledge.services.boot_up_message;
         Self {
@@ -55,7 +56,7 @@ impl<'a> Live<'a> {
         Ok(ask(self.bus, self.node, self.patience.answer, Multiplexer::new(object::DEVICE_TYPE, 0))?.is_some())
     }
 
-    /// Whether the device comes back from a reset.
+    /// Resets the device. Returns whether it comes back.
     fn reset(&mut self, boot: Duration) -> Result<bool, BusError> {
         let reset = Nmt { command: Command::RESET_NODE, node: self.node.raw() };
         let begun = self.bus.now();
@@ -63,14 +64,14 @@ impl<'a> Live<'a> {
         if !self.boot_up_message {
             self.drain(self.patience.quiet)?;
         }
-        // Where there is no boot-up message, or it does not come, an answer is the sign of life.
+        // An answer is the sign of life if the device sends no boot-up message.
         loop {
             let soon = SOON.max(self.patience.quiet).min(boot);
             if self.boot_up_message && wait_for_boot_up(self.bus, self.node, soon)? || self.is_alive()? {
                 self.restart = Some(self.bus.now().since(begun));
                 return Ok(true);
             }
-            // Also where the run's time is over: a device that is still starting is not dead.
+            // This wait does not end with the run's time: a device that is still starting is not dead.
             if self.bus.now() >= begun + boot {
                 return Ok(false);
             }
@@ -90,7 +91,7 @@ impl TestStand for Live<'_> {
         let boot = if is_first && self.is_alive()? { FIRST_BOOT } else { self.patience.boot };
         for attempt in 0..RESETS {
             if self.reset(boot)? {
-                // Late answers to requests of the time before come within the time of the slowest answer.
+                // Late answers to earlier requests come within the time of the slowest answer.
                 self.drain(self.patience.quiet)?;
                 return Ok(if attempt == 0 || is_first { Readiness::Ready } else { Readiness::Revived });
             }

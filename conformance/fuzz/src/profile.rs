@@ -12,10 +12,10 @@ use std::sync::LazyLock;
 
 /// The requirements of a device profile on its devices, written from its standard.
 pub trait Profile: Sync + fmt::Debug {
-    /// Its number, as in the low word of 1000h.
+    /// The number of the profile, as in the low word of 1000h.
     fn number(&self) -> u16;
 
-    /// Its properties.
+    /// The properties of the profile.
     fn properties(&self) -> &'static [&'static ProfileProperty];
 
     /// Checks a value that the device has sent by SDO; `expected` gives the values of other objects, as far as they are
@@ -52,7 +52,7 @@ pub struct Broken {
 
 /// A dialogue under construction.
 pub trait Dialogue {
-    /// The device.
+    /// The knowledge of the device.
     fn knowledge(&self) -> &Knowledge;
 
     /// A random number from 0 to `n` - 1.
@@ -64,7 +64,7 @@ pub trait Dialogue {
     /// A value near the limits of the object, if it is writable.
     fn value_of(&mut self, at: Multiplexer) -> Option<u64>;
 
-    /// Adds a request.
+    /// Adds an SDO request.
     fn ask(&mut self, request: Request);
 }
 
@@ -73,7 +73,7 @@ pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
 
-/// All profiles by number: the order does not depend on the linker.
+/// All profiles, sorted by number so that the order does not depend on the linker.
 static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
     let mut profiles: Vec<_> = inventory::iter::<Registered>.into_iter().map(|registered| registered.0).collect();
     profiles.sort_by_key(|profile| profile.number());
@@ -85,7 +85,7 @@ pub(super) fn all() -> &'static [&'static dyn Profile] {
     &PROFILES
 }
 
-/// The profiles that a device may have: that of its number, or all if the number is unknown.
+/// The profiles that a device may have: the one with its number, or all if the number is unknown.
 pub(super) fn possible(number: Option<u16>) -> Vec<&'static dyn Profile> {
     all().iter().copied().filter(|profile| number.is_none_or(|number| profile.number() == number)).collect()
 }

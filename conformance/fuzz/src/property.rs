@@ -1,4 +1,4 @@
-//! What must hold for every device, whatever is sent to it.
+//! Properties that hold for every device, whatever is sent to it.
 
 use super::profile;
 use std::cmp::Ordering;
@@ -26,7 +26,7 @@ macro_rules! properties {
                 match self { $(Self::$variant => $id,)* Self::OfProfile(property) => property.id }
             }
 
-            /// One line.
+            /// The title in one line.
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$variant => $title,)* Self::OfProfile(property) => property.title }
             }
@@ -92,7 +92,7 @@ properties! {
 pub struct ProfileProperty {
     /// The stable id.
     pub id: &'static str,
-    /// One line.
+    /// The title in one line.
     pub title: &'static str,
     /// What is demanded, why, and how it is judged.
     pub explanation: &'static str,
@@ -112,7 +112,7 @@ impl Property {
     }
 }
 
-/// By id.
+/// Properties are sorted by id.
 impl Ord for Property {
     fn cmp(&self, other: &Self) -> Ordering {
         self.id().cmp(other.id())
@@ -131,7 +131,7 @@ impl fmt::Display for Property {
     }
 }
 
-/// There is no property of that name.
+/// No property has this id.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("no property is called \"{0}\": `canvass list properties` names them")]
 pub struct UnknownProperty(pub String);

@@ -1,57 +1,57 @@
 //! Makes a sequence shorter as long as it still shows the violation.
 //!
-//! Most violations need but the last frames: these alone are tried first, one, two, four and so on, as such tries take the
-//! least time. Then all pauses go at once, so that what follows takes less time. Then whole stretches go, from half of the
-//! sequence down to single frames, until no single frame can be left out. Then stretches become waits: what they did may only
-//! have been to take time. Last, the frames are made plainer, all at once if that can be, else each: waits, and bytes that can
-//! be 0.
+//! Most violations need only the last frames, so these are tried first: one, two, four and so on. These tries take the
+//! least time. Then all pauses are removed at once, so that later tries take less time. Then stretches of frames are
+//! removed, from half of the sequence down to single frames, until no single frame can be left out. Then stretches are
+//! replaced by waits, as their only effect may have been to take time. Last, the frames are made plainer, all at once
+//! if possible, otherwise one by one: waits are shortened, and bytes are set to 0.
 
 use super::stimulus::{Sequence, Stimulus, Then};
 use canvass_traces::{Duration, Frame};
 use proptest::strategy::ValueTree;
 use std::ops::Range;
 
-/// The frames of a dialogue that can only go together, such as a block upload's.
+/// Maximum length of a dialogue whose frames can only be removed together, such as a block upload.
 const DIALOGUE: usize = 4;
 
 /// A sequence and its simpler variants.
 #[derive(Clone, Debug)]
 pub struct SequenceTree {
-    /// The simplest that is known to show the violation.
+    /// The simplest sequence that is known to show the violation.
     best: Sequence,
-    /// The variant that is being tried; `None`: the simplest.
+    /// The variant that is being tried. `None`: the simplest sequence itself.
     variant: Option<Sequence>,
     step: ShrinkStep,
-    /// Something was simplified since the steps began anew.
+    /// A variant was accepted since the steps began anew.
     progress: bool,
 }
 
-/// What is tried next.
+/// The next simplification to try.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ShrinkStep {
-    /// Only that many frames at the end.
+    /// Keep only the last `length` frames.
     Last {
         length: usize,
     },
     /// Wait no longer than needed after each frame.
     NoPauses,
-    /// Leave out that many frames from there on.
+    /// Leave out `length` frames, beginning with frame `from`.
     Remove {
         length: usize,
         from: usize,
     },
-    /// Wait instead of sending that many frames after that one.
+    /// Wait instead of sending `length` frames after frame `from`.
     Wait {
         length: usize,
         from: usize,
     },
     /// Wait no longer than needed after each frame, and set the last four bytes of each to 0.
     Plain,
-    /// Wait no longer than needed after that frame.
+    /// Wait no longer than needed after frame `at`.
     Settle {
         at: usize,
     },
-    /// Set that byte of that frame to 0.
+    /// Set one byte of frame `at` to 0.
     Zero {
         at: usize,
         byte: usize,
@@ -60,7 +60,7 @@ enum ShrinkStep {
 }
 
 impl SequenceTree {
-    /// A sequence that may or may not show something.
+    /// A tree for a sequence whose simpler variants are to be tried.
     pub fn new(sequence: Sequence) -> Self {
         Self { best: sequence, variant: None, step: ShrinkStep::Last { length: 1 }, progress: false }
     }
@@ -75,12 +75,12 @@ impl SequenceTree {
         self.variant.as_ref().unwrap_or(&self.best)
     }
 
-    /// The variant that was to be tried, or the next one; `false` if there is none.
+    /// Returns to the variant that was to be tried, or makes the next one. `false` if there is none.
     pub(super) fn go_on(&mut self) -> bool {
         self.variant.is_some() || self.advance()
     }
 
-    /// Makes the next variant; `false` if there is none.
+    /// Makes the next variant. `false` if there is none.
     fn advance(&mut self) -> bool {
         loop {
             if self.step == ShrinkStep::Done {
@@ -96,7 +96,7 @@ impl SequenceTree {
         }
     }
 
-    /// The best sequence with the present step done, if that changes anything.
+    /// The simplest sequence with the current step applied, if this changes anything.
     fn simpler(&self) -> Option<Sequence> {
         let mut variant = self.best.clone();
         match self.step {
@@ -180,17 +180,17 @@ impl SequenceTree {
         }
     }
 
-    /// Dialogues and single frames once more: what could not be left out before may be superfluous now.
+    /// Begins the steps anew with dialogues and single frames. A frame that was needed before may be superfluous now.
     fn restart(&mut self) -> ShrinkStep {
         self.progress = false;
         ShrinkStep::Remove { length: DIALOGUE, from: 0 }
     }
 
-    /// The step that comes after a variant that showed the violation: what was left out shifts the rest.
+    /// Sets the next step after a variant that showed the violation, considering that frames may have moved up.
     fn accepted(&mut self) {
         self.progress = true;
         match &mut self.step {
-            // What came before the end is gone: a longer end is no use.
+            // The frames before are gone already, so longer ends need no try.
             ShrinkStep::Last { .. } => self.step = ShrinkStep::NoPauses,
             ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
                 *from = from.saturating_sub(stride(*length));
@@ -200,7 +200,7 @@ impl SequenceTree {
     }
 }
 
-/// Waits no longer than needed, and has 0 in the last four of eight bytes.
+/// Sets the shortest wait, and sets the last four of eight bytes to 0.
 fn make_plain(stimulus: &mut Stimulus) {
     stimulus.then = Then::Settle;
     if let Some(frame) = with_zeros(&stimulus.frame, 4..8) {
@@ -208,7 +208,7 @@ fn make_plain(stimulus: &mut Stimulus) {
     }
 }
 
-/// The frame with 0 in these bytes, as far as it has them; `None` for a remote frame.
+/// The frame with 0 in the bytes of the range that it has. `None` for a remote frame.
 fn with_zeros(frame: &Frame, bytes: Range<usize>) -> Option<Frame> {
     if frame.is_remote() {
         return None;
@@ -218,7 +218,7 @@ fn with_zeros(frame: &Frame, bytes: Range<usize>) -> Option<Frame> {
     Frame::new(frame.id(), &data[..length])
 }
 
-/// About how long a frame and what comes of it take.
+/// The approximate time that a frame and its answer take.
 const fn time_of(stimulus: &Stimulus) -> Duration {
     match stimulus.then {
         Then::AtOnce => Duration::from_millis(1),
@@ -227,7 +227,7 @@ const fn time_of(stimulus: &Stimulus) -> Duration {
     }
 }
 
-/// How far apart stretches of a length begin: those of a dialogue are looked for wherever it stands.
+/// The distance between the beginnings of two stretches. Stretches of a dialogue's length may begin at each frame.
 const fn stride(length: usize) -> usize {
     if length <= DIALOGUE { 1 } else { length }
 }
@@ -239,7 +239,7 @@ impl ValueTree for SequenceTree {
         self.tried().clone()
     }
 
-    /// The present variant shows the violation.
+    /// Accepts the current variant, which shows the violation.
     fn simplify(&mut self) -> bool {
         if let Some(variant) = self.variant.take() {
             self.best = variant;
@@ -248,7 +248,7 @@ impl ValueTree for SequenceTree {
         self.advance()
     }
 
-    /// The present variant does not show it.
+    /// Rejects the current variant, which does not show the violation.
     fn complicate(&mut self) -> bool {
         self.advance()
     }
@@ -280,7 +280,7 @@ mod tests {
         tree.best().clone()
     }
 
-    /// Whatever is needed is kept, in its order, and nothing else.
+    /// All needed frames are kept in their order, and no other frame.
     #[test]
     fn what_is_not_needed_goes() {
         let all: Vec<u32> = (0..40).collect();
@@ -298,7 +298,7 @@ mod tests {
         }
     }
 
-    /// What the last frames show alone takes few tries, however long the sequence is.
+    /// If the last frames alone show the violation, few tries are needed, however long the sequence is.
     #[test]
     fn the_end_of_a_long_sequence_is_tried_first() {
         let all: Vec<u32> = (0..800).collect();
@@ -332,10 +332,10 @@ mod tests {
 
     #[test]
     fn pairs_that_need_each_other_stay() {
-        // One alone can't go: 5 and 6 are a request and its follow-up.
+        // Frames 5 and 6 can only be removed together: they are a request and its follow-up.
         let minimal = shrink(sequence(&[1, 5, 6, 9, 5, 6]), |ids| ids.windows(2).any(|pair| pair == [5, 6]));
         assert_eq!(minimal.stimuli.len(), 2);
-        // Nor can a dialogue without its end.
+        // A dialogue can only be removed with its end.
         let dialogue = [1, 2, 3, 4];
         let is_whole = |ids: &[u32]| {
             let starts = ids.iter().filter(|id| **id == 1).count();

@@ -1,34 +1,34 @@
-//! What the time of a run went into: on a bus that goes on waiting decides how much is tried.
+//! The use of the time of a run. On a live bus the waits decide how many sequences are tried.
 
 use canvass_traces::Duration;
 use std::fmt;
 use std::ops::AddAssign;
 
-/// What was waited for.
+/// The reason of a wait.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Cause {
-    /// The start of the device, and values that were read or written back after it.
+    /// The start of the device, and reading or writing back its values after the start.
     Start,
-    /// What a device that has violated something holds, read without a reset.
+    /// Reading the state of a device after a violation, without a reset.
     Recovery,
     /// An answer that came.
     Answer,
     /// An answer that was due and did not come.
     Missing,
-    /// Silence, where nothing was due.
+    /// Silence when no answer was due.
     Silence,
-    /// The answer to a request to read that takes the place of waiting.
+    /// The answer to a request that replaces waiting for silence.
     Question,
     /// A pause of the sequence.
     Pause,
 }
 
 impl Cause {
-    /// All of them.
+    /// All causes.
     pub const ALL: [Self; 7] =
         [Self::Start, Self::Recovery, Self::Answer, Self::Missing, Self::Silence, Self::Question, Self::Pause];
 
-    /// In words.
+    /// The cause in words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Start => "starts",
@@ -42,31 +42,31 @@ impl Cause {
     }
 }
 
-/// How often, and how long, was waited for each.
+/// Number and total duration of the waits for each cause.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Spent {
     waits: [(u64, Duration); Cause::ALL.len()],
 }
 
 impl Spent {
-    /// Another wait.
+    /// Adds a wait.
     pub fn add(&mut self, cause: Cause, time: Duration) {
         let (count, sum) = &mut self.waits[cause as usize];
         *count += 1;
         *sum = *sum + time;
     }
 
-    /// How often was waited for that, and how long in all.
+    /// Number and total duration of the waits for a cause.
     pub const fn of(&self, cause: Cause) -> (u64, Duration) {
         self.waits[cause as usize]
     }
 
-    /// What was waited for in all.
+    /// The total duration of all waits.
     pub fn total(&self) -> Duration {
         self.waits.iter().fold(Duration::ZERO, |total, (_, sum)| total + *sum)
     }
 
-    /// What was waited for since then.
+    /// The waits since `before`.
     #[must_use]
     pub fn since(&self, before: &Self) -> Self {
         let mut waits = self.waits;

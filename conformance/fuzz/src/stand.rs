@@ -1,4 +1,4 @@
-//! Where sequences run: on a device that is new each time, or on one that is reset.
+//! Test stands on which sequences run, with a new simulated device each time or a live device that is reset.
 
 use super::{Knowledge, Patience, Start};
 use canvass_analyzer::NodeId;
@@ -22,35 +22,35 @@ pub trait TestStand {
     /// The bus.
     fn bus(&mut self) -> &mut dyn Bus;
 
-    /// Whether the device can be had without node-ID.
+    /// Whether the stand can provide the device without node-ID.
     fn has_unconfigured(&self) -> bool;
 
-    /// Whether each start is the same to the bit, so that what was seen once is seen again.
+    /// Whether all starts are identical, so that a violation always comes again.
     fn is_repeatable(&self) -> bool;
 
-    /// How long the last start took.
+    /// Duration of the last start.
     fn restart_time(&self) -> Duration {
         Duration::ZERO
     }
 
-    /// Waits as long as that from now on.
+    /// Sets the waiting times from now on.
     fn attune(&mut self, patience: Patience) {
         let _ = patience;
     }
 }
 
-/// What became of an attempt to start.
+/// The result of a start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Readiness {
     /// The device has started.
     Ready,
-    /// It did not come back from the first reset, but from a further one.
+    /// The device did not come back from the first reset, but from a further one.
     Revived,
-    /// It neither boots nor answers any more, also after repeated resets.
+    /// The device neither boots nor answers any more, even after repeated resets.
     Dead,
 }
 
-/// How a simulated device is made.
+/// Makes a simulated device.
 pub type MakeDevice = Box<dyn Fn(Start) -> Box<dyn Machine>>;
 
 /// A simulated bus with a new device for each sequence.
@@ -61,18 +61,18 @@ pub struct Simulated {
     boot: Duration,
     unconfigured: bool,
     bus: SimulatedBus,
-    /// The bus with a device that has just booted, to be had again without booting.
+    /// A bus with a device that has just booted, which is copied instead of booting again.
     booted: Option<SimulatedBus>,
 }
 
 impl Simulated {
-    /// A bus of that bit rate for devices that `make` makes. They have `boot` to boot; `unconfigured`: it can make
-    /// devices without node-ID.
+    /// A bus with the bit rate `bit_rate` for devices that `make` makes. `boot` limits their boot time. `unconfigured`:
+    /// `make` can also make devices without node-ID.
     pub fn new(make: MakeDevice, node: NodeId, bit_rate: u32, boot: Duration, unconfigured: bool) -> Self {
         Self { make, bit_rate, node, boot, unconfigured, bus: SimulatedBus::new(bit_rate), booted: None }
     }
 
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub fn bit_rate(&self) -> u32 {
         self.bit_rate
     }
@@ -108,7 +108,7 @@ impl TestStand for Simulated {
     }
 }
 
-/// Whether the boot-up message came in time.
+/// Waits for the boot-up message. Returns whether it came in time.
 pub(super) fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) -> Result<bool, BusError> {
     let deadline = bus.now() + boot;
     let id = error_control::CAN_ID_BASE + u16::from(node.raw());
@@ -120,9 +120,9 @@ pub(super) fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) 
     Ok(false)
 }
 
-/// A model on a simulated bus, and what its description says.
+/// A model on a simulated bus, and the knowledge from its description.
 ///
-/// `node` is the node-ID that it is given; `bit_rate` in bit/s; `seed` chooses what is left to chance in the device.
+/// `node` is the node-ID of the device. `bit_rate` is in bit/s. `seed` determines the random choices of the device.
 pub fn simulated(
     model: &'static Model,
     node: NodeId,
@@ -133,7 +133,8 @@ pub fn simulated(
     simulated_moving(model, node, firmware.into(), bit_rate, None, seed)
 }
 
-/// The device of a simulated bus's address, and what its description says; its node-ID is `node`, if that is given.
+/// The device of a simulated bus's address with the node-ID `node`, if that is given, and the knowledge from its
+/// description.
 ///
 /// # Errors
 /// [`BusError::Address`] if a file that it names can't be read.
@@ -162,7 +163,7 @@ fn simulated_moving(
     if let Some((known, sheet)) = knowledge.lmt.as_mut().zip(sheet.lmt) {
         known.serial_number = Some(sheet.serial_number);
     }
-    // In virtual time a wait costs nothing but what happens in it; answers come within the sheet's times.
+    // In virtual time a wait costs no real time. Answers come within the times of the device sheet.
     let boot = Duration::from_millis(sheet.timing.boot_ms + 100);
     let response = sheet.timing.sdo_response_us + sheet.timing.sdo_response_jitter_us;
     knowledge.patience = Patience {
@@ -178,7 +179,7 @@ fn simulated_moving(
         }
         device
     };
-    // A clone is cheaper than what the files of a model make.
+    // Cloning a device is cheaper than making it from the files of a model.
     let (configured, unconfigured) = (new(Some(node)), sheet.network.lss.then(|| new(None)));
     let has_unconfigured = unconfigured.is_some();
     let make: MakeDevice = Box::new(move |start| match (start, &unconfigured) {

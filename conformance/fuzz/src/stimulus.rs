@@ -1,24 +1,24 @@
-//! What the fuzzer does to a device: frames, and how long it waits after each.
+//! The input of a device: frames, and the waits between them.
 
 use canvass_traces::{Duration, Frame};
 
-/// A frame and what follows it.
+/// A frame and the wait after it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stimulus {
-    /// The frame that is sent.
+    /// The frame to send.
     pub frame: Frame,
-    /// When the next one follows.
+    /// The wait before the next frame.
     pub then: Then,
 }
 
-/// When the next frame follows.
+/// The wait before the next frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Then {
-    /// Once the device has answered as it must, or the time for that is over.
+    /// Until the device has answered as required, or the time for the answer is over.
     Settle,
-    /// At once: the device gets no time between the two.
+    /// At once: the device gets no time between the two frames.
     AtOnce,
-    /// After that time; frames of the device are judged meanwhile.
+    /// A fixed time, in which frames of the device are judged.
     Pause(Duration),
 }
 
@@ -29,21 +29,21 @@ impl Stimulus {
     }
 }
 
-/// In which condition a sequence finds the device.
+/// The state of the device at the beginning of a sequence.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Start {
     /// With its node-ID, just booted, in pre-operational.
     #[default]
     Configured,
-    /// Without node-ID: only LSS works.
+    /// Without node-ID, so that only LSS works.
     Unconfigured,
 }
 
-/// One try: from a start, one frame after the other.
+/// A try: a start and frames, one after the other.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Sequence {
-    /// How it begins.
+    /// The state in which the sequence begins.
     pub start: Start,
-    /// What is done, in order.
+    /// The frames in their order.
     pub stimuli: Vec<Stimulus>,
 }

@@ -1,7 +1,7 @@
-//! Frames without number, valid and invalid, for a simulated device in every state: it must not panic, not do something
-//! for ever, and work again after it was switched off and on.
+//! Millions of valid and invalid frames for a simulated device in every state. The device must not panic, must not be
+//! busy for ever, and must work again after it was switched off and on.
 //!
-//! Unlike a campaign nothing is judged but that, so that it takes millions of frames in seconds.
+//! Unlike a campaign, a storm judges nothing else, so that it sends millions of frames in seconds.
 
 use super::generate::Dice;
 use canvass_analyzer::object;
@@ -16,45 +16,45 @@ use canvass_device::{Fault, Faults};
 use canvass_traces::{CanId, Duration, Flags, Frame, Timestamp};
 use proptest::test_runner::{RngAlgorithm, TestRng};
 
-/// What a storm was.
+/// The figures of a storm.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Storm {
-    /// Frames that the device was given.
+    /// Number of frames that the device received.
     pub frames: u64,
-    /// Frames that it sent.
+    /// Number of frames that the device sent.
     pub sent: u64,
-    /// Of the frames that it was given, those that it had without a node-ID, in initialisation, in pre-operational, in
-    /// operational, in stopped.
+    /// Number of frames received in each state: without node-ID, in initialisation, in pre-operational, in operational,
+    /// in stopped.
     pub by_state: [u64; 5],
-    /// How often it was switched on.
+    /// Number of times that the device was switched on.
     pub starts: u64,
     /// The time that passed for the device.
     pub time: Duration,
 }
 
-/// A device that came to harm.
+/// A device that failed.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Broken {
-    /// Off and on again, and asked for its device type.
+    /// The device does not answer to its device type after it was switched off and on.
     #[error(
         "{model}: expected an answer to the device type after {frames} frames and power-on, found none (seed {seed})"
     )]
     Silent {
         /// The model.
         model: String,
-        /// The frames until then.
+        /// Number of frames until then.
         frames: u64,
         /// The seed of the storm.
         seed: u64,
     },
-    /// It asked to be woken again and again.
+    /// The device requests a wake-up again and again.
     #[error(
         "{model}: expected that time goes on after {frames} frames, found {WAKES} wake-ups in {pause} (seed {seed})"
     )]
     Restless {
         /// The model.
         model: String,
-        /// The frames until then.
+        /// Number of frames until then.
         frames: u64,
         /// Number of wake-ups.
         wakes: u64,
@@ -67,24 +67,24 @@ pub enum Broken {
 
 /// Number of frames that a device receives before it is switched off and on.
 const EPISODE: u64 = 2_000;
-/// More wake-ups than that have no reason, in any pause and for each of its milliseconds: no timer is finer, but there are
-/// many.
+/// Limits of the number of wake-ups in any pause, and for each of its milliseconds. The device may have many timers,
+/// but none is finer than a millisecond.
 const WAKES: u64 = 1_000;
 const WAKES_PER_MILLISECOND: u64 = 100;
-/// Longer than any device takes to start and to write its memory.
+/// A time longer than any device takes to start and to write its memory.
 const START: Duration = Duration::from_secs(10);
 const USUAL_NODE: u8 = 63;
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// Sends `frames` random frames to a device of this model. The same seed gives the same storm.
 ///
-/// One device of eight has faults of its firmware, in any combination; those may fall silent.
+/// One device in eight has a random combination of faults. Such a device may fall silent.
 ///
 /// # Errors
-/// [`Broken`] with what the device did.
+/// [`Broken`] if the device fails.
 pub fn storm(model: &Model, frames: u64, seed: u64) -> Result<Storm, Broken> {
     let mut bytes = [0; 16];
-    // All zero is the one seed that this algorithm does not take.
+    // This algorithm does not accept a seed of zeros only.
     bytes[..8].copy_from_slice(&(seed | 1 << 63).to_le_bytes());
     let mut rng = TestRng::from_seed(RngAlgorithm::XorShift, &bytes);
     let addresses = model.description().dictionary.entries().map(|(at, _)| at).collect();
@@ -101,11 +101,11 @@ struct Attack<'a> {
     dice: Dice<'a>,
     done: Storm,
     seed: u64,
-    /// The frame before, to be sent again with one byte changed.
+    /// The frame before, which may be sent again with one byte changed.
     last: Option<Frame>,
 }
 
-/// A device and its time.
+/// A device and its current time.
 struct Attacked {
     device: Device,
     now: Timestamp,
@@ -114,13 +114,13 @@ struct Attacked {
 impl Attack<'_> {
     fn episode(&mut self, frames: u64) -> Result<(), Broken> {
         let faults = self.faults();
-        // One of eight has no node-ID, one of eight has faults.
+        // One device in eight has no node-ID, another one has faults.
         let node = if self.done.starts % 8 == 5 { None } else { self.model.default_node().or(NodeId::new(USUAL_NODE)) };
         let motion = Motion::constant(self.dice.number() as i64 >> 20, self.dice.number() as i64 >> 40);
         let device = Device::with_motion(self.model, node, faults, self.dice.number(), &motion);
         let mut attacked = Attacked { device, now: Timestamp::ZERO };
         self.done.starts += 1;
-        // Into one of the states; the frames may change it.
+        // The device enters a random state, which the frames may change.
         let pause = if self.dice.one_in(5) { Duration::from_millis(1) } else { Duration::from_secs(1) };
         self.pass(&mut attacked, pause)?;
         for command in self.dice.one_of([&[][..], &[1], &[1], &[2], &[1, 2], &[0x80]]) {
@@ -154,7 +154,7 @@ impl Attack<'_> {
     fn pause(&mut self, frame: &Frame) -> Duration {
         let is_reset = frame.id().raw() == u32::from(nmt::CAN_ID) && frame.data().first().is_some_and(|&c| c > 0x80);
         match self.dice.below(256) {
-            // Else nearly all frames would find the device in initialisation.
+            // A shorter pause would leave the device in initialisation for nearly all frames.
             _ if is_reset && !self.dice.one_in(8) => Duration::from_millis(500),
             0 => Duration::from_millis(self.dice.below(6_000) as u64),
             1..8 => Duration::from_millis(self.dice.below(50) as u64),
@@ -188,14 +188,14 @@ impl Attack<'_> {
         last
     }
 
-    /// Time passes; the last frame that the device sends in it.
+    /// Lets time pass. Returns the last frame that the device sends meanwhile.
     fn pass(&mut self, attacked: &mut Attacked, pause: Duration) -> Result<Option<Frame>, Broken> {
         let until = attacked.now + pause;
         let mut last = None;
         let most = WAKES + WAKES_PER_MILLISECOND * (pause.nanos() / 1_000_000);
         let mut wakes = 0;
         while let Some(due) = attacked.device.poll_timeout().filter(|due| *due <= until) {
-            // As on a bus: time goes on, whatever a device asks for.
+            // As on a bus, time goes on whatever the device requests.
             attacked.now = due.max(attacked.now + Duration(1));
             attacked.device.handle_timeout(attacked.now);
             last = self.drain(attacked).or(last);
@@ -209,7 +209,7 @@ impl Attack<'_> {
         Ok(last)
     }
 
-    /// Whether the device answers to its device type, in whatever state it has started.
+    /// Whether the device answers to its device type, in the state in which it has started.
     fn answers(&mut self, attacked: &mut Attacked) -> Result<bool, Broken> {
         let Some(node) = attacked.device.node() else { return Ok(true) };
         let node = u16::from(node.raw());
@@ -299,7 +299,7 @@ impl Attack<'_> {
         short(nmt::CAN_ID, bytes.get(..len).unwrap_or(&bytes))
     }
 
-    /// LSS and LMT.
+    /// A random frame of LSS or LMT.
     fn layer_setting(&mut self) -> Frame {
         let known = [
             0x04, 0x04, 0x11, 0x13, 0x15, 0x17, 0x40, 0x41, 0x42, 0x43, 0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C, 0x51,
@@ -325,7 +325,7 @@ impl Attack<'_> {
         short(lss::MASTER_CAN_ID, bytes.get(..len).unwrap_or(&bytes))
     }
 
-    /// The frame before with one byte changed, or cut.
+    /// The frame before with one byte changed, or cut short.
     fn distorted(&mut self) -> Frame {
         let Some(last) = self.last else { return self.anything() };
         let mut bytes = last.bytes();
@@ -337,7 +337,7 @@ impl Attack<'_> {
         Frame::new(last.id(), bytes.get(..len).unwrap_or(&bytes)).unwrap_or(last)
     }
 
-    /// Any identifier in both formats, any kind of frame.
+    /// A frame of any kind, with any identifier in either format.
     fn anything(&mut self) -> Frame {
         let raw = self.dice.number() as u32;
         let id = if self.dice.one_in(4) { CanId::extended_masked(raw) } else { CanId::standard_masked(raw) };
@@ -358,7 +358,7 @@ impl Attack<'_> {
         short(id, bytes.get(..len).unwrap_or(&bytes))
     }
 
-    /// The device, all, or another one.
+    /// The device's node-ID, all nodes, or another node-ID.
     fn addressed(&mut self, node: u8) -> u8 {
         match self.dice.below(8) {
             0 => 0,

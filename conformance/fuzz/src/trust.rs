@@ -1,6 +1,6 @@
-//! How far a device that goes on is taken to serve what comes first first, and how long its silence has to last.
+//! The assumption that a live device serves frames in their order, and the required duration of its silence.
 //!
-//! SDO and LSS each have their own: in many stacks they are tasks of their own, so that the one says nothing about the other.
+//! SDO and LSS have separate values, as many stacks serve them in separate tasks.
 
 use super::property::Property;
 use canvass_traces::Duration;
@@ -11,14 +11,14 @@ const MOST_DOUBTS: u32 = 3;
 /// Number of sequences without a doubt after which the required silence is halved, down to the measured time.
 const REGAINED: u32 = 64;
 
-/// What is thought of one of the device's services.
+/// The trust in one of the device's services.
 #[derive(Clone, Copy, Debug)]
 struct Trust {
-    /// How often something was seen that did not come back.
+    /// Number of violations that did not come back.
     doubts: u32,
-    /// Sequences since the last time.
+    /// Number of sequences since the last doubt.
     since_doubt: u32,
-    /// How long silence has to last.
+    /// The required duration of silence.
     quiet: Duration,
 }
 
@@ -29,7 +29,8 @@ impl Trust {
         self.quiet = self.quiet.times(2).min(longest);
     }
 
-    /// What was late once may have been the host's doing.
+    /// Counts a sequence without a doubt. After many, silence gets shorter again, as the host may have caused the late
+    /// answer.
     fn regain(&mut self, measured: Duration) {
         self.since_doubt += 1;
         if self.since_doubt >= REGAINED {
@@ -43,46 +44,46 @@ impl Trust {
     }
 }
 
-/// What is thought of all of them.
+/// The trust in all services of the device.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trusts {
     lss: Trust,
     others: Trust,
     measured: Duration,
-    /// Whether an answer to a frame of LSS may still be under way.
+    /// Whether an answer to an LSS frame may still be under way.
     pub awaits_lss: bool,
 }
 
 impl Trusts {
-    /// Nothing is doubted yet. `measured`: how long silence has to last.
+    /// Trust without doubts. `measured`: the required duration of silence.
     pub const fn new(measured: Duration) -> Self {
         let trust = Trust { doubts: 0, since_doubt: 0, quiet: measured };
         Self { lss: trust, others: trust, measured, awaits_lss: false }
     }
 
-    /// A sequence has shown something that did not come back. The required silence grows for a while, to at most
-    /// `longest`.
+    /// Records a violation that did not come back. The required silence grows for a while, to at most `longest`.
     pub fn doubt(&mut self, property: Property, longest: Duration) {
         if is_lss(property) { self.lss.doubt(longest) } else { self.others.doubt(longest) }
     }
 
-    /// Another sequence.
+    /// Counts another sequence.
     pub fn regain(&mut self) {
         self.lss.regain(self.measured);
         self.others.regain(self.measured);
     }
 
-    /// How long silence has to last now.
+    /// The duration of silence required now.
     pub fn quiet(&self) -> Duration {
         if self.awaits_lss { self.lss.quiet.max(self.others.quiet) } else { self.others.quiet }
     }
 
-    /// Whether an answer to a later request says that what came before it is done.
+    /// Whether an answer to a later request proves that the frames before it have taken effect.
     pub const fn are_in_order(&self) -> bool {
         self.others.is_in_order() && (!self.awaits_lss || self.lss.is_in_order())
     }
 
-    /// Whether an answer of the property's service to a later request says that the requests before it are done.
+    /// Whether an answer of the property's service to a later request proves that the requests before it have taken
+    /// effect.
     pub const fn is_in_order(&self, property: Property) -> bool {
         if is_lss(property) { self.lss.is_in_order() } else { self.others.is_in_order() }
     }

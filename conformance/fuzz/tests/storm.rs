@@ -1,12 +1,12 @@
-//! Random frames by the ten thousand, which mean something to the device more often than chance would have it.
+//! Tens of thousands of random frames, more of which the device understands than pure chance would give.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but clippy uses it to recognise where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::models::Model;
 use canvass_fuzzer::storm::storm;
 
-/// `cargo xtask storm` does the same with ten million frames for each model.
+/// `cargo xtask storm` tests the same with ten million frames for each model.
 #[test]
 fn a_storm_breaks_no_model_and_reaches_every_state() {
     for (seed, model) in (0..).zip(Model::all()) {

@@ -6,10 +6,10 @@ use crate::results::compare::Summary;
 use crate::results::{self, CompareResult, Contract};
 use std::io::{self, Write};
 
-/// Writes the document.
+/// Writes the JSON document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     let count = |direction| comparison.of(direction).count();
     let (better, other, worse) = (count(Direction::Better), count(Direction::Other), count(Direction::Worse));

@@ -1,5 +1,5 @@
-//! The differences as a report. In JUnit files what got worse fails, under the names of the cases, so that a server shows since
-//! when.
+//! The differences as a report. In JUnit files each regression fails under the name of its case, so that a server shows
+//! since when.
 
 use super::{Comparison, Direction, json};
 use crate::document::junit::{Case, Outcome, Problem, Suite};

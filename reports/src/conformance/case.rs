@@ -1,4 +1,4 @@
-//! What is reported of one case: on a terminal what matters most, on less than a screen.
+//! The report of one case. On a terminal only the most important facts are shown, on less than a screen.
 
 use super::told::Told;
 use super::{cct_forecast, decisive, delays, hex, quarantined, recorded, repetitions, symbol, timeline, tone, uses};
@@ -10,18 +10,19 @@ use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_traces::{Direction, Timestamp};
 
-/// The lines of a case below its title on a terminal: with that, and an empty one before it, it fits on one of 24 lines.
+/// Maximum number of lines of a case below its title on a terminal. With the title and an empty line before it, a case
+/// fits on a terminal of 24 lines.
 const LINES: usize = 22;
-/// Of these, the lines for breaches.
+/// Maximum number of these lines for breaches.
 const BREACHES: usize = 12;
-/// Of these, the lines for remarks.
+/// Maximum number of these lines for remarks.
 const REMARKS: usize = 4;
-/// More frames than these explain nothing on a terminal.
+/// Maximum number of frames on a terminal. More frames explain nothing.
 const FRAMES: usize = 16;
-/// The frames of a case in Markdown: the last ones.
+/// Maximum number of a case's frames in Markdown: the last ones.
 const FRAMES_ON_PAPER: usize = 20;
 
-/// The name of the case as a place on the page.
+/// The anchor of the case on the page.
 pub fn anchor(report: &CaseReport) -> String {
     report.case.id.replace('/', "-")
 }
@@ -32,7 +33,7 @@ fn badge(report: &CaseReport) -> String {
     format!("{} {kind}", symbol(kind))
 }
 
-/// A row for the list of what failed.
+/// A row for the list of failed cases.
 pub fn line(report: &CaseReport) -> Row {
     let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
     let why = quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default() + &reason;
@@ -45,7 +46,7 @@ pub fn line(report: &CaseReport) -> Row {
     }
 }
 
-/// A case, with as much about it as there is room for.
+/// A case, in the detail that `depth` allows.
 pub fn finding(report: &CaseReport, depth: Depth) -> Finding {
     let kind = report.verdict.kind();
     Finding {
@@ -60,12 +61,13 @@ pub fn finding(report: &CaseReport, depth: Depth) -> Finding {
     }
 }
 
-/// The worst breach, as many more as there is room for, the foremost remarks, and frames in the rest of the room.
+/// The body of a case on a terminal: the worst breach, further breaches and the first remarks as far as there is room,
+/// then frames.
 fn on_a_screen(report: &CaseReport) -> Vec<Block> {
     let all = Told::all(report);
     let (mut blocks, mut used) = (Vec::new(), 0);
     for (at, facts) in all.iter().map(facts).enumerate() {
-        // The last line may have to say how many are left out.
+        // If breaches are left out, the last line says how many.
         let room = if at + 1 == all.len() { BREACHES } else { BREACHES - 1 };
         if at > 0 && used + facts.len() > room {
             let hidden = all.len() - at;
@@ -93,13 +95,13 @@ fn on_a_screen(report: &CaseReport) -> Vec<Block> {
     blocks
 }
 
-/// A frame by the time of the recording.
+/// A row for a frame, with the time of the recording.
 fn seen(Exhibit { record, text }: &Exhibit) -> Row {
     let time = format!("({})", record.timestamp);
     Row::of([time, record.frame.to_string(), record.direction.to_string(), text.clone()])
 }
 
-/// A breach, or why the case did not come to its end.
+/// The facts of a breach, or of the reason why the case did not come to its end.
 fn facts(told: &Told) -> Vec<Fact> {
     let mut facts = vec![fact("duty", &told.duty), fact("expected", &told.expected), fact("found", &told.found)];
     facts.extend(told.excuse.iter().map(|excuse| fact(&told.authority().to_lowercase(), &excuse.documented)));
@@ -107,7 +109,7 @@ fn facts(told: &Told) -> Vec<Fact> {
     facts
 }
 
-/// What else was noticed.
+/// Further observations in the case.
 fn remarks(report: &CaseReport) -> Vec<Fact> {
     let mut remarks: Vec<Fact> = quarantined(report).map(|told| fact("quarantine", &told)).into_iter().collect();
     if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
@@ -213,7 +215,7 @@ mod tests {
         }
     }
 
-    /// What a terminal shows of it, below its title.
+    /// The body of the case on a terminal, below its title.
     fn body(breaches: usize, notes: usize, frames: u64) -> Vec<Block> {
         finding(&report(breaches, notes, frames), Depth::Screen).body
     }

@@ -1,4 +1,4 @@
-//! How long the device took to answer, as a picture: a bar for each answer, where it came.
+//! A picture of the response times of the device: a bar for each answer, at its time.
 
 use canvass_suite::bench::Exhibit;
 use canvass_traces::{Direction, Duration, Timestamp};
@@ -7,16 +7,16 @@ use std::fmt::Write;
 
 const WIDTH: u64 = 1_000;
 const HEIGHT: u64 = 60;
-/// With fewer there is nothing to compare.
+/// Minimum number of answers for a picture; fewer can't be compared.
 const LEAST: usize = 3;
 
-/// An answer, and how long it took.
+/// An answer and its response time.
 struct Delay {
     at: Timestamp,
     took: Duration,
 }
 
-/// The delays of a case over its time; nothing where there are too few.
+/// The delays in a case over its time. Empty if there are too few.
 pub fn plot(frames: &[&Exhibit]) -> Markup {
     let delays = delays(frames);
     let times = || frames.iter().map(|exhibit| exhibit.record.timestamp);
@@ -29,7 +29,7 @@ pub fn plot(frames: &[&Exhibit]) -> Markup {
         return html! {};
     }
     let sum: u64 = delays.iter().map(|delay| delay.took.nanos()).sum();
-    // No bus has time stamps that are finer.
+    // No bus has finer time stamps than a microsecond.
     let mean = Duration::from_nanos(sum / delays.len() as u64 / 1_000 * 1_000);
     let label = format!("{} answers of the device: {mean} on average, {longest} at most", delays.len());
     html! {
@@ -41,7 +41,7 @@ pub fn plot(frames: &[&Exhibit]) -> Markup {
     }
 }
 
-/// From each frame of the tester to the next one that came. What came by itself answers nothing.
+/// The time from each frame of the tester to its answer. Frames that the device sends unasked are no answers.
 fn delays(frames: &[&Exhibit]) -> Vec<Delay> {
     let mut asked = None;
     let mut delays = Vec::new();
@@ -58,7 +58,7 @@ fn delays(frames: &[&Exhibit]) -> Vec<Delay> {
     delays
 }
 
-/// Whether a frame answers one of the tester: of SDO, LSS, and error control that is asked for.
+/// Whether a received frame answers a frame of the tester: by SDO, LSS or node guarding.
 const fn is_answer(request: u16, answer: u16) -> bool {
     match request {
         0x601..=0x67F => answer == request - 0x80,
@@ -68,7 +68,7 @@ const fn is_answer(request: u16, answer: u16) -> bool {
     }
 }
 
-/// A line of the path for each.
+/// The path of the drawing, with a line for each delay.
 fn bars(delays: &[Delay], start: Timestamp, span: Duration, longest: Duration) -> String {
     let mut path = String::new();
     let scaled = |part: Duration, whole: Duration, room: u64| {

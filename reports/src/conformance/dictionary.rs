@@ -1,4 +1,4 @@
-//! The object dictionary before and after a run, in words: the same in all reports that are for people.
+//! The object dictionary before and after a run, in the words that all reports for people share.
 
 use super::Run;
 use crate::page_text::capitalised;
@@ -6,10 +6,10 @@ use canvass_analyzer::dictionary::Value;
 use canvass_bus::client::sdo::Bytes;
 use canvass_suite::comparison::{Change, Comparison};
 
-/// What to do where the device is not as it was.
+/// The text before the commands that repair a device that has changed.
 pub(super) const REPAIR: &str = "These commands put it back:";
 
-/// All of it, line by line.
+/// The whole comparison, line by line.
 pub fn lines(comparison: &Comparison) -> Vec<String> {
     let mut lines = vec![sentence(comparison)];
     lines.extend(rows(comparison).map(|row| format!("  {}", row.join("  "))));
@@ -20,7 +20,7 @@ pub fn lines(comparison: &Comparison) -> Vec<String> {
     lines
 }
 
-/// One or two sentences.
+/// The comparison in one or two sentences.
 pub(super) fn sentence(comparison: &Comparison) -> String {
     let Comparison { is_complete, objects, .. } = comparison;
     if !is_complete {
@@ -62,7 +62,7 @@ fn names(comparison: &Comparison) -> String {
     names.join(", ")
 }
 
-/// What the run has left, each with its columns: object, name, before, after.
+/// The changes that the run has left, each with its columns: object, name, before, after.
 pub(super) fn rows(comparison: &Comparison) -> impl Iterator<Item = [String; 4]> {
     comparison.left().map(|change| row(change, "")).chain(comparison.stored.iter().map(|change| row(change, "stored ")))
 }
@@ -73,7 +73,7 @@ fn row(change: &Change, place: &str) -> [String; 4] {
     [change.multiplexer.to_string(), name, format!("{place}before: {before}"), format!("{place}after: {after}")]
 }
 
-/// A value by its type, and its bytes where they say more.
+/// A value by its type, and its bytes if they say more.
 fn shown(change: &Change, value: Option<&[u8]>) -> String {
     let Some(bytes) = value else { return "can't be read".to_owned() };
     let typed = change.data_type.and_then(|data_type| Value::decode(data_type, bytes).ok());
@@ -84,7 +84,7 @@ fn shown(change: &Change, value: Option<&[u8]>) -> String {
     }
 }
 
-/// Whether there is anything to say beside the sentence.
+/// The comparison, if it has more to say than the sentence.
 pub(super) fn left(run: &Run) -> Option<&Comparison> {
     run.comparison.as_ref().filter(|comparison| rows(comparison).next().is_some())
 }
@@ -131,7 +131,8 @@ mod tests {
         assert!(!comparison.is_as_found());
     }
 
-    /// What the next start brings counts, and so does the zero point: neither shows in the objects that are in use.
+    /// Stored values, which the next start restores, and the zero point are reported, although neither shows in the
+    /// current objects.
     #[test]
     fn what_is_stored_and_the_zero_point_are_told() {
         let stored = Change { after: Some(vec![50, 0]), ..change(object::PRODUCER_HEARTBEAT_TIME, Nature::Setting) };

@@ -1,9 +1,9 @@
-//! How well the tester's own machine kept up, in words.
+//! The timing of the tester's own machine in words.
 
 use canvass_suite::runner::HostTiming;
 use canvass_traces::Duration;
 
-/// One or two sentences.
+/// The timing in one or two sentences.
 pub(super) fn sentence(host: &HostTiming) -> String {
     let mut text = format!(
         "This machine saw 99 % of the frames within {} of their time on the bus and all within {}; its own were on the bus \
@@ -28,7 +28,7 @@ pub(super) fn sentence(host: &HostTiming) -> String {
     text
 }
 
-/// A bound in two digits, rounded up.
+/// An upper bound with two digits, rounded up.
 fn bound(span: Duration) -> Duration {
     let mut step = 1;
     while span.0.div_ceil(step) >= 100 {

@@ -1,4 +1,4 @@
-//! Every rendering, with a device that calls itself whatever harms.
+//! All renderings of a run with a device whose names and texts are hostile.
 
 use super::{Reporter, RunReport};
 use crate::document::{Form, Style};
@@ -17,7 +17,7 @@ use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Times
 
 const HOSTILE: &str = "\x1b]0;owned\x07\x1b[2J<script>alert('x')</script>\"'&]]>\u{9b}31m\u{202e}\u{0}\u{ffff}";
 
-/// The events of a run with one case of each verdict.
+/// Sends the events of a run with one case of each verdict to the reporter.
 pub fn play(reporter: &mut dyn Reporter) {
     let info = RunInfo {
         bus: "sim:kuebler-sendix-58x8".to_owned(),
@@ -122,7 +122,7 @@ fn the_terminal_is_not_taken_over() {
 fn the_page_runs_no_foreign_script() {
     let page = rendered(Form::Html);
     assert!(!acts(&page) && !page.contains("<script>alert") && page.contains("&lt;script&gt;alert"));
-    // Those of all pages and of this one; the policy lets no other run.
+    // The page contains the scripts of all pages and of this one. The policy lets no other script run.
     assert_eq!(page.matches("<script").count(), 2);
     let policy = page.split_once("script-src ").unwrap().1.split(';').next().unwrap();
     assert!(policy.matches("sha256-").count() == 2 && !policy.contains("unsafe"), "{policy}");
@@ -143,7 +143,7 @@ fn the_junit_counts_are_right() {
     let elements = ["<testcase ", "<failure ", "<error ", "<skipped "];
     assert_eq!(elements.map(|element| xml.matches(element).count()), counts);
     assert!(suites.iter().enumerate().all(|(number, suite)| value(suite, "id") == number));
-    // What both schemas have no place for in a case that passes stands in the output of its suite.
+    // Neither JUnit schema has a place for remarks on a case that passes, so they are in the output of its suite.
     let outputs = suites.iter().filter_map(|suite| suite.split_once("<system-out>"));
     let output: String =
         outputs.filter_map(|(_, rest)| rest.split_once("</system-out>")).map(|parts| parts.0).collect();
@@ -154,7 +154,7 @@ fn the_junit_counts_are_right() {
 fn junit_stays_xml() {
     let xml = rendered(Form::Junit);
     assert!(!acts(&xml));
-    // An XML parser that knows nothing of JUnit must get to the end, too.
+    // An XML parser that does not know JUnit must reach the end, too.
     let mut reader = quick_xml::Reader::from_str(&xml);
     while reader.read_event().unwrap() != quick_xml::events::Event::Eof {}
 }
@@ -188,7 +188,7 @@ fn json_keeps_the_contract() {
 #[test]
 fn markdown_is_text() {
     let text = rendered(Form::Markdown);
-    // Between fences is code, in which markup is text.
+    // Text between fences is code, in which markup is plain text.
     let outside = text.split("\n```").step_by(2).collect::<String>();
     assert!(!acts(&text) && outside.contains("All cases") && !outside.contains("<script>"), "{text}");
 }

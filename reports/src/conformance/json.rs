@@ -24,12 +24,12 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     results::write(&result(run), out)
 }
 
-/// The run as its result.
+/// The run as a result.
 pub fn result(run: &Run) -> TestResult {
     TestResult {
         schema: TestResult::SCHEMA.into(),

@@ -26,41 +26,41 @@ use canvass_traces::{Record, hex};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// Takes the events of a run.
+/// A receiver of the events of a run.
 pub trait Reporter {
-    /// Something has happened.
+    /// Takes the next event.
     ///
     /// # Errors
-    /// What writing the report gave.
+    /// The errors of writing the report.
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
 
-    /// Where the result comes from, as far as it is known by now; the latest is reported.
+    /// Sets the provenance of the result, as far as it is known by now. The latest is reported.
     fn comes_from(&mut self, provenance: &Provenance);
 }
 
-/// A whole run, as the documents need it.
+/// A whole run with the data of all reports.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What was tested.
+    /// The tested device and the options.
     pub info: RunInfo,
-    /// Where the result comes from.
+    /// The provenance of the result.
     pub provenance: Provenance,
     /// The cases, in the order in which they ran.
     pub cases: Vec<CaseReport>,
-    /// The object dictionary before and after; none where no case has run.
+    /// The object dictionary before and after the run. `None` if no case has run.
     pub comparison: Option<Comparison>,
-    /// What others sent to the device or for it.
+    /// Messages that others sent to the device or in its name.
     pub other_clients: Vec<ForeignMessages>,
-    /// What was noticed about the run as a whole.
+    /// Observations about the run as a whole.
     pub notices: Vec<String>,
     /// The outcome.
     pub summary: Summary,
-    /// What a user types before the name of a permission; may be empty.
+    /// The text that a user types before the name of a permission. May be empty.
     pub allow: &'static str,
 }
 
 impl Run {
-    /// The cases by family, each in the order in which they ran.
+    /// The cases by family. Each family is in the order in which the cases ran.
     fn families(&self) -> BTreeMap<&'static str, Vec<&CaseReport>> {
         let mut families: BTreeMap<&'static str, Vec<&CaseReport>> = BTreeMap::new();
         for report in &self.cases {
@@ -70,12 +70,12 @@ impl Run {
     }
 }
 
-/// A reporter that writes its report when the run is over; as text it begins with what is tested, and may show how far the
-/// run is.
+/// A reporter that writes its report at the end of the run. The text form begins with the tested device, and may show
+/// the progress.
 pub struct RunReport<W> {
     out: W,
     form: Form,
-    /// Shows a line in place of the one before it.
+    /// Shows a progress line in place of the one before it.
     progress: Option<fn(&Printable)>,
     allow: &'static str,
     notices: Vec<String>,
@@ -84,19 +84,19 @@ pub struct RunReport<W> {
 }
 
 impl<W: Write> RunReport<W> {
-    /// A report in that form, which goes to `out`.
+    /// A reporter that writes a report in the form `form` to `out`.
     pub fn new(out: W, form: Form) -> Self {
         let (notices, provenance) = (Vec::new(), Provenance::default());
         Self { out, form, progress: None, allow: "", notices, provenance, run: None }
     }
 
-    /// With what a user types before the name of a permission.
+    /// Sets the text that a user types before the name of a permission.
     #[must_use]
     pub fn allowed_by(self, allow: &'static str) -> Self {
         Self { allow, ..self }
     }
 
-    /// With a line that tells how far the run is.
+    /// Shows the progress of the run in a line.
     #[must_use]
     pub fn with_progress(self, progress: fn(&Printable)) -> Self {
         Self { progress: Some(progress), ..self }
@@ -162,7 +162,7 @@ impl<W: Write> Reporter for RunReport<W> {
     }
 }
 
-/// Whether somebody has to look into a case that ended so.
+/// Whether somebody has to look into a case with this verdict.
 pub(crate) const fn is_bad(kind: Kind) -> bool {
     matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive)
 }
@@ -178,7 +178,7 @@ const fn tone(kind: Kind) -> Tone {
     }
 }
 
-/// A sign for each verdict, so that colour is never all that tells them apart.
+/// A sign for each verdict, which distinguishes verdicts without colours.
 pub(crate) const fn symbol(kind: Kind) -> &'static str {
     match kind {
         Kind::Pass => "✓",
@@ -191,18 +191,19 @@ pub(crate) const fn symbol(kind: Kind) -> &'static str {
     }
 }
 
-/// A case within its family: `download/read-only`.
+/// The name of a case within its family: `download/read-only`.
 fn name_in_family(id: &str) -> &str {
     id.splitn(3, '/').nth(2).unwrap_or(id)
 }
 
-/// The first and the last frame of a case, as they are counted in the recording of the run; `None` where there is none.
+/// The numbers of the first and the last frame of a case in the recording of the run. `None` if there is no recording.
 fn recorded(report: &CaseReport) -> Option<[u64; 2]> {
     let number = |exhibit: &Exhibit| Some(exhibit.record.place.number).filter(|&number| number > 0);
     Some([report.evidence.frames().next().and_then(number)?, report.evidence.frames().last().and_then(number)?])
 }
 
-/// What CiA's conformance test tool would say, where a case corresponds to one of its: it accepts what is tolerated.
+/// The expected result of CiA's conformance test tool, if the case corresponds to one of its tests. The tool accepts
+/// tolerated answers.
 fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
     match (report.case.cct, report.verdict.kind()) {
         (Some(_), Kind::Pass | Kind::Tolerated) => Some("pass"),
@@ -211,14 +212,14 @@ fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
     }
 }
 
-/// Which objects served a case: `1017h:00 (written and read back)`.
+/// The objects that the case used: `1017h:00 (written and read back)`.
 fn uses(report: &CaseReport) -> Option<String> {
     let uses: Vec<String> =
         report.uses.iter().map(|using| format!("{} ({})", using.multiplexer, using.purpose)).collect();
     (!uses.is_empty()).then(|| uses.join(", "))
 }
 
-/// How many repetitions ended in which way, where they differed: `3 pass, 1 fail`.
+/// The number of repetitions by verdict, if they differ: `3 pass, 1 fail`.
 fn repetitions(report: &CaseReport) -> Option<String> {
     let counted = |kind: Kind| {
         let count = report.outcomes.iter().filter(|&&outcome| outcome == kind).count();
@@ -228,7 +229,7 @@ fn repetitions(report: &CaseReport) -> Option<String> {
     report.is_flaky().then(|| format!("flaky: {}", counts.join(", ")))
 }
 
-/// Until when its failure does not count, and who looks into it.
+/// The quarantine of the case: its end, and who looks into the failure.
 fn quarantined(report: &CaseReport) -> Option<String> {
     report.quarantine.as_ref().map(ToString::to_string)
 }
@@ -244,7 +245,7 @@ fn decisive(report: &CaseReport, most: usize) -> (Vec<&Exhibit>, u64) {
     (frames.get(begin..end).unwrap_or_default().to_vec(), begin as u64 + omitted)
 }
 
-/// One line about the outcome.
+/// The outcome in one line.
 fn outcome(summary: &Summary) -> String {
     let counted = |kind: Kind, verb: &str| {
         let count = summary.count(kind);
@@ -276,7 +277,7 @@ fn outcome(summary: &Summary) -> String {
     format!("Of {} case{plural} {good}{quarantined}{cancelled}{flaky}{stores}", summary.total())
 }
 
-/// The payload in hexadecimal, bytes apart.
+/// The payload in hexadecimal, with spaces between the bytes.
 fn hex(record: &Record) -> String {
     if record.frame.is_remote() { "remote request".to_owned() } else { hex::spaced(record.data()).to_string() }
 }

@@ -1,4 +1,4 @@
-//! A run as a report.
+//! A conformance run as a report.
 
 use super::case::{finding, line};
 use super::dictionary::{REPAIR, left, lines, rows, sentence};
@@ -62,7 +62,7 @@ fn facts(run: &Run) -> Vec<Fact> {
     of_run.into_iter().chain(of_device).filter(|(_, value)| !value.is_empty()).collect()
 }
 
-/// What is known of the run as a whole; on a terminal with what somebody has to look into, which is seen last.
+/// The facts of the run as a whole. On a terminal they include the bad cases, because the last lines are seen first.
 fn summary(run: &Run, depth: Depth) -> Vec<Block> {
     let mut blocks: Vec<Block> = run.summary.host.iter().map(|told| Block::Text(host::sentence(told))).collect();
     if let Some(comparison) = run.comparison.as_ref().filter(|_| depth == Depth::Screen) {
@@ -107,7 +107,7 @@ fn section(id: &'static str, title: &str, blocks: Vec<Block>) -> Section {
     Section { id, title: title.to_owned(), blocks }
 }
 
-/// The number of cases by verdict; on a page each is a button that shows those and no others.
+/// The number of cases by verdict. On a page each number is a button that shows only these cases.
 fn verdicts(run: &Run, depth: Depth) -> Block {
     if depth == Depth::Page {
         return Block::Markup(html! {
@@ -134,7 +134,7 @@ fn bad(run: &Run) -> impl Iterator<Item = &CaseReport> {
     run.cases.iter().filter(|report| is_bad(report.verdict.kind()))
 }
 
-/// Each of them with why, linked to what there is about it.
+/// A table of the bad cases with their reasons, each linked to its details.
 fn failed(run: &Run) -> Block {
     Block::Table(Table::of(["verdict", "case", "why"], bad(run).map(line)))
 }
@@ -171,7 +171,7 @@ fn compared(run: &Run, comparison: &Comparison) -> Vec<Block> {
     blocks
 }
 
-/// What a device or its description would have to have for the cases that did not apply.
+/// The features that a device or its description lacks, with the cases that did not apply for this reason.
 fn needed(run: &Run, depth: Depth) -> Vec<Block> {
     let skipped = Skipped::of(run);
     let group = |(reason, cases)| Block::fold(reason, vec![Block::Words(cases)]);
@@ -184,7 +184,8 @@ fn needed(run: &Run, depth: Depth) -> Vec<Block> {
     }
 }
 
-/// The cases: all of them on a page, first those that failed or could not be judged; else those that did not simply pass.
+/// The cases. A page has all of them, those that failed or could not be judged first. Other forms have those that did
+/// not simply pass.
 fn cases(run: &Run, depth: Depth) -> Vec<Block> {
     let is_told = |report: &CaseReport| match report.verdict.kind() {
         Kind::Pass => report.is_flaky() || depth == Depth::Screen && !report.notes.is_empty(),

@@ -1,4 +1,4 @@
-//! The cases that did not apply, by reason: many share one.
+//! The cases that did not apply, grouped by reason, as many share one.
 
 use super::Run;
 use canvass_suite::verdict::{Kind, Lack, Reason};
@@ -10,7 +10,7 @@ pub struct Skipped {
 }
 
 impl Skipped {
-    /// Adds a case.
+    /// Adds a case with its reason.
     fn add(&mut self, case: &'static str, reason: &Reason) {
         match self.reasons.iter_mut().find(|(known, _)| known == reason) {
             Some((_, cases)) => cases.push(case),
@@ -18,7 +18,7 @@ impl Skipped {
         }
     }
 
-    /// Those of a whole run.
+    /// The cases of a run that did not apply.
     pub fn of(run: &Run) -> Self {
         let mut skipped = Self::default();
         for report in run.cases.iter().filter(|report| report.verdict.kind() == Kind::NotApplicable) {
@@ -27,8 +27,8 @@ impl Skipped {
         skipped
     }
 
-    /// What was needed and what was there instead, each with the cases that did not apply for it; those of most cases first.
-    /// `allow` is what a user types before the name of a permission.
+    /// The missing features, each with the cases that did not apply for this reason. The reason of most cases comes
+    /// first. `allow` is the text that a user types before the name of a permission.
     pub fn groups(&self, allow: &str) -> Vec<(String, Vec<String>)> {
         let names = |cases: &[&str]| cases.iter().map(|&case| case.to_owned()).collect::<Vec<_>>();
         let mut groups: Vec<_> =
@@ -38,7 +38,7 @@ impl Skipped {
     }
 }
 
-/// What was needed, and what was there instead; not twice where the one names the other.
+/// The needed feature and the actual one, unless one names the other already.
 fn sentence(reason: &Reason, allow: &str) -> String {
     let Reason { expected, actual, lack, .. } = reason;
     if *lack == Lack::Permission {

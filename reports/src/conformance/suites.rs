@@ -1,8 +1,8 @@
 //! The cases of a run for JUnit files.
 //!
-//! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
-//! *not applicable* is skipped, and so is what is in quarantine, with what came of it; *tolerated* and *deviation* pass, with
-//! their reason in the suite's output.
+//! A *fail* is a failure. *Error* and *inconclusive* are errors, because the case gave no result although it should
+//! have. *Not applicable* is skipped, and so is a case in quarantine, with its verdict. *Tolerated* and *deviation*
+//! pass, with their reason in the suite's output.
 
 use super::told::Told;
 use super::{Run, cct_forecast, is_bad, name_in_family, quarantined, repetitions};
@@ -61,7 +61,7 @@ fn outcome(report: &CaseReport) -> Outcome {
     }
 }
 
-/// What a person looks at when a case failed.
+/// The details of a failed case for a person.
 fn details(report: &CaseReport) -> Vec<String> {
     let mut lines = vec![
         report.case.id.to_owned(),
@@ -81,7 +81,7 @@ fn details(report: &CaseReport) -> Vec<String> {
     lines
 }
 
-/// What is to be said of a case that did not simply pass, and did not fail.
+/// The remarks on a case that neither simply passed nor failed.
 fn remarks(report: &CaseReport) -> Vec<String> {
     if is_bad(report.verdict.kind()) {
         return Vec::new();
@@ -97,7 +97,7 @@ fn remarks(report: &CaseReport) -> Vec<String> {
     remarks.iter().map(|remark| format!("{}: {remark}", report.case.id)).collect()
 }
 
-/// When the first of the frames came: of a simulated bus since its power-on, so that the same run gives the same bytes.
+/// The time of the first frame. On a simulated bus it counts from power-on, so that the same run gives the same bytes.
 fn began(cases: &[&CaseReport]) -> Timestamp {
     let first = cases.iter().find_map(|report| report.evidence.frames().next());
     first.map_or(Timestamp::ZERO, |exhibit| exhibit.record.timestamp)

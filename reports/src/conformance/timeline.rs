@@ -1,4 +1,4 @@
-//! When frames came, as a picture: what the tester sent above the line, what it received below.
+//! A picture of the times of frames: sent frames above the line, received frames below.
 
 use canvass_suite::bench::Exhibit;
 use canvass_traces::{Direction, Duration, Timestamp};
@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 const WIDTH: u64 = 1_000;
 
-/// The frames of a case over its time; nothing where there are too few to show one.
+/// The frames of a case over its time. Empty if there are too few.
 pub fn strip(frames: &[&Exhibit]) -> Markup {
     let times = || frames.iter().map(|exhibit| exhibit.record.timestamp);
     let (Some(start), Some(end)) = (times().min(), times().max()) else { return html! {} };
@@ -26,7 +26,7 @@ pub fn strip(frames: &[&Exhibit]) -> Markup {
     }
 }
 
-/// A line of the path for each frame.
+/// The path of the drawing, with a line for each frame.
 fn ticks(frames: &[&Exhibit], start: Timestamp, span: Duration, sent: bool) -> String {
     let (mut path, top) = (String::new(), if sent { 3 } else { 22 });
     for exhibit in frames.iter().filter(|exhibit| (exhibit.record.direction == Direction::Tx) == sent) {

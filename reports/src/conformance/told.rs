@@ -1,39 +1,39 @@
-//! What is reported about a case: each breach, and why it did not come to its own end, in the words and data of all reports.
+//! The breaches of a case, and the reason why it did not come to its own end, in the words and data of all reports.
 
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::{Authority, Excuse, Kind, Reason, Ruled};
 use canvass_traces::Timestamp;
 
-/// One thing to tell of a case.
+/// A breach or the end of a case.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Told {
-    /// What it makes of the case.
+    /// The verdict that follows for the case.
     pub kind: Kind,
-    /// What had to happen.
+    /// The required behaviour.
     pub duty: String,
-    /// What would have been right.
+    /// The expected answer.
     pub expected: String,
-    /// What came.
+    /// The actual answer.
     pub found: String,
-    /// What it is about and what came, as a waiver names them; not of an end.
+    /// The object and the actual answer, as a waiver names them. `None` for the end of a case.
     pub breach: Option<Named>,
-    /// Who announces it, and in which words.
+    /// The waiver or device sheet that announces the breach, and its words.
     pub excuse: Option<Excuse>,
-    /// When it was seen.
+    /// The time of the breach.
     pub seen: Option<Timestamp>,
 }
 
-/// A breach by the names that manuals' sheets and waivers use.
+/// A breach in the names that device sheets and waivers use.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Named {
-    /// `1016h:01`, `heartbeat`, `device`.
+    /// The object or service, such as `1016h:01`, `heartbeat` or `device`.
     pub subject: String,
-    /// `abort 0609 0030h`, `silence`.
+    /// The actual answer, such as `abort 0609 0030h` or `silence`.
     pub does: String,
 }
 
 impl Told {
-    /// All of a case, the worst first.
+    /// All breaches and the end of a case, the worst first.
     pub fn all(report: &CaseReport) -> Vec<Self> {
         let breaches = report.verdict.breaches().iter().map(Self::of);
         let end = report.verdict.end().map(|end| Self::end(end.kind(), end.reason()));
@@ -55,7 +55,7 @@ impl Told {
         Self { kind, duty, expected, found: actual, breach: None, excuse: None, seen: None }
     }
 
-    /// Who announces it, as a label.
+    /// A label for the document that announces the breach.
     pub const fn authority(&self) -> &'static str {
         match &self.excuse {
             Some(Excuse { by: Authority::Waiver { .. }, .. }) => "Waiver",
@@ -63,7 +63,7 @@ impl Told {
         }
     }
 
-    /// Where the waiver begins that excuses it.
+    /// The line at which the waiver begins that excuses the breach.
     pub const fn waiver_line(&self) -> Option<usize> {
         match &self.excuse {
             Some(Excuse { by: Authority::Waiver { line }, .. }) => Some(*line),
@@ -71,7 +71,7 @@ impl Told {
         }
     }
 
-    /// The lines of a waiver that would accept it; none where nothing is to be waived.
+    /// The lines of a waiver that would accept the breach. `None` if there is nothing to waive.
     pub fn waiver(&self) -> Option<String> {
         let Named { subject, does } = self.breach.as_ref().filter(|_| self.kind == Kind::Fail)?;
         Some(format!("object = {subject:?}, does = {does:?}"))

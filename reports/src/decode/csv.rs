@@ -13,14 +13,14 @@ use std::fmt::Write;
 /// number 100000 in a spreadsheet.
 pub struct CsvLines {
     clock: Clock,
-    /// The meaning before it is escaped; kept for its memory.
+    /// A buffer for the meaning before it is escaped.
     text: String,
 }
 
 const HEADER: &[u8] = b"t,channel,direction,id,extended,remote,dlc,data,node,service,index,sub,text,comment\n";
 
 impl CsvLines {
-    /// With that style of time; always with nanoseconds.
+    /// A CSV rendering with this style of time, always with nanoseconds.
     pub const fn new(time: TimeStyle) -> Self {
         Self { clock: Clock::full(time), text: String::new() }
     }

@@ -13,7 +13,7 @@ pub struct JsonLines {
     begun: bool,
 }
 
-/// The contract's name and version.
+/// The name and version of the contract.
 const SCHEMA: &str = "canvass/decode/1";
 
 impl JsonLines {
@@ -72,14 +72,14 @@ impl Lines for JsonLines {
     }
 }
 
-/// The schema, as the first object has it.
+/// Appends the schema as a member of the first object.
 pub fn push_schema(schema: &str, out: &mut Vec<u8>) {
     out.extend_from_slice(b"\"schema\":\"");
     out.extend_from_slice(schema.as_bytes());
     out.extend_from_slice(b"\",");
 }
 
-/// How the use of a CAN-ID is known, in JSON.
+/// The JSON name of how the use of a CAN-ID is known.
 pub const fn source_name(source: Source) -> &'static str {
     match source {
         Source::Predefined => "predefined",
@@ -88,7 +88,7 @@ pub const fn source_name(source: Source) -> &'static str {
     }
 }
 
-/// Appends the broken rule, with a comma before it.
+/// Appends the violated rule, with a comma before it.
 pub fn push_violation(violation: Violation, out: &mut Vec<u8>) {
     out.extend_from_slice(b",\"violation\":{\"rule\":\"");
     out.extend_from_slice(violation.name().as_bytes());
@@ -97,7 +97,7 @@ pub fn push_violation(violation: Violation, out: &mut Vec<u8>) {
     out.push(b'}');
 }
 
-/// Appends a value; what JSON has no number for becomes `null`.
+/// Appends a number. A number that JSON can't express becomes `null`.
 pub fn push_number(number: Number, out: &mut Vec<u8>) {
     match number {
         Number::Boolean(value) => out.extend_from_slice(if value { b"true" } else { b"false" }),
@@ -108,14 +108,14 @@ pub fn push_number(number: Number, out: &mut Vec<u8>) {
             push_decimal(out, value.unsigned_abs());
         }
         Number::Unsigned(value) => push_decimal(out, value),
-        // With a point also where the number is whole: a column of such numbers has one type.
+        // A whole number gets a decimal point, too, so that all numbers of a column have one type.
         Number::Real32(value) if value.is_finite() => push_text(out, format_args!("{value:?}")),
         Number::Real64(value) if value.is_finite() => push_text(out, format_args!("{value:?}")),
         Number::Real32(_) | Number::Real64(_) => out.extend_from_slice(b"null"),
     }
 }
 
-/// What is not said of a classical data frame of 11 bits.
+/// Appends the flags that distinguish a frame from a classical data frame with 11 bits.
 fn push_kind(frame: &Frame, out: &mut Vec<u8>) {
     let flags: [(bool, &[u8]); 5] = [
         (frame.id().is_extended() && !frame.is_error(), b",\"extended\":true"),

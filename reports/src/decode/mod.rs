@@ -19,19 +19,19 @@ use crate::push::push_visible;
 use canvass_analyzer::{Meaning, network::Decoded};
 use canvass_traces::{Channels, Record};
 
-/// What a rendering needs of one frame.
+/// The data of one frame for a rendering.
 pub struct Line<'a> {
     /// The frame.
     pub record: &'a Record,
-    /// Its channel's name is among these.
+    /// The names of the channels of the frames.
     pub channels: &'a Channels,
-    /// What the network made of it.
+    /// The frame as the network decoded it.
     pub decoded: &'a Decoded,
-    /// What it means, in words.
+    /// The meaning of the frame in words.
     pub meaning: Meaning<'a>,
 }
 
-/// Appends a comment as lines of its own.
+/// Appends a comment on lines of its own.
 pub(crate) fn push_comment(comment: &str, out: &mut Vec<u8>) {
     for line in comment.lines() {
         out.extend_from_slice(b"# ");
@@ -40,12 +40,12 @@ pub(crate) fn push_comment(comment: &str, out: &mut Vec<u8>) {
     }
 }
 
-/// Renders decoded frames.
+/// A rendering of decoded frames.
 pub trait Lines {
-    /// Appends what comes before the first frame.
+    /// Appends the header before the first frame.
     fn begin(&mut self, _out: &mut Vec<u8>) {}
 
-    /// Appends what the capture says before the next frame that is shown; where a frame's line says it, nothing.
+    /// Appends a comment of the capture before the next shown frame. Some renderings leave comments out.
     fn comment(&mut self, _comment: &str, _out: &mut Vec<u8>) {}
 
     /// Appends the frame to `out`.

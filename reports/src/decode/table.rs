@@ -1,6 +1,6 @@
 //! A table for terminals: a header, column rules, one row per frame, no wider than the terminal.
 //!
-//! Rows go out as they come: a column that turns out too narrow is wider from there on.
+//! Rows are written at once: a column that turns out too narrow is wider from that row on.
 
 use super::text::{DATA_WIDTH, SERVICE_WIDTH, push_data, push_node, service_color};
 use super::{Line, Lines, push_comment};
@@ -14,27 +14,27 @@ use std::fmt::Write;
 pub struct TableLines {
     clock: Clock,
     color: bool,
-    /// The columns of the terminal, if it is one.
+    /// The width of the terminal in columns, if the output is a terminal.
     width: Option<usize>,
     begun: bool,
     time_width: usize,
     channel_width: usize,
     id_width: usize,
-    /// The meaning before it is cut; kept for its memory.
+    /// A buffer for the meaning before it is cut.
     text: String,
 }
 
 const RULE: &str = " │ ";
-/// The columns that a narrow terminal does without: the meaning says the service, most captures have one channel, and the
-/// data are in the other renderings.
+/// Columns that a narrow terminal leaves out: the meaning contains the service, most captures have one channel, and
+/// other renderings show the data.
 const SERVICE: usize = 5;
 const CHANNEL: usize = 1;
 const DATA: usize = 3;
-/// A meaning in less room says nothing.
+/// Minimum width of the meaning, below which it says nothing.
 const LEAST_MEANING: usize = 20;
 
 impl TableLines {
-    /// With that style of time, with colours or without, and for a terminal of that width, if it is for one.
+    /// A table with this style of time, with or without colours, and of this width if it is for a terminal.
     pub const fn new(time: TimeStyle, color: bool, width: Option<usize>) -> Self {
         let clock = Clock::new(time);
         let time_width = clock.width();
@@ -64,8 +64,8 @@ impl TableLines {
         out.push(b'\n');
     }
 
-    /// The widths of all columns; of the meaning what the terminal leaves it. Those without width are left out, as the
-    /// meaning would not have room beside them.
+    /// The widths of all columns. The meaning gets the rest of the terminal. A column of width 0 is left out, because
+    /// the meaning would not have room beside it.
     fn columns(&self) -> [usize; 7] {
         let mut columns = [self.time_width, self.channel_width, self.id_width, DATA_WIDTH, 4, SERVICE_WIDTH, 0];
         let used =
@@ -89,7 +89,7 @@ impl TableLines {
         push_hex_number(out, id.raw(), digits);
     }
 
-    /// The meaning, cut to what the terminal leaves it.
+    /// Appends the meaning, cut to its column.
     fn push_meaning(&self, out: &mut Vec<u8>) {
         let [.., room] = self.columns();
         let cut = self.text.char_indices().nth(room).filter(|_| self.width.is_some());
@@ -117,14 +117,14 @@ impl Lines for TableLines {
             self.id_width = 8;
         }
         if !std::mem::replace(&mut self.begun, true) {
-            // Times of a live bus have nanoseconds.
+            // Times on a live bus have nanoseconds.
             self.clock.clone().push(record.timestamp, out);
             self.time_width = self.time_width.max(out.drain(begun..).count());
             self.push_header(out);
         }
         let start = out.len();
         self.clock.push(record.timestamp, out);
-        // Numbers stand by their ends.
+        // Numbers are aligned right.
         let written = out.len() - start;
         self.time_width = self.time_width.max(written);
         out.resize(start + self.time_width, b' ');

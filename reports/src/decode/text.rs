@@ -12,18 +12,18 @@ pub struct TextLines {
     clock: Clock,
     color: bool,
     channel_width: usize,
-    /// The channels' names as they are shown, by their ids; empty where none was shown yet.
+    /// The shown names of the channels by their ids. A name is empty until its channel is first shown.
     channels: Vec<Vec<u8>>,
     id_width: usize,
 }
 
-/// Columns of eight data bytes.
+/// Width of eight data bytes in columns.
 pub(super) const DATA_WIDTH: usize = 23;
 pub(super) const SERVICE_WIDTH: usize = 11;
-/// Identifier of 3 digits, data, node, and the blanks around them.
+/// Width of an identifier of 3 digits, data, node, and the blanks around them.
 const USUAL_WIDTH: usize = 2 + 3 + 2 + DATA_WIDTH + 1 + 3 + 2;
 
-/// The name of each service with the blanks after it, and how many columns both take.
+/// The name of each service with the blanks after it, and the width of both in columns.
 static SERVICES: [([u8; 16], usize); Service::ALL.len()] = {
     let mut columns = [([b' '; 16], 0); Service::ALL.len()];
     let mut n = 0;
@@ -38,7 +38,7 @@ static SERVICES: [([u8; 16], usize); Service::ALL.len()] = {
 };
 
 impl TextLines {
-    /// With that style of time, and with colours or without.
+    /// A rendering with this style of time, with or without colours.
     pub const fn new(time: TimeStyle, color: bool) -> Self {
         Self { clock: Clock::new(time), color, channel_width: 4, channels: Vec::new(), id_width: 3 }
     }
@@ -51,7 +51,7 @@ impl TextLines {
         push_hex_number(out, id.raw(), digits);
     }
 
-    /// Identifier, data and node with their blanks, of any frame.
+    /// Appends identifier, data and node of any frame with the blanks around them.
     fn push_columns(&mut self, record: &Record, node: Option<NodeId>, out: &mut Vec<u8>) {
         out.extend_from_slice(b"  ");
         self.push_id(record, out);
@@ -62,7 +62,8 @@ impl TextLines {
         out.extend_from_slice(b"  ");
     }
 
-    /// The same of a classical data frame of 11 bits, where no wider identifier was shown: nearly all frames of a bus.
+    /// Identifier, data and node of a classical data frame with 11 bits, if no wider identifier was shown. This is the
+    /// fast way for nearly all frames of a bus.
     fn usual_columns(&self, record: &Record, node: Option<NodeId>) -> Option<[u8; USUAL_WIDTH]> {
         let (frame, data) = (&record.frame, record.data());
         if self.id_width != 3 || frame.id().is_extended() || frame.is_remote() || data.len() > 8 {
@@ -90,7 +91,7 @@ impl TextLines {
     #[cold]
     fn push_new_channel(&mut self, id: usize, name: &str, out: &mut Vec<u8>) {
         let start = out.len();
-        // A channel's name comes out of the file: it may be anything.
+        // A channel's name comes from the file and may contain any characters.
         push_visible(out, name);
         let shown = &out[start..];
         self.channel_width = self.channel_width.max(shown.len());
@@ -125,7 +126,7 @@ impl Lines for TextLines {
     }
 }
 
-/// Three columns.
+/// Appends the node-ID, three columns wide.
 pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
     out.extend_from_slice(&node_columns(node));
 }
@@ -157,7 +158,7 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
     pad(out, start, DATA_WIDTH);
 }
 
-/// The colour that sets off what a reader looks for: errors red, states yellow, commands cyan.
+/// The colour that highlights a message: red for errors, yellow for states, cyan for commands.
 pub(super) fn service_color(service: Service, message: &Message, violation: Option<Violation>) -> Option<Color> {
     use canvass_analyzer::wire::sdo::{Request, Response};
     match (service, message) {

@@ -1,10 +1,10 @@
-//! Commands of GitHub's workflows: each finding is shown beside its line in a pull request.
+//! Workflow commands of GitHub, which show each finding beside its line in a pull request.
 
 use super::{CheckedFile, Located};
 use crate::escape::printable;
 use canvass_analyzer::dictionary::Severity;
 
-/// What was found in one file, and not waived, a line each.
+/// The findings in one file that are not waived, one on each line.
 pub fn render(file: &CheckedFile) -> String {
     file.open().map(|located| line(file, located)).collect()
 }

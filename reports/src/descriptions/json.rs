@@ -4,7 +4,7 @@ use super::{CheckedFile, Counts, Located, LocatedEdit};
 use crate::results::eds_check::{Edit, Finding, Fix, Summary};
 use crate::results::{Contract, EdsCheckResult};
 
-/// What was found in all files.
+/// The findings in all files.
 pub fn document(files: &[CheckedFile]) -> EdsCheckResult {
     let counts = Counts::of(files);
     let findings = files.iter().flat_map(|file| file.findings.iter().map(|located| finding(file, located)));

@@ -1,4 +1,4 @@
-//! What was found in device descriptions, in every form in which it is wanted.
+//! The findings in device descriptions, in all output forms.
 
 pub mod dbc;
 pub mod difference;
@@ -18,16 +18,17 @@ use crate::page_text::none_or_counted;
 use canvass_analyzer::dictionary::check::{Checked, Finding};
 use canvass_analyzer::dictionary::{Rule, Severity};
 
-/// A file with what was found in it, without its text.
+/// A file with its findings, without its text.
 #[derive(Clone, Debug)]
 pub struct CheckedFile {
-    /// Its name, as the user gave it.
+    /// The name of the file, as the user gave it.
     pub name: String,
-    /// What was found, in the order of the file.
+    /// The findings, in the order of the file.
     pub findings: Vec<Located>,
 }
 
-/// A finding with its place in lines and columns, both from 1; all are 0 where it concerns no single line.
+/// A finding with its place in lines and columns, counted from 1. All numbers are 0 if the finding concerns no single
+/// line.
 #[derive(Clone, Debug)]
 pub struct Located {
     /// The finding.
@@ -40,19 +41,20 @@ pub struct Located {
     pub edits: Vec<LocatedEdit>,
 }
 
-/// A change of the text by lines and columns, from 1; the end is the first character that stays.
+/// A change of the text, with its place in lines and columns, counted from 1. The end is the first character that
+/// stays.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LocatedEdit {
     /// Line and column of the beginning.
     pub start: (u32, u32),
     /// Line and column of the end.
     pub end: (u32, u32),
-    /// What stands there instead.
+    /// The replacement text.
     pub text: String,
 }
 
 impl CheckedFile {
-    /// What was found in a file, as far as it is `wanted`.
+    /// The findings in a file, as far as they are `wanted`.
     pub fn new(name: &str, checked: &Checked<'_>, wanted: impl Fn(&Finding) -> bool) -> Self {
         let source = &checked.source;
         let located = |finding: &Finding| {
@@ -69,7 +71,7 @@ impl CheckedFile {
         Self { name: name.to_owned(), findings }
     }
 
-    /// What the file does not itself say to leave so.
+    /// The findings that the file itself does not waive.
     pub fn open(&self) -> impl Iterator<Item = &Located> {
         self.findings.iter().filter(|located| located.finding.waived.is_none())
     }
@@ -80,7 +82,7 @@ impl Located {
         self.finding.problem.rule
     }
 
-    /// What is wrong, with what was expected and found: on one line, safe to show.
+    /// The problem with the expected and the actual text, on one line and safe to show.
     pub fn message(&self) -> String {
         let problem = &self.finding.problem;
         let place = match (problem.section.as_str(), problem.field.as_str()) {
@@ -95,20 +97,20 @@ impl Located {
     }
 }
 
-/// How many findings of each severity there are.
+/// Number of findings by severity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub errors: usize,
     pub warnings: usize,
     pub hints: usize,
-    /// Those that the files say to leave so.
+    /// Number of findings that the files waive.
     pub waived: usize,
-    /// Those, not waived, that can be fixed without guessing.
+    /// Number of findings that are not waived and can be fixed without guessing.
     pub fixable: usize,
 }
 
 impl Counts {
-    /// Of several files.
+    /// The numbers for several files.
     pub fn of<'a>(files: impl IntoIterator<Item = &'a CheckedFile>) -> Self {
         let mut counts = Self::default();
         for located in files.into_iter().flat_map(|file| &file.findings) {
@@ -127,7 +129,7 @@ impl Counts {
     }
 }
 
-/// `1 error, 2 warnings, no hints`.
+/// The numbers in words: `1 error, 2 warnings, no hints`.
 impl std::fmt::Display for Counts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (errors, warnings, hints) = (self.errors, self.warnings, self.hints);

@@ -1,4 +1,4 @@
-//! What was found in device descriptions as a report. In JUnit files each file is a suite, each rule a case.
+//! The findings in device descriptions as a report. In JUnit files each file is a suite, and each rule is a case.
 
 use super::{CheckedFile, Counts, Located, json};
 use crate::document::junit::{Case, Outcome, Problem, Suite};
@@ -7,11 +7,11 @@ use crate::results;
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
 use std::io::{self, Write};
 
-/// Files with what was found in them.
+/// Files with their findings.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckedFiles<'a> {
     pub files: &'a [CheckedFile],
-    /// In JUnit files what is less severe passes; its words stand in the output.
+    /// In JUnit files a less severe finding passes, and the output contains its text.
     pub fail_on: Option<Severity>,
 }
 

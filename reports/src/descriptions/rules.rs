@@ -1,4 +1,4 @@
-//! What is said of the rules of descriptions: one at a time, and the handbook of all.
+//! The texts of the rules for descriptions: one rule at a time, and the handbook of all.
 
 use crate::page_text::{capitalised, wrapped};
 use canvass_analyzer::dictionary::Rule;

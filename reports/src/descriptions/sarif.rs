@@ -5,7 +5,7 @@ use canvass_analyzer::dictionary::{Rule, Severity, rules};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What was found in all files.
+/// The findings in all files.
 pub fn document(files: &[CheckedFile]) -> Value {
     let results: Vec<Value> =
         files.iter().flat_map(|file| file.findings.iter().map(|located| result(file, located))).collect();
@@ -85,7 +85,7 @@ fn replacement(edit: &LocatedEdit) -> Value {
     })
 }
 
-/// A path as a relative or absolute reference: what has a meaning in a URI is written by its bytes.
+/// A path as a relative or absolute URI reference. Bytes with a meaning in a URI are percent-encoded.
 fn uri(path: &str) -> String {
     let mut uri = String::with_capacity(path.len());
     for byte in path.bytes() {

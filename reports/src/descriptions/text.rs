@@ -1,4 +1,4 @@
-//! The findings as text for a terminal: each with its line, a marker under its place, and its fix.
+//! The findings as text for a terminal, each with its line, a marker under its place, and its fix.
 
 use super::{CheckedFile, Counts, Located};
 use crate::escape::printable;
@@ -8,19 +8,19 @@ use canvass_analyzer::dictionary::source::Source;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A longer line is cut around its place.
+/// Maximum length of a shown line. A longer line is cut around the place of its finding.
 const LONGEST: usize = 300;
 
-/// How findings are drawn.
+/// The style of the drawing.
 #[derive(Clone, Copy, Debug)]
 pub struct Style {
-    /// With colours.
+    /// Whether colours are used.
     pub colors: bool,
-    /// The columns that there are.
+    /// The width in columns.
     pub width: usize,
 }
 
-/// What was found in one file, and not waived; `source` is its text.
+/// The findings in one file that are not waived. `source` is the text of the file.
 pub fn render(file: &CheckedFile, source: &Source<'_>, style: Style) -> String {
     let renderer = if style.colors { Renderer::styled() } else { Renderer::plain() };
     let renderer = renderer.term_width(style.width);
@@ -32,7 +32,7 @@ pub fn render(file: &CheckedFile, source: &Source<'_>, style: Style) -> String {
     drawn
 }
 
-/// How many there are.
+/// The number of files and findings.
 pub fn summary(files: usize, counts: &Counts) -> String {
     let files = if files == 1 { "1 file".to_owned() } else { format!("{files} files") };
     format!("{files}: {counts}\n")
@@ -64,7 +64,7 @@ fn group<'a>(file: &'a CheckedFile, located: &'a Located, source: &Source<'_>) -
     group.element(Level::HELP.message(printable(&help).into_owned()))
 }
 
-/// The line of a finding as it can be shown, and where the place is in it.
+/// The line of a finding as it is shown, and the range of the place within it.
 fn shown(source: &Source<'_>, located: &Located) -> (String, Range<usize>) {
     let finding = &located.finding;
     let line = source.whole_line(finding.line);
@@ -77,7 +77,7 @@ fn shown(source: &Source<'_>, located: &Located) -> (String, Range<usize>) {
     (before + &mark + &after, span)
 }
 
-/// Tabulators have a width of their own in a drawing.
+/// A tabulator would have an unknown width in the drawing, so a blank replaces it.
 fn visible(text: &str) -> String {
     match printable(&text.replace('\t', " ")) {
         Cow::Borrowed(text) => text.to_owned(),

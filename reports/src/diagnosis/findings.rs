@@ -1,4 +1,4 @@
-//! The findings of a diagnosis, with what follows from them.
+//! The findings of a diagnosis with their consequences.
 
 use super::report::DiagnosisReport;
 use super::story::{self, Told};
@@ -7,20 +7,20 @@ use crate::document::{Block, Column, Depth, Finding, Row, Table, Tone, height};
 use canvass_analyzer::findings::{self, Exhibit, Severity};
 use std::collections::HashSet;
 
-/// How much is said of a story.
+/// The detail in which a story is shown.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Detail {
-    /// Every finding with its frames.
+    /// Every finding with all its frames.
     Verbose,
-    /// What follows, and the frames that prove it.
+    /// The first finding with the frames that prove it, and its consequences.
     Full,
-    /// What follows first of all.
+    /// The first finding and its first consequences.
     Short,
     Line,
 }
 
-/// The findings. A text for a terminal has `room` lines: the findings in full if they fit, otherwise in short,
-/// otherwise the last of them in a line each.
+/// The findings. A text for a terminal has `room` lines. It contains the findings in full if they fit, otherwise in
+/// short, and otherwise the last ones in one line each.
 pub fn blocks(report: &DiagnosisReport<'_>, depth: Depth, room: usize) -> Vec<Block> {
     let diagnosed = report.diagnosed;
     let all: Vec<Told<'_>> = story::all(diagnosed).collect();
@@ -38,7 +38,7 @@ pub fn blocks(report: &DiagnosisReport<'_>, depth: Depth, room: usize) -> Vec<Bl
     fitting.unwrap_or_else(|| shortened(report, &all, room))
 }
 
-/// The first stories in short, the others in a line each, and the number of those for which there is no room.
+/// The first stories in short, the others in one line each, and the number of stories for which there is no room.
 fn shortened(report: &DiagnosisReport<'_>, all: &[Told<'_>], room: usize) -> Vec<Block> {
     let diagnosed = report.diagnosed;
     let mut advised = HashSet::new();
@@ -47,7 +47,7 @@ fn shortened(report: &DiagnosisReport<'_>, all: &[Told<'_>], room: usize) -> Vec
         let left = all.len() - at - 1;
         let mut advised_here = advised.clone();
         let short: Vec<Block> = of_story(diagnosed, told, Detail::Short, &mut advised_here).into_iter().collect();
-        // Each of the others wants a line, as far as there is room for half of them.
+        // Each remaining story needs a line, as far as half of the room allows.
         if used + height(&short) + left.min(room / 2) < room {
             advised = advised_here;
             used += height(&short);
@@ -72,12 +72,12 @@ const fn tone(severity: Severity) -> Tone {
     }
 }
 
-/// `node 5: `, or nothing.
+/// The node before a colon: `node 5: `. Empty if there is none.
 fn prefix(whom: String) -> String {
     if whom.is_empty() { whom } else { whom + ": " }
 }
 
-/// A story on a terminal; advice that was given before is not repeated.
+/// A story on a terminal. Advice that an earlier story gave is not repeated.
 fn of_story(
     diagnosed: &Diagnosed<'_>,
     told: &Told<'_>,
@@ -115,7 +115,7 @@ fn of_story(
     Some(Block::Finding(Finding { tone: tone(severity), badge, title, id, body, ..Finding::default() }))
 }
 
-/// What follows from the head of a story, in a line, or with all frames.
+/// A consequence of the head of a story, in one line or with all frames.
 fn of_consequence(diagnosed: &Diagnosed<'_>, findings: &[&findings::Finding], detail: Detail) -> Vec<Block> {
     let Some(first) = findings.first() else { return Vec::new() };
     let (whom, rule) = (prefix(story::whom(diagnosed, findings)), first.rule);
@@ -127,14 +127,14 @@ fn of_consequence(diagnosed: &Diagnosed<'_>, findings: &[&findings::Finding], de
     vec![Block::Text(format!("then at {at} s: {whom}{words}  [{}]", rule.id))]
 }
 
-/// When, what, how often, and all frames that prove it.
+/// The time, the words and the number of a finding, and all frames that prove it.
 fn with_frames(diagnosed: &Diagnosed<'_>, finding: &findings::Finding) -> Vec<Block> {
     let at = diagnosed.since_start(finding.first);
     let told = Block::Text(format!("at {at} s: {}{}", finding.message, times(diagnosed, finding)));
     if finding.evidence.is_empty() { vec![told] } else { vec![told, proof(diagnosed, finding.evidence.iter())] }
 }
 
-/// Frames that prove something.
+/// The frames that prove a finding.
 fn proof<'e>(diagnosed: &Diagnosed<'_>, exhibits: impl Iterator<Item = &'e Exhibit>) -> Block {
     let row = |exhibit: &Exhibit| {
         let (place, at) = (diagnosed.place(exhibit), diagnosed.since_start(exhibit.time));
@@ -144,7 +144,7 @@ fn proof<'e>(diagnosed: &Diagnosed<'_>, exhibits: impl Iterator<Item = &'e Exhib
     Block::Table(Table::new(columns, exhibits.map(row)))
 }
 
-/// Every finding of a story with all its frames, and from which it follows.
+/// Every finding of a story with all its frames, and the finding from which it follows.
 fn in_full(diagnosed: &Diagnosed<'_>, told: &Told<'_>) -> Vec<Block> {
     let heads = told.head().into_iter().map(|finding| (finding, None));
     let rest = told.consequences().flat_map(|(consequence, findings)| {

@@ -18,7 +18,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     let results = diagnosed.results;
     let nodes = results.buses.iter().flat_map(|(id, bus)| {
@@ -26,7 +26,8 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
         bus.nodes.iter().map(move |(id, figures)| node(*id, &channel, figures, bus))
     });
     let severity = |severity: Severity| (severity.name().into(), diagnosed.count(severity));
-    // One finding and node after the other: all of them as values would take several times the memory of what they are of.
+    // Findings and nodes are written one by one. All of them as JSON values would take several times the memory of the
+    // originals.
     let result: DiagnoseResult<_, _> = DiagnoseResult {
         buses: results.buses.iter().map(|(id, figures)| bus(&diagnosed.channel(*id), figures)).collect(),
         counts: diagnosed.by_service().map(|(service, count)| (service.name().into(), count)).collect(),
@@ -44,7 +45,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
     results::write(&result, out)
 }
 
-/// An array whose values are made while it is written, once.
+/// An array whose values are made while it is written. It can be written once.
 struct Rows<I>(Cell<Option<I>>);
 
 fn rows<I: Iterator<Item: Serialize>>(values: I) -> Rows<I> {
@@ -57,7 +58,7 @@ impl<I: Iterator<Item: Serialize>> Serialize for Rows<I> {
     }
 }
 
-/// What there is of the services that were seen.
+/// The values of the services that were seen.
 fn of<T>(frames: &[u64; Service::ALL.len()], of: impl Fn(u64) -> T) -> ByService<T> {
     let seen = Service::ALL.into_iter().zip(*frames).filter(|(_, count)| *count > 0);
     seen.map(|(service, count)| (service.name().into(), of(count))).collect()
@@ -169,7 +170,7 @@ fn peak(peak: &statistics::Peak, bus: &BusStatistics) -> Option<Peak> {
     Some(Peak { percent, t: time.nanos() })
 }
 
-/// The load that each service makes.
+/// The bus load by service.
 fn loads(bus: &BusStatistics) -> ByService<Load> {
     let services = Service::ALL.into_iter().zip(bus.bits).zip(&bus.peaks).filter(|((_, bits), _)| *bits > 0);
     let load = |bits, fullest| Load { bits, peak: peak(fullest, bus), percent: bus.share_of_load(bits) };

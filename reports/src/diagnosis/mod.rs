@@ -1,4 +1,4 @@
-//! What was on the buses of a capture and what was wrong: as a table, JSON, Markdown, JUnit and an HTML page.
+//! The traffic on the buses of a capture and its faults, as a table, JSON, Markdown, JUnit and an HTML page.
 
 mod findings;
 pub mod html;
@@ -22,31 +22,31 @@ use canvass_analyzer::findings::{Exhibit, Finding, Results, Severity};
 use canvass_traces::{ChannelId, Channels, Timestamp};
 use std::fmt::Write as _;
 
-/// A diagnosis that is to be shown.
+/// A diagnosis to report.
 #[derive(Clone, Copy, Debug)]
 pub struct Diagnosed<'a> {
-    /// What was found.
+    /// The results of the diagnosis.
     pub results: &'a Results,
     /// The names of the channels.
     pub channels: &'a Channels,
     /// The captures that were read, and their quality.
     pub captures: &'a [CaptureQuality<'a>],
-    /// Where the result comes from.
+    /// The provenance of the result.
     pub provenance: &'a Provenance,
 }
 
 impl Diagnosed<'_> {
-    /// All frames that were looked at.
+    /// Number of frames that the diagnosis has seen.
     pub fn frames(&self) -> u64 {
         self.results.buses.iter().map(|(_, bus)| bus.total()).sum::<u64>() + self.results.unwatched
     }
 
-    /// How many findings are of a severity.
+    /// Number of findings of a severity.
     pub fn count(&self, severity: Severity) -> usize {
         self.results.findings.iter().filter(|finding| finding.severity == severity).count()
     }
 
-    /// The frames of all buses by service.
+    /// Number of frames on all buses by service.
     fn by_service(&self) -> impl Iterator<Item = (Service, u64)> {
         Service::ALL.into_iter().map(|service| {
             let frames = self.results.buses.iter().map(|(_, bus)| bus.frames[service as usize]);
@@ -54,7 +54,7 @@ impl Diagnosed<'_> {
         })
     }
 
-    /// When the first frame of all buses was seen.
+    /// The time of the first frame on any bus.
     fn start(&self) -> Option<Timestamp> {
         self.results.buses.iter().map(|(_, bus)| bus.first).min()
     }
@@ -66,7 +66,7 @@ impl Diagnosed<'_> {
         format!("{}.{:06}", micros / 1_000_000, micros % 1_000_000)
     }
 
-    /// Where an exhibit stands: the file's name where there is only one, and the line or packet.
+    /// The place of an exhibit: the line or packet, and the name of the file if there is only one.
     fn place(&self, exhibit: &Exhibit) -> String {
         match self.captures {
             [capture] => format!("{}:{}", capture.name, exhibit.place.number),
@@ -74,7 +74,7 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// The node and channel of a finding: `node 5 on can0`, or nothing where it is about no bus.
+    /// The node and channel of a finding: `node 5 on can0`. Empty if the finding is about no bus.
     fn whom(&self, finding: &Finding) -> String {
         let node = finding.node.map(|node| format!("node {node}"));
         let channel = finding.channel.filter(|_| self.results.buses.len() > 1).map(|id| self.channel(id));
@@ -90,12 +90,12 @@ impl Diagnosed<'_> {
     }
 }
 
-/// The frame of an exhibit: its CAN-ID and bytes; nothing where there is none.
+/// The frame of an exhibit: its CAN-ID and bytes. Empty if the exhibit has no frame.
 fn frame(exhibit: &Exhibit) -> String {
     exhibit.record.as_ref().map(|record| record.frame.to_string()).unwrap_or_default()
 }
 
-/// `, 12 times until 3.4 s`, where it happened more than once.
+/// The number of occurrences of a finding: ` (12 times, the last at 3.4 s)`. Empty if there was only one.
 fn times(diagnosed: &Diagnosed<'_>, finding: &Finding) -> String {
     let mut text = String::new();
     if finding.count > 1 {

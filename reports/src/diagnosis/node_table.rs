@@ -1,4 +1,4 @@
-//! Each node in figures: the table of the terminal and of Markdown.
+//! The figures of each node: the table on the terminal and in Markdown.
 
 use super::Diagnosed;
 use crate::escape::printable;
@@ -6,7 +6,8 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics};
 use canvass_traces::Duration;
 
-/// The head of the table and its rows, those that never sent anything last, if at all; empty where there are no nodes.
+/// The head of the table and its rows. Nodes that never sent a frame come last, if they are wanted. Empty if there are
+/// no nodes.
 pub fn rows(diagnosed: &Diagnosed<'_>, with_silent: bool) -> Vec<Vec<String>> {
     let buses = &diagnosed.results.buses;
     let several = buses.len() > 1;
@@ -49,7 +50,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     let state = node.states.last().map(|change| change.state.to_string());
     let emcy: u64 = node.emcy.iter().filter(|row| !row.code.is_reset()).map(|row| row.count).sum();
     let times = &node.responses;
-    // Without times in the capture all are zero.
+    // In a capture without time stamps all times are zero.
     let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
     let response = match times.max() {
         Some(max) if max > Duration::ZERO => {
@@ -75,7 +76,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     ]
 }
 
-/// Who a node is, as far as it was read from it.
+/// The identity of a node, as far as it was read.
 pub fn who(node: &NodeStatistics) -> String {
     let identity = &node.identity;
     let [vendor, product, _, serial] = identity.numbers;
@@ -93,7 +94,8 @@ pub fn who(node: &NodeStatistics) -> String {
     parts.join(", ")
 }
 
-/// The nodes of each bus that were addressed and never sent anything, with the bus where there are several: `can1: `.
+/// The nodes of each bus that were addressed and never sent a frame. If there are several buses, each has its name
+/// before it: `can1: `.
 pub fn silent(diagnosed: &Diagnosed<'_>) -> Vec<(String, Vec<NodeId>)> {
     let buses = &diagnosed.results.buses;
     let several = buses.len() > 1;
@@ -105,7 +107,7 @@ pub fn silent(diagnosed: &Diagnosed<'_>) -> Vec<(String, Vec<NodeId>)> {
     buses.iter().map(of_bus).collect()
 }
 
-/// `1 to 3, 7`, of nodes in their order.
+/// Node-IDs in ascending order as ranges: `1 to 3, 7`.
 pub fn ranges(nodes: &[NodeId]) -> String {
     let mut ranges: Vec<(u8, u8)> = Vec::new();
     for node in nodes.iter().map(|node| node.raw()) {
@@ -122,7 +124,7 @@ pub fn ranges(nodes: &[NodeId]) -> String {
     ranges.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
-/// `507 / 884 / 899 / 899 µs`: the unit is said once where all have the same.
+/// Several times in one text: `507 / 884 / 899 / 899 µs`. A common unit is written once.
 fn joined(times: &[String]) -> String {
     let unit = times.last().and_then(|last| last.split_once(' ')).map(|(_, unit)| format!(" {unit}"));
     let bare: Option<Vec<&str>> =
@@ -133,7 +135,7 @@ fn joined(times: &[String]) -> String {
     }
 }
 
-/// A time that nobody wants to the last digit: percentiles have three.
+/// A time rounded to three digits, as percentiles need no more.
 pub fn rounded(time: Duration) -> Duration {
     let unit = match time.nanos() {
         0..1_000_000 => 1_000,

@@ -1,36 +1,36 @@
-//! A diagnosis of captures that are read record by record.
+//! The diagnosis of captures that are read record by record.
 
 use super::html::Collector;
 use canvass_analyzer::findings::{Diagnosis, InOrder, Results, SourceQuality};
 use canvass_traces::{ChannelId, Merge, Record};
 use std::io;
 
-/// Gives records to a diagnosis in the order of their times, and to what collects for the page.
+/// Passes records to a diagnosis and to the collector of the page, in the order of their times.
 pub struct Reading {
     diagnosis: Diagnosis,
     collector: Option<Collector>,
     order: InOrder,
-    /// The channels whose bit rates were asked for.
+    /// Number of channels whose bit rates were taken over.
     channels: usize,
 }
 
 impl Reading {
-    /// A diagnosis to which nothing was shown yet; with what the page needs, or without.
+    /// Begins a diagnosis, with a collector if there is to be a page.
     pub fn new(diagnosis: Diagnosis, collector: Option<Collector>) -> Self {
         Self { diagnosis, collector, order: InOrder::default(), channels: 0 }
     }
 
-    /// Something could not be read: frames may be missing here.
+    /// A part of a capture could not be read, so that frames may be missing here.
     ///
     /// # Errors
-    /// As [`Reading::record`].
+    /// The errors of [`Reading::record`].
     pub fn interrupted(&mut self, captures: &Merge) -> io::Result<()> {
         self.flush(captures)?;
         self.diagnosis.interrupted();
         Ok(())
     }
 
-    /// Takes the bit rates of channels that are new, where their captures know them.
+    /// Takes over the bit rates of new channels, if their captures contain them.
     #[inline]
     pub fn see_channel(&mut self, channel: ChannelId, captures: &Merge) {
         if usize::from(channel.0) >= self.channels {
@@ -49,10 +49,10 @@ impl Reading {
         }
     }
 
-    /// Takes the next record, and leaves something else in its place.
+    /// Takes the next record. It leaves another record in its place, so that memory is reused.
     ///
     /// # Errors
-    /// What collects for the page may write.
+    /// The errors of the page's collector, which may write to a file.
     #[inline]
     pub fn record(&mut self, record: &mut Record, captures: &Merge) -> io::Result<()> {
         self.order.push(record);
@@ -69,10 +69,10 @@ impl Reading {
         Ok(())
     }
 
-    /// What was found, and what was collected.
+    /// Ends the diagnosis. Returns its results and the collector.
     ///
     /// # Errors
-    /// As [`Reading::record`].
+    /// The errors of [`Reading::record`].
     pub fn finish(
         mut self,
         captures: &Merge,

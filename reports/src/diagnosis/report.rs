@@ -1,4 +1,4 @@
-//! The diagnosis as a report: what was wrong, each node in figures, and what was on the buses.
+//! The diagnosis as a report: the findings, the figures of each node, and the traffic on the buses.
 
 use super::node_table::{self, rounded};
 use super::{Diagnosed, findings, json, suites};
@@ -8,32 +8,33 @@ use canvass_analyzer::findings::Severity;
 use canvass_analyzer::statistics::{BusStatistics, TestCase};
 use std::io::{self, Write};
 
-/// A diagnosis, with what is wanted of its report. The page is made by [`super::html`].
+/// A diagnosis with the options of its report. [`super::html`] makes the page.
 #[derive(Clone, Copy, Debug)]
 pub struct DiagnosisReport<'a> {
     pub diagnosed: &'a Diagnosed<'a>,
-    /// On a terminal every finding with all its frames, and every node.
+    /// Whether a terminal shows every finding with all its frames, and every node.
     pub is_verbose: bool,
-    /// How to see what the text leaves out.
+    /// How the user sees the parts that the text leaves out.
     pub advice: Advice,
-    /// In JUnit files what is less severe passes; its words stand in the output.
+    /// In JUnit files a less severe finding passes, and the output contains its text.
     pub fail_on: Option<Severity>,
 }
 
-/// How a user of the program sees more: it knows what its options are called. Nothing is said where a text is empty.
+/// Texts that tell the user how to see more. The program provides them, as it knows the names of its options. An empty
+/// text is left out.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Advice {
-    /// Follows the number of findings that are not shown.
+    /// The text after the number of findings that are not shown.
     pub findings: &'static str,
-    /// Follows the number of nodes or cases that are not shown.
+    /// The text after the number of nodes or cases that are not shown.
     pub rows: &'static str,
-    /// Follows the words that say that no bit rate is known.
+    /// The text after the note that the bit rate is not known.
     pub bit_rate: &'static str,
 }
 
-/// The lines of a short text: what fits on a screen or a page of paper.
+/// Maximum number of lines of a short text, which fits on a screen or a page of paper.
 const LINES: usize = 58;
-/// The nodes in the table then.
+/// Maximum number of nodes in the table of a short text.
 const NODES: usize = 16;
 
 impl Report for DiagnosisReport<'_> {
@@ -71,14 +72,14 @@ fn section(id: &'static str, title: &str, blocks: Vec<Block>) -> Section {
     Section { id, title: title.to_owned(), blocks }
 }
 
-/// `1 error, 2 warnings, 0 hints`.
+/// The number of findings by severity: `1 error, 2 warnings, 0 hints`.
 fn counts(diagnosed: &Diagnosed<'_>) -> String {
     let named = [(Severity::Error, "error"), (Severity::Warning, "warning"), (Severity::Info, "hint")];
     let counts = named.map(|(severity, name)| counted(diagnosed.count(severity), name));
     counts.join(", ")
 }
 
-/// What was read, and what was on each bus.
+/// The facts of the captures and of each bus.
 fn facts(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Fact> {
     let diagnosed = report.diagnosed;
     let advice = if depth == Depth::Screen { report.advice } else { Advice::default() };
@@ -92,7 +93,7 @@ fn facts(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Fact> {
     captures.chain(buses).chain(unwatched).collect()
 }
 
-/// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.
+/// The facts of a bus: `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.
 fn of_bus(bus: &BusStatistics, advice: Advice) -> String {
     let present: Vec<String> =
         bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.to_string()).collect();
@@ -108,7 +109,7 @@ fn of_bus(bus: &BusStatistics, advice: Advice) -> String {
     format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
 }
 
-/// The table of nodes. Of a scan for nodes there are many that never sent anything: a short text names them in one line.
+/// The table of nodes. After a scan many nodes never sent a frame: a short text names these in one line.
 fn nodes(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Block> {
     const SILENT: usize = 3;
     let is_short = depth == Depth::Screen && !report.is_verbose;
@@ -133,7 +134,7 @@ fn nodes(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Block> {
     blocks
 }
 
-/// The cases of certification runs; in a short text some of those that have not passed.
+/// The cases of certification runs. A short text has some of those that have not passed.
 fn test_runs(report: &DiagnosisReport<'_>, depth: Depth) -> Option<Section> {
     const FAILED: usize = 8;
     let is_short = depth == Depth::Screen && !report.is_verbose;
@@ -157,7 +158,7 @@ fn test_runs(report: &DiagnosisReport<'_>, depth: Depth) -> Option<Section> {
     (!blocks.is_empty()).then(|| section("test-run", "Test run", blocks))
 }
 
-/// A case of a certification run: its name, verdict, number of frames, begin in seconds, and where it stands.
+/// A case of a certification run: its name, verdict, number of frames, begin in seconds, and place.
 fn of_case(diagnosed: &Diagnosed<'_>, case: &TestCase) -> Row {
     let verdict = case.verdict.as_deref().unwrap_or("not ended");
     let places = format!("#{} to #{}", case.place.number, case.last_place.number);

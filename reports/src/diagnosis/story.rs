@@ -4,24 +4,24 @@ use super::{Diagnosed, times};
 use canvass_analyzer::findings::{Consequence, Finding, Severity, Story};
 use std::fmt::Write;
 
-/// A story that is to be shown.
+/// A story to report.
 pub struct Told<'a> {
     diagnosed: &'a Diagnosed<'a>,
     story: &'a Story,
 }
 
-/// All stories, what has the worst consequences first.
+/// All stories. The one with the worst consequences comes first.
 pub fn all<'a>(diagnosed: &'a Diagnosed<'a>) -> impl Iterator<Item = Told<'a>> {
     diagnosed.results.stories.iter().map(move |story| Told { diagnosed, story })
 }
 
 impl<'a> Told<'a> {
-    /// The findings of its head: there is always one.
+    /// The findings at the head of the story. There is at least one.
     pub fn head(&self) -> Vec<&'a Finding> {
         self.findings(&self.story.head)
     }
 
-    /// What follows from it.
+    /// The consequences of the head, each with its findings.
     pub fn consequences(&self) -> impl Iterator<Item = (&'a Consequence, Vec<&'a Finding>)> {
         self.story.consequences.iter().map(|consequence| (consequence, self.findings(&consequence.findings)))
     }
@@ -35,7 +35,7 @@ impl<'a> Told<'a> {
     }
 }
 
-/// Whom findings of one kind are about: `node 5`, `nodes 3, 4`, or nothing.
+/// The nodes that findings of one kind are about: `node 5`, `nodes 3, 4`. Empty if there are none.
 pub fn whom(diagnosed: &Diagnosed<'_>, findings: &[&Finding]) -> String {
     let mut nodes: Vec<String> = Vec::new();
     for node in findings.iter().filter_map(|finding| finding.node) {
@@ -55,7 +55,7 @@ pub fn whom(diagnosed: &Diagnosed<'_>, findings: &[&Finding]) -> String {
     }
 }
 
-/// What findings of one kind say: the words of the first, and how many more there are, with their objects.
+/// The words of the first of several findings of one kind, with the number of further ones and their objects.
 pub fn words(diagnosed: &Diagnosed<'_>, findings: &[&Finding]) -> String {
     const LISTED: usize = 8;
     let Some((first, others)) = findings.split_first() else { return String::new() };

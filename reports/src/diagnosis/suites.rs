@@ -1,10 +1,10 @@
-//! The rules for JUnit files: each is a case, which fails where it has found what counts.
+//! The rules for JUnit files. Each rule is a case, which fails if the rule has a finding that counts.
 
 use super::{Diagnosed, frame, times};
 use crate::document::junit::{Case, Outcome, Problem, Suite};
 use canvass_analyzer::findings::{Finding, Metadata, Severity, all};
 
-/// A suite for each family of rules. What is less severe than `fail_on` passes; its words stand in the output.
+/// A suite for each family of rules. A finding less severe than `fail_on` passes, and the output contains its text.
 pub fn of(diagnosed: &Diagnosed<'_>, fail_on: Option<Severity>) -> Vec<Suite> {
     let rules: Vec<&Metadata> = all().map(|definition| definition.metadata).collect();
     let suite = |rules: &[&Metadata]| {

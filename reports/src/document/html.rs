@@ -1,6 +1,6 @@
 //! A document as one self-contained HTML page.
 //!
-//! Everything that came from outside goes through [`printable`] and through maud, which escapes markup.
+//! Every text from outside goes through [`printable`] and through maud, which escapes markup.
 
 use super::{Align, Block, Cell, Code, Document, Fact, Finding, Row, Section, Table};
 use crate::escape::printable;
@@ -12,7 +12,7 @@ use std::io::{self, Write};
 /// Writes the page, section by section.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub(super) fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
     let all = || document.sections.iter().chain(&document.about);
     let titles: Vec<(&str, &str)> = all().map(|section| (section.id, &*section.title)).collect();
@@ -42,7 +42,7 @@ fn head(document: &Document) -> Markup {
     }
 }
 
-/// A section, for pages that are more than a document.
+/// A section, for pages that contain more than a document.
 pub(crate) fn section(section: &Section) -> Markup {
     html! {
         section aria-labelledby=(section.id) {
@@ -107,7 +107,7 @@ fn escaped(text: &str) -> String {
     text.render().into_string()
 }
 
-/// A cell; a sign with its meaning for those who can't see it.
+/// A cell. A sign has its meaning as a title, for those who can't see it.
 fn cell(cell: &Cell, is_number: bool) -> Markup {
     let (text, title) = (printable(&cell.text), printable(&cell.title));
     let named = (!title.is_empty()).then_some(&title);

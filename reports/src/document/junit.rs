@@ -1,16 +1,16 @@
-//! JUnit XML, for continuous integration: the one writer of all commands that have it.
+//! JUnit XML for continuous integration, written here for all commands.
 //!
-//! There are two schemas of JUnit files that tools validate against: that of Ant's JUnit task (`JUnit.xsd`) and that of
-//! Jenkins (`junit-10.xsd`). A document keeps to what both allow, which `tests/peers/junit.xsd` says: suites have each
-//! attribute that Ant wants, cases have no properties and no output of their own. So the details of a failure stand in its
-//! text, and what is to be said of a case that passes stands in the output of its suite.
+//! Tools validate JUnit files against one of two schemas: that of Ant's JUnit task (`JUnit.xsd`) and that of Jenkins
+//! (`junit-10.xsd`). A document keeps to what both allow, as in `tests/peers/junit.xsd`: suites have each attribute
+//! that Ant requires, and cases have no properties and no output of their own. So the details of a failure are in its
+//! text, and remarks on a case that passes are in the output of its suite.
 
 use crate::escape::{Visible, printable};
 use canvass_traces::{Duration, Timestamp};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
-/// Cases that belong together, with what is to be known of the run.
+/// Cases that belong together, with the properties of the run.
 #[derive(Debug)]
 pub struct Suite {
     name: String,
@@ -19,45 +19,45 @@ pub struct Suite {
     cases: Vec<Case>,
 }
 
-/// One thing that was tried.
+/// A single test of a suite.
 #[derive(Debug)]
 pub struct Case {
-    /// What it belongs to, with dots: `canvass.nodes`.
+    /// The family of the case, with dots: `canvass.nodes`.
     pub family: String,
-    /// Its name in the family.
+    /// The name of the case within its family.
     pub name: String,
-    /// How long it took.
+    /// The duration of the case.
     pub duration: Duration,
-    /// How it ended.
+    /// The outcome of the case.
     pub outcome: Outcome,
-    /// What is to be said though it did not fail, each with what it is about; may be empty.
+    /// Remarks on a case that did not fail, each with its subject. May be empty.
     pub remarks: Vec<String>,
 }
 
-/// How a case ended.
+/// The outcome of a case.
 #[derive(Debug)]
 pub enum Outcome {
-    /// As it should.
+    /// The case passed.
     Passed,
-    /// It was not judged.
+    /// The case was not judged.
     Skipped {
-        /// Why.
+        /// The reason why the case was skipped.
         message: String,
     },
-    /// What was tried is wrong.
+    /// The tested object is wrong.
     Failed(Problem),
-    /// It could not be judged, where it should have been.
+    /// The case could not be judged, although it should have been.
     Error(Problem),
 }
 
-/// What is to be said of a case that did not pass.
+/// The reason why a case did not pass.
 #[derive(Debug)]
 pub struct Problem {
-    /// Of what kind it is, in one word or two.
+    /// The kind of the problem in one or two words.
     pub kind: &'static str,
-    /// The sentence that tells it.
+    /// The problem in one sentence.
     pub message: String,
-    /// What a person looks at then.
+    /// The details for a person.
     pub details: Vec<String>,
 }
 
@@ -67,17 +67,18 @@ impl Suite {
         Self { name: name.into(), properties: Vec::new(), began: Timestamp::ZERO, cases: Vec::new() }
     }
 
-    /// What is to be known of the run.
+    /// Adds properties of the run.
     pub fn add_properties<K: Into<String>>(&mut self, properties: impl IntoIterator<Item = (K, String)>) {
         self.properties.extend(properties.into_iter().map(|(name, value)| (name.into(), value)));
     }
 
-    /// When the first of its frames came: of a simulated bus since its power-on, so that the same run gives the same bytes.
+    /// Sets the time of the first frame. On a simulated bus it counts from power-on, so that the same run gives the
+    /// same bytes.
     pub fn set_began(&mut self, began: Timestamp) {
         self.began = began;
     }
 
-    /// Further cases.
+    /// Adds cases.
     pub fn add_cases(&mut self, cases: impl IntoIterator<Item = Case>) {
         self.cases.extend(cases);
     }
@@ -102,7 +103,7 @@ impl Suite {
 }
 
 impl Case {
-    /// A case that passed and of which nothing is to be said.
+    /// A case that passed, without remarks.
     pub fn passed(family: impl Into<String>, name: impl Into<String>) -> Self {
         let (family, name) = (family.into(), name.into());
         Self { family, name, duration: Duration::ZERO, outcome: Outcome::Passed, remarks: Vec::new() }
@@ -149,19 +150,20 @@ impl Problem {
     }
 }
 
-/// Writes a document; `command` is what was run: `diagnose`.
+/// Writes a document. `command` is the command that was run, such as `diagnose`.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub(crate) fn write(command: &str, suites: &[Suite], out: &mut dyn Write) -> io::Result<()> {
     let mut report = Report::unnamed();
     report.add_test_suites(suites.iter().enumerate().map(|(number, suite)| suite.to_junit(number, command)));
     let text = report.to_string().map_err(io::Error::other)?;
-    // What can't be written keeps its cause: nobody reading any more is none.
+    // The error keeps its cause, because a closed pipe is no failure.
     Visible::new(out, false).write_all(without_totals(&text).as_bytes())
 }
 
-/// Ant's schema knows no attributes of the root. The writer escapes each `>` in attributes, so that the first one ends the tag.
+/// Removes the attributes of the root, which Ant's schema does not know. The writer escapes each `>` in attributes, so
+/// that the first one ends the tag.
 fn without_totals(text: &str) -> String {
     const ROOT: &str = "<testsuites";
     let parts = text.split_once(ROOT).and_then(|(declaration, rest)| Some((declaration, rest.split_once('>')?)));
@@ -174,7 +176,7 @@ fn without_totals(text: &str) -> String {
     }
 }
 
-/// Date and time of day in UTC to the second, without a time zone, as the schemas want it.
+/// Date and time in UTC to the second, without a time zone, as the schemas require.
 fn date_time(at: Timestamp) -> String {
     let seconds = i64::try_from(at.nanos() / 1_000_000_000).unwrap_or(0);
     let at = jiff::Timestamp::from_second(seconds).unwrap_or(jiff::Timestamp::UNIX_EPOCH);

@@ -1,4 +1,4 @@
-//! A document as Markdown: for a ticket, a merge request or a wiki.
+//! A document as Markdown for a ticket, a merge request or a wiki.
 
 use super::{Align, Block, Code, Document, Fact, Finding, Section, Table};
 use crate::escape::{Visible, markdown, printable};
@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// Writes the document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
     let out: &mut dyn Write = &mut Visible::new(out, false);
     writeln!(out, "# {}\n\n{}.", markdown(&document.title), markdown(&capitalised(&document.outcome)))?;
@@ -21,7 +21,7 @@ pub fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn section(section: &Section, out: &mut dyn Write) -> io::Result<()> {
-    // Pictures and controls alone are nothing here.
+    // A section with only pictures and controls is empty in Markdown.
     if section.blocks.iter().all(|block| matches!(block, Block::Markup(_))) {
         return Ok(());
     }
@@ -33,7 +33,7 @@ fn blocks(blocks: &[Block], level: usize, out: &mut dyn Write) -> io::Result<()>
     blocks.iter().try_for_each(|block| self::block(block, level, out))
 }
 
-/// Writes an empty line and the block; headings in it are of `level`.
+/// Writes an empty line and the block. Headings in the block are of `level`.
 fn block(block: &Block, level: usize, out: &mut dyn Write) -> io::Result<()> {
     match block {
         Block::Text(text) => {
@@ -92,7 +92,7 @@ fn finding(finding: &Finding, level: usize, out: &mut dyn Write) -> io::Result<(
     blocks(&finding.body, level + 1, out)
 }
 
-/// A block that nothing in it can end: its fence is longer than any in it.
+/// A code block with a fence longer than any in its text, so that no text can end the block.
 fn code(code: &Code, out: &mut dyn Write) -> io::Result<()> {
     let longest = code.text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
     let fence = "`".repeat(longest.max(2) + 1);

@@ -1,8 +1,8 @@
-//! What a report says, apart from its form: an outcome, facts, and sections of tables, findings with their evidence, and
-//! pictures.
+//! The content of a report without its form: an outcome, facts, and sections of tables, findings with their evidence,
+//! and pictures.
 //!
-//! A report is a function from its result to a [`Document`]: see [`Report`]. Each form is one renderer of all documents.
-//! Texts are as they came: each renderer makes them harmless.
+//! A report is a function from its result to a [`Document`]: see [`Report`]. Each form has one renderer for all
+//! documents. Texts are unescaped here; each renderer makes them harmless.
 
 pub mod html;
 pub mod junit;
@@ -17,21 +17,21 @@ use maud::Markup;
 use serde_json::Value;
 use std::io::{self, Write};
 
-/// A result that is reported.
+/// A result to report.
 pub trait Report {
-    /// What it says, as far as there is room.
+    /// The content of the report, in the detail that `depth` allows.
     fn document(&self, depth: Depth) -> Document;
 
-    /// Writes it for programs: the contract of [`crate::results`].
+    /// Writes the result as JSON, by the contract of [`crate::results`].
     ///
     /// # Errors
-    /// What `out` gives.
+    /// The errors of `out`.
     fn json(&self, out: &mut dyn Write) -> io::Result<()>;
 
-    /// Writes it.
+    /// Writes the report in a form.
     ///
     /// # Errors
-    /// What `out` gives.
+    /// The errors of `out`.
     fn write(&self, form: Form, out: &mut dyn Write) -> io::Result<()> {
         match form {
             Form::Text(style) => text::render(&self.document(Depth::Screen), style, out),
@@ -49,83 +49,83 @@ pub trait Report {
 /// The form of a report.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {
-    /// For a terminal.
+    /// Text for a terminal.
     Text(Style),
-    /// For merge requests and wikis.
+    /// Markdown for merge requests and wikis.
     Markdown,
-    /// One page that needs nothing else.
+    /// A self-contained HTML page.
     Html,
-    /// For CI servers.
+    /// JUnit XML for CI servers.
     Junit,
-    /// For programs.
+    /// JSON for programs.
     Json,
 }
 
-/// How a terminal is written to.
+/// The capabilities of the terminal.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Style {
-    /// With colours.
+    /// Whether colours are used.
     pub color: bool,
-    /// The width in columns, where it is known.
+    /// The width in columns, if it is known.
     pub width: Option<u16>,
 }
 
 /// How detailed a report is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Depth {
-    /// What matters most.
+    /// The most important facts, for a screen.
     Screen,
-    /// What a ticket needs.
+    /// The facts that a ticket needs.
     Paper,
-    /// All of it.
+    /// All facts, for a page.
     Page,
 }
 
-/// A report without its form.
+/// The content of a report without its form.
 #[derive(Debug, Default)]
 pub struct Document {
-    /// The command that it is of: `test`.
+    /// The command that made the report: `test`.
     pub command: &'static str,
-    /// What kind of report it is: `CANopen conformance`.
+    /// The kind of the report: `CANopen conformance`.
     pub kind: &'static str,
     pub title: String,
-    /// One line about the result, without a full stop.
+    /// The result in one line, without a full stop.
     pub outcome: String,
     pub tone: Tone,
     pub facts: Vec<Fact>,
-    /// Follows the facts.
+    /// The blocks after the facts.
     pub summary: Vec<Block>,
     pub sections: Vec<Section>,
-    /// Where the result comes from.
+    /// The section about the provenance of the result.
     pub about: Option<Section>,
-    /// The cases of the JUnit file.
+    /// The suites of the JUnit file.
     pub suites: Vec<Suite>,
     pub page: PageParts,
 }
 
-/// What only a page has.
+/// The parts that only an HTML page has.
 #[derive(Debug, Default)]
 pub struct PageParts {
     pub footer: &'static str,
     pub styles: &'static [&'static str],
     pub scripts: &'static [&'static str],
-    /// For the scripts.
+    /// The data for the scripts.
     pub data: Option<Value>,
 }
 
 /// A part of a document with a heading.
 #[derive(Debug, Default)]
 pub struct Section {
-    /// Its name in links.
+    /// The id of the section in links.
     pub id: &'static str,
     pub title: String,
     pub blocks: Vec<Block>,
 }
 
-/// A name and what it stands for.
+/// A name and its value.
 pub type Fact = (String, String);
 
-/// Whether something is good, for its colour.
+/// The rating of a text, which determines its colour.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Tone {
     #[default]
@@ -141,7 +141,7 @@ pub enum Tone {
 }
 
 impl Tone {
-    /// The class in pages.
+    /// The CSS class on pages.
     const fn class(self) -> &'static str {
         match self {
             Self::Plain => "plain",
@@ -167,66 +167,66 @@ impl Tone {
     }
 }
 
-/// A piece of a section.
+/// A part of a section.
 #[derive(Debug)]
 pub enum Block {
     Text(String),
-    /// What a reader must not overlook.
+    /// A text that a reader must not overlook.
     Note(String),
     Items(Vec<String>),
     /// Short names, one after the other.
     Words(Vec<String>),
     Facts(Vec<Fact>),
     Table(Table),
-    /// Lines that stay as they are, under a title.
+    /// Preformatted lines under a title.
     Code(Code),
-    /// What a page shows only when it is asked to.
+    /// Blocks that a page shows only on request.
     Fold {
         title: String,
         is_open: bool,
         blocks: Vec<Self>,
     },
     Finding(Finding),
-    /// A picture or what the scripts of a page need; no other form has it.
+    /// A picture, or an element for the scripts of a page. Only HTML has it.
     Markup(Markup),
 }
 
-/// Lines that stay as they are.
+/// Preformatted lines.
 #[derive(Debug)]
 pub struct Code {
-    /// What they are; may be empty.
+    /// The title of the lines. May be empty.
     pub title: &'static str,
-    /// As Markdown calls it: `rust`.
+    /// The language in Markdown's notation: `rust`.
     pub language: &'static str,
     pub text: String,
 }
 
-/// Something that was found, with what proves it.
+/// A finding with its evidence.
 #[derive(Debug, Default)]
 pub struct Finding {
     pub tone: Tone,
-    /// How bad it is, in a word, with its sign if it has one.
+    /// The severity in one word, with its sign if it has one.
     pub badge: String,
     pub title: String,
-    /// The rule, property or clause; may be empty.
+    /// The id of the rule, property or clause. May be empty.
     pub id: String,
-    /// Its name in links; may be empty.
+    /// The anchor of the finding. May be empty.
     pub anchor: String,
-    /// The word for the scripts that filter: `fail`.
+    /// The word by which scripts filter: `fail`.
     pub data_kind: &'static str,
-    /// Whether a page shows all of it at once.
+    /// Whether a page shows the whole finding at once.
     pub is_open: bool,
     pub body: Vec<Block>,
 }
 
-/// Rows of as many cells as there are columns.
+/// A table. Each row has as many cells as there are columns.
 #[derive(Debug, Default)]
 pub struct Table {
-    /// The class in pages.
+    /// The CSS class on pages.
     pub class: &'static str,
     pub columns: Vec<Column>,
     pub rows: Vec<Row>,
-    /// Whether a terminal draws its frame.
+    /// Whether a terminal draws a frame.
     pub is_framed: bool,
 }
 
@@ -236,7 +236,7 @@ pub struct Column {
     pub align: Align,
 }
 
-/// Where the text of a cell stands.
+/// The alignment of the text in a cell.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Align {
     #[default]
@@ -249,9 +249,9 @@ pub enum Align {
 pub struct Row {
     pub cells: Vec<Cell>,
     pub tone: Tone,
-    /// Its name in links; may be empty.
+    /// The anchor of the row. May be empty.
     pub anchor: String,
-    /// The lines of a terminal in place of its cells; may be empty.
+    /// The lines that a terminal shows instead of the cells. May be empty.
     pub lines: Vec<String>,
     /// Names and values for the scripts of a page.
     pub data: Vec<(&'static str, String)>,
@@ -261,11 +261,11 @@ pub struct Row {
 pub struct Cell {
     pub text: String,
     pub tone: Tone,
-    /// The class in pages; may be empty.
+    /// The CSS class on pages. May be empty.
     pub class: String,
-    /// What a sign means, in words; may be empty.
+    /// The meaning of a sign in words. May be empty.
     pub title: String,
-    /// Where it leads to on a page; may be empty.
+    /// The target of the link on a page. May be empty.
     pub link: String,
 }
 
@@ -274,7 +274,7 @@ impl Column {
         Self { name: name.into(), align: Align::Left }
     }
 
-    /// Of numbers.
+    /// A column of numbers, aligned right.
     pub fn right(name: impl Into<String>) -> Self {
         Self { align: Align::Right, ..Self::new(name) }
     }
@@ -287,7 +287,7 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Row {
-    /// Of plain texts.
+    /// A row of plain texts.
     pub fn of<T: Into<Cell>>(cells: impl IntoIterator<Item = T>) -> Self {
         Self { cells: cells.into_iter().map(Into::into).collect(), ..Self::default() }
     }
@@ -298,21 +298,21 @@ impl Table {
         Self { columns: columns.into_iter().collect(), rows: rows.into_iter().collect(), ..Self::default() }
     }
 
-    /// With columns that stand left.
+    /// A table whose columns are aligned left.
     pub fn of<const N: usize>(columns: [&str; N], rows: impl IntoIterator<Item = Row>) -> Self {
         Self::new(columns.map(Column::new), rows)
     }
 }
 
 impl Section {
-    /// The lines that it takes on a terminal.
+    /// Number of lines of the section on a terminal.
     pub fn height(&self) -> usize {
         text::height(&self.blocks)
     }
 }
 
 impl Block {
-    /// What a page shows only when it is asked to.
+    /// Blocks that a page shows only on request.
     pub fn fold(title: impl Into<String>, blocks: Vec<Self>) -> Self {
         Self::Fold { title: title.into(), is_open: false, blocks }
     }

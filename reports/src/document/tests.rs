@@ -1,4 +1,4 @@
-//! Every form says all of a document, and nothing in it does harm.
+//! Every form contains all of a document, and no text of it does harm.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! A document on a terminal: what was found comes first, the outcome last, as that is what is seen at the end.
+//! A document on a terminal: the findings come first and the outcome last, because the end stays visible.
 
 use super::{Align, Block, Cell, Code, Document, Fact, Finding, Row, Style, Table, Tone};
 use crate::color;
@@ -8,16 +8,17 @@ use crate::table;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
 
-/// The columns of a file, which has no width of its own.
+/// The width in columns for a file, which has no width of its own.
 const PAGE: u16 = 120;
-/// The columns that the name of a fact takes, and what follows it: of the document, and within a finding.
+/// The width of a fact's name in columns, and the text after it, for facts of the document and for facts within a
+/// finding.
 const WIDE: (usize, &str) = (12, " ");
 const NARROW: (usize, &str) = (8, "  ");
 
 /// Writes the document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(document: &Document, style: Style, out: &mut dyn Write) -> io::Result<()> {
     let mut printer = Printer { out: &mut Visible::new(out, style.color), style, is_apart: true };
     for section in document.sections.iter().filter(|section| !section.blocks.is_empty()) {
@@ -35,7 +36,7 @@ pub fn render(document: &Document, style: Style, out: &mut dyn Write) -> io::Res
     printer.out.flush()
 }
 
-/// The lines that blocks take, as far as they don't depend on the width.
+/// Number of lines of the blocks, as far as it does not depend on the width.
 pub fn height(blocks: &[Block]) -> usize {
     let mut lines = Vec::new();
     let mut printer = Printer { out: &mut lines, style: Style::default(), is_apart: false };
@@ -47,7 +48,7 @@ pub fn height(blocks: &[Block]) -> usize {
 struct Printer<'a> {
     out: &'a mut dyn Write,
     style: Style,
-    /// Whether nothing stands above, or an empty line.
+    /// Whether there is an empty line above, or nothing.
     is_apart: bool,
 }
 
@@ -63,7 +64,7 @@ impl Printer<'_> {
         writeln!(self.out, "{:indent$}{text}", "")
     }
 
-    /// Writes an empty line, unless there is nothing above or one already.
+    /// Writes an empty line, unless there is one already or nothing above.
     fn apart(&mut self) -> io::Result<()> {
         if self.is_apart { Ok(()) } else { self.line(0, "") }
     }
@@ -80,7 +81,7 @@ impl Printer<'_> {
             Block::Words(words) => self.words(words, indent),
             Block::Facts(facts) => self.facts(facts, indent),
             Block::Table(table) if table.is_framed => self.framed(table),
-            // What proves something stands below it.
+            // Evidence is indented below its finding.
             Block::Table(table) => self.columns(table, if indent > 0 { indent + 2 } else { 0 }),
             Block::Code(code) => self.code(code, indent),
             Block::Fold { title, blocks, .. } => {
@@ -109,7 +110,7 @@ impl Printer<'_> {
         code.text.lines().try_for_each(|line| self.line(indent + 2, line))
     }
 
-    /// `error  node 5: no heartbeat  [heartbeat/missing]`, and what is known of it.
+    /// A finding, such as `error  node 5: no heartbeat  [heartbeat/missing]`, and its blocks.
     fn finding(&mut self, finding: &Finding, indent: usize) -> io::Result<()> {
         let badge = painted(finding.tone, &printable(&finding.badge), self.style.color);
         let id = if finding.id.is_empty() { String::new() } else { format!("  [{}]", printable(&finding.id)) };
@@ -119,7 +120,7 @@ impl Printer<'_> {
         self.blocks(&finding.body, indent + 2)
     }
 
-    /// A table without its frame: columns as wide as their cells, empty ones left out.
+    /// A table without its frame. Columns are as wide as their cells, and empty columns are left out.
     fn columns(&mut self, table: &Table, indent: usize) -> io::Result<()> {
         let width = |at: usize| {
             let cells = table.rows.iter().filter(|row| row.lines.is_empty()).filter_map(|row| row.cells.get(at));
@@ -160,7 +161,7 @@ fn aligned(table: &Table, row: &Row, widths: &[usize]) -> String {
     padded.collect::<Vec<_>>().join("  ")
 }
 
-/// What has a tone stands out in bold, too.
+/// A cell with a tone is in bold, too.
 fn cell(cell: &Cell) -> comfy_table::Cell {
     let drawn = comfy_table::Cell::new(printable(&cell.text));
     match cell.tone.color() {

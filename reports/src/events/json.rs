@@ -13,7 +13,7 @@ pub struct JsonEvents {
     begun: bool,
 }
 
-/// The contract's name and version.
+/// The name and version of the contract.
 const SCHEMA: &str = "canvass/events/1";
 
 impl JsonEvents {
@@ -22,7 +22,7 @@ impl JsonEvents {
         Self::default()
     }
 
-    /// A rendering of single events, none of which names the schema.
+    /// A rendering of single events without the name of the schema.
     pub const fn without_schema() -> Self {
         Self { begun: true }
     }
@@ -84,7 +84,7 @@ impl Events for JsonEvents {
         if let Some((server, transfer)) = scene.transfer(event) {
             return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);
         }
-        // Of one whose channel is not known there is nothing to say.
+        // A transfer whose channel is not known has no content to report.
         if matches!(event, Event::TransferEnded | Event::TransferLeft(_)) {
             return;
         }
@@ -117,7 +117,7 @@ impl Events for JsonEvents {
     }
 }
 
-/// A number, or `null`.
+/// Appends a number, or `null`.
 fn push_optional(out: &mut Vec<u8>, key: &str, number: Option<u64>) {
     push_text(out, format_args!(",\"{key}\":"));
     match number {

@@ -1,4 +1,4 @@
-//! What frames brought about: whole SDO transfers, states, errors, layer setting, what was learned of the network.
+//! Events that frames caused: whole SDO transfers, states, errors, layer setting, and new knowledge of the network.
 
 mod json;
 mod text;
@@ -14,27 +14,27 @@ use canvass_analyzer::{Meaning, NodeId, network::Decoded};
 use canvass_traces::{Record, Timestamp};
 use std::fmt;
 
-/// The frame after an event, and its bus.
+/// The frame that caused an event, and its bus.
 pub struct Scene<'a> {
-    /// When the frame was seen.
+    /// The time of the frame.
     pub time: Timestamp,
-    /// The name of its channel.
+    /// The name of the frame's channel.
     pub channel: &'a str,
-    /// The bus, which has just taken the frame.
+    /// The state of the bus after the frame.
     pub bus: &'a Bus,
-    /// The frame and what the network made of it; nothing at the end of a capture.
+    /// The frame and its decoding. `None` at the end of a capture.
     pub frame: Option<(&'a Record, &'a Decoded)>,
 }
 
-/// Renders events.
+/// A rendering of events.
 pub trait Events {
     /// Appends an event to `out`.
     fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>);
 
-    /// Appends what the capture says before the next event that is shown.
+    /// Appends a comment of the capture before the next shown event.
     fn comment(&mut self, scene: &Scene<'_>, comment: &str, out: &mut Vec<u8>);
 
-    /// Appends a transfer that had not ended when the capture did.
+    /// Appends a transfer that had not ended at the end of the capture.
     fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>);
 }
 
@@ -56,7 +56,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// What kind of event it is, in JSON.
+    /// The kind of the event in JSON.
     pub fn kind(&self, event: &Event) -> &'static str {
         match event {
             Event::TransferEnded | Event::TransferLeft(_) => "sdo",
@@ -85,18 +85,18 @@ impl<'a> Scene<'a> {
         Some((self.bus.server(channel)?, transfer))
     }
 
-    /// What the frame says.
+    /// The meaning of the frame.
     pub fn meaning(&self) -> Option<Meaning<'a>> {
         self.frame.map(|(record, decoded)| Meaning::new(record, decoded, self.bus))
     }
 
-    /// `lss` or `lmt`.
+    /// The service of the frame: `lss` or `lmt`.
     pub fn layer_setting(&self) -> &'static str {
         self.frame.map_or("lss", |(_, decoded)| decoded.service.name())
     }
 }
 
-/// How a transfer ended. One that was left open was ended by a reset of its server.
+/// The outcome of a transfer. A transfer that was left open was ended by a reset of its server.
 pub const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
     match outcome {
         Outcome::Complete => "complete",
@@ -107,7 +107,7 @@ pub const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
     }
 }
 
-/// An NMT state; after a reset command a node is initialising until its boot-up.
+/// The name of an NMT state. After a reset command a node is initialising until its boot-up message.
 pub struct StateName(pub State);
 
 impl fmt::Display for StateName {
@@ -119,7 +119,7 @@ impl fmt::Display for StateName {
     }
 }
 
-/// The use of a CAN-ID: `TPDO 1`, `SDO request`.
+/// The name of the use of a CAN-ID: `TPDO 1`, `SDO request`.
 pub struct UseName(pub Use);
 
 impl fmt::Display for UseName {

@@ -1,4 +1,4 @@
-//! One aligned line per event: time, channel, node, kind, what happened.
+//! One aligned line for each event: time, channel, node, kind, description.
 
 use super::{Events, Scene, StateName, UseName, outcome_name};
 use crate::color::{Color, push_begin, push_end};
@@ -20,7 +20,7 @@ pub struct TextEvents {
 const KIND_WIDTH: usize = 8;
 
 impl TextEvents {
-    /// With that style of time, and with colours or without.
+    /// A rendering with this style of time, with or without colours.
     pub const fn new(time: TimeStyle, color: bool) -> Self {
         Self { clock: Clock::new(time), color, channel_width: 4 }
     }
@@ -101,7 +101,7 @@ fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
     }
 }
 
-/// As with frames: errors red, starts yellow, commands cyan.
+/// The colour of an event, as for frames: red for errors, yellow for starts, cyan for commands.
 fn color(event: &Event) -> Option<Color> {
     match event {
         Event::Emergency(_, emergency) if emergency.emcy.code().is_none_or(|code| !code.is_reset()) => Some(Color::Red),

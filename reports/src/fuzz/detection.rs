@@ -1,4 +1,4 @@
-//! How fast the fuzzer finds which fault: a table, text or JSON ([`FuzzSelftestResult`]).
+//! The time in which the fuzzer finds each fault, as a table in text or JSON ([`FuzzSelftestResult`]).
 
 use crate::results::selftest::{FuzzSelftestResult, FuzzSummary, Trial};
 use crate::results::{self, Contract};
@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-/// The table for people: a line for each fault with the time to find it, median and longest of all seeds, the frames of
-/// the minimal sequence, and what showed it.
+/// The table for people. A line for each fault has the median and the longest time of all seeds, the number of frames
+/// of the shortened sequence, and the violated property.
 pub fn text(table: &Table) -> String {
     let mut text = String::new();
     for row in &table.rows {
@@ -54,7 +54,7 @@ pub fn text(table: &Table) -> String {
 /// The table as JSON.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(table: &Table, out: &mut dyn Write) -> io::Result<()> {
     let result = FuzzSelftestResult {
         faults: table.rows.iter().map(|one| row(one, table.limit)).collect(),

@@ -1,4 +1,4 @@
-//! Which faults the fuzzer finds, as a page of Markdown: a reference page of the book.
+//! The faults that the fuzzer finds, as a page of Markdown: a reference page of the book.
 
 use crate::escape::markdown;
 use canvass_device::Fault;

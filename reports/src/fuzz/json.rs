@@ -15,7 +15,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     results::write(&result(run), out)
 }
@@ -139,7 +139,7 @@ fn seen(record: &Record, words: &str) -> SeenFrame {
     }
 }
 
-/// The length that a remote frame asks for.
+/// The length that a remote frame requests.
 fn dlc(frame: &Frame) -> Option<usize> {
     frame.is_remote().then(|| frame.len())
 }

@@ -1,5 +1,5 @@
-//! The report of a run of the fuzzer, made from one [`Run`]. On the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
-//! provenance is of the wall clock.
+//! The report of a run of the fuzzer, made from one [`Run`]. On the simulated bus two runs with the same seed give the
+//! same bytes, except for the date of the provenance.
 
 pub mod detection;
 pub mod faults_page;
@@ -20,56 +20,56 @@ use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// A whole run, as the reports need it.
+/// A whole run with the data of the reports.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Where the result comes from.
+    /// The provenance of the result.
     pub provenance: Provenance,
-    /// The bus's address.
+    /// The address of the bus.
     pub bus: String,
-    /// In bit/s, where it is known.
+    /// The bit rate in bit/s, if it is known.
     pub bit_rate: Option<u32>,
-    /// The device's node-ID.
+    /// The node-ID of the device.
     pub node: NodeId,
-    /// What the user calls the device; empty: not described.
+    /// The user's name of the device. Empty if the device is not described.
     pub model: String,
-    /// The services.
+    /// The services that were fuzzed.
     pub targets: Targets,
-    /// What the sequences were allowed to do.
+    /// The touches that the user allowed.
     pub allow: BTreeSet<Touch>,
     pub seed: u64,
     /// The command that repeats the run.
     pub repeat: String,
     /// Whether the run was interrupted.
     pub cancelled: bool,
-    /// What of the SDO server can be reached.
+    /// The reachable states of the SDO server.
     pub sdo_reach: SdoReach,
-    /// What of LSS can be reached.
+    /// The reachable states and commands of LSS.
     pub reach: LssReach,
     pub outcome: Outcome,
-    /// The zero point of the device on a bus that goes on, if it is not where it was before the run.
+    /// The zero point of a live device, if it has moved during the run.
     pub zero_point: Option<Moved>,
-    /// The words for the frames of each violation.
+    /// The words for the frames of each violation, in the order of the violations.
     pub words: Vec<Words>,
 }
 
-/// What the frames of a violation mean.
+/// The meanings of the frames of a violation.
 #[derive(Clone, Debug)]
 pub struct Words {
-    /// Of the minimal sequence, one text for each frame.
+    /// The meaning of each frame of the shortened sequence.
     pub sequence: Vec<String>,
-    /// Of the frames on the bus.
+    /// The meaning of each frame on the bus.
     pub evidence: Vec<String>,
 }
 
 impl Words {
-    /// The words that decoders give; each begins without any context.
+    /// The words of decoders. Each decoder begins without context.
     pub fn of(found: &Found, decoder: &mut dyn FnMut() -> Box<dyn Annotate>) -> Self {
         let mut annotate = decoder();
         let evidence: Vec<String> = found.evidence.iter().map(|record| annotate.annotate(record)).collect();
         let mut alone = decoder();
         let record = |frame| Record::new(Timestamp::ZERO, ChannelId(0), frame).with_direction(Direction::Tx);
-        // With the device's answers in between a frame means more than alone.
+        // The device's answers give a frame more meaning than it has alone.
         let mut sent = found.evidence.iter().zip(&evidence).filter(|(record, _)| record.direction == Direction::Tx);
         let sequence = found.sequence.stimuli.iter().map(|stimulus| match sent.next() {
             Some((record, words)) if record.frame == stimulus.frame => words.clone(),
@@ -80,17 +80,17 @@ impl Words {
     }
 }
 
-/// The share of combinations of state and command that was exercised.
+/// The share of combinations of state and command that was seen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Share {
-    /// Number of exercised combinations.
+    /// Number of combinations that were seen.
     pub reached: usize,
-    /// Number of all combinations.
+    /// Number of reachable combinations.
     pub reachable: usize,
 }
 
 impl Share {
-    /// In percent, rounded down; of nothing all was reached.
+    /// The share in percent, rounded down. It is 100 if there are no combinations.
     pub fn percent(self) -> usize {
         (self.reached * 100).checked_div(self.reachable).unwrap_or(100)
     }
@@ -107,19 +107,19 @@ impl Run {
         &self.outcome.coverage
     }
 
-    /// What was exercised of the SDO server.
+    /// The share of the SDO server's combinations.
     pub fn sdo_share(&self) -> Share {
         let (reached, reachable) = self.coverage().sdo_share(self.sdo_reach);
         Share { reached, reachable }
     }
 
-    /// What was exercised of the LSS slave.
+    /// The share of the LSS slave's combinations.
     pub fn lss_share(&self) -> Share {
         let (reached, reachable) = self.coverage().lss_share(&self.reach);
         Share { reached, reachable }
     }
 
-    /// What the sequences never did, because nobody allowed it.
+    /// The touches that the user did not allow.
     fn forbidden(&self) -> String {
         let names: Vec<&str> = Touch::ALL
             .into_iter()
@@ -129,13 +129,13 @@ impl Run {
         names.join(",")
     }
 
-    /// The violations with their words.
+    /// The violations, each with its words.
     fn violations(&self) -> impl Iterator<Item = (&Found, &Words)> {
         self.outcome.violations.iter().zip(&self.words)
     }
 }
 
-/// One line about the outcome.
+/// The outcome in one line.
 pub fn outcome(run: &Run) -> String {
     let outcome = &run.outcome;
     let count = match outcome.violations.len() {
@@ -159,14 +159,15 @@ pub fn outcome(run: &Run) -> String {
     format!("{count}{flaky}{dead}{unjudged}{ended}{cancelled}")
 }
 
-/// How the way to the bus was interrupted, and why the run ended with that, if it did; empty if nothing was wrong.
+/// The interruptions of the connection to the bus, and why the run ended early, if it did. Empty if there was no
+/// trouble.
 fn trouble(run: &Run) -> String {
     let interruptions = run.outcome.interruptions.as_ref().map(ToString::to_string);
     let ended_by = run.outcome.ended_by.as_ref().map(|why| format!("the run ended early: {why}"));
     interruptions.into_iter().chain(ended_by).collect::<Vec<_>>().join("; ")
 }
 
-/// How the run left the device's settings; empty where nothing was to be left.
+/// The device's settings after the run, compared with those before. Empty for a simulated device.
 fn left(run: &Run) -> String {
     let zero_point = run.zero_point.as_ref().map(ToString::to_string);
     let settings = Some(settings_left(run)).filter(|text| !text.is_empty());
@@ -192,13 +193,13 @@ fn settings_left(run: &Run) -> String {
     }
 }
 
-/// Objects with the value that they have and the one of power-on.
+/// Objects with the current and the power-on value.
 fn values(kept: &[Kept], holds: &str) -> String {
     let value = |kept: &Kept| format!("{} {holds} {:X}h instead of {:X}h", kept.at, kept.value, kept.power_on);
     kept.iter().map(value).collect::<Vec<_>>().join(", ")
 }
 
-/// What is to be known of a violation that did not come back.
+/// How reliable a violation is: whether it came back.
 fn reliability(found: &Found, dead: bool) -> String {
     let text = match (found.confirmed, dead && found.violation.property == Property::Alive) {
         (false, _) if found.is_cut_off => {
@@ -217,7 +218,7 @@ fn reliability(found: &Found, dead: bool) -> String {
     format!("{text}; neither a reset nor a write had restored the state of power-on: {kept}")
 }
 
-/// What follows a frame of a sequence, where that is not the usual.
+/// The wait after a frame of a sequence, if it is not the usual one.
 fn then(then: Then) -> String {
     match then {
         Then::Settle => String::new(),
@@ -226,7 +227,7 @@ fn then(then: Then) -> String {
     }
 }
 
-/// The minimal sequence, a line for each frame with its meaning.
+/// The shortened sequence, with a line for each frame and its meaning.
 fn annotated(found: &Found, words: &Words) -> String {
     let stimuli = found.sequence.stimuli.iter().zip(&words.sequence);
     stimuli.fold(String::new(), |mut text, (stimulus, words)| {
@@ -246,10 +247,10 @@ fn rust_test(run: &Run, found: &Found) -> String {
     reproducer::rust_test(found, &run.bus, run.node, run.seed)
 }
 
-/// State, command, and how often which answer came.
+/// The state, the command, and the number of each answer.
 type SdoRow = (&'static str, &'static str, Vec<(Answer, u64)>);
 
-/// The SDO coverage.
+/// The rows of the SDO coverage.
 fn sdo_rows(run: &Run) -> Vec<SdoRow> {
     let mut rows: Vec<SdoRow> = Vec::new();
     for (state, command, answer, count) in run.coverage().sdo_rows() {

@@ -1,8 +1,8 @@
-//! A property in full.
+//! The full text of a property.
 
 use canvass_fuzzer::Property;
 
-/// What `canvass explain PROP-05` prints.
+/// The text of `canvass explain PROP-05`.
 pub fn explain(property: Property) -> String {
     let text: Vec<&str> = property.explanation().lines().map(str::trim).collect();
     format!(

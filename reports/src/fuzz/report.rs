@@ -1,5 +1,5 @@
-//! The result of a run as a report. In JUnit files each property is a case, or, where it is violated, each of its rules that
-//! is.
+//! The result of a run as a report. In JUnit files each property that holds is a case, and so is each violated rule of
+//! the others.
 
 use super::{Run, Words, annotated, json, left, outcome, reliability, rust_test, sdo_rows, trouble};
 use crate::document::junit::{Case, Outcome, Problem, Suite};
@@ -12,7 +12,7 @@ use canvass_fuzzer::{Property, reproducer};
 use canvass_traces::{Direction, Record, Timestamp};
 use std::io::{self, Write};
 
-/// At most this many frames of the bus are shown on a terminal for a violation that comes back: the last ones.
+/// Maximum number of frames that a terminal shows for a violation that comes back: the last ones.
 const FRAMES: usize = 24;
 
 impl Report for Run {
@@ -66,13 +66,13 @@ fn facts(run: &Run, depth: Depth) -> Vec<Fact> {
     facts.into_iter().filter(|(_, value)| !value.is_empty()).chain(repeat).collect()
 }
 
-/// What the sequences never did, because nobody allowed it; empty if all was allowed.
+/// The touches that the user did not allow, in a sentence. Empty if all were allowed.
 fn never_done(run: &Run) -> String {
     let forbidden = run.forbidden();
     if forbidden.is_empty() { forbidden } else { forbidden + " (not allowed)" }
 }
 
-/// The command that repeats the run, as something to copy: in a table of Markdown its signs are escaped.
+/// The command that repeats the run, ready to copy. A Markdown table would escape its characters.
 fn repeat(run: &Run, depth: Depth) -> Vec<Block> {
     let command = || code("repeat with", "sh", run.repeat.clone());
     (depth == Depth::Paper).then(command).into_iter().collect()
@@ -114,7 +114,7 @@ fn code(title: &'static str, language: &'static str, text: String) -> Block {
     Block::Code(Code { title, language, text })
 }
 
-/// The frames on the bus; all of a violation that did not come back.
+/// The frames on the bus. For a violation that did not come back all of them are shown.
 fn frames(found: &Found, words: &Words, depth: Depth) -> Block {
     let start = found.evidence.first().map_or(Timestamp::ZERO, |record| record.timestamp);
     let most = if found.confirmed && depth < Depth::Page { FRAMES } else { usize::MAX };
@@ -163,7 +163,7 @@ fn suite(run: &Run) -> Suite {
     for property in Property::all() {
         suite.add_cases(cases(run, property));
     }
-    // What was not tried would look as if it had passed.
+    // Without this case, properties that were not tried would look as if they had passed.
     suite.add_cases(run.outcome.ended_by.iter().map(|why| {
         let problem = Problem { kind: "bus", message: why.clone(), details: vec![trouble.clone()] };
         Case::passed(format!("fuzz.{}", run.targets), "the bus works to the end of the run")

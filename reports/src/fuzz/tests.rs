@@ -1,4 +1,4 @@
-//! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
+//! A hostile device's texts reach no reader unescaped, and the reports contain all parts of a violation.
 
 use super::*;
 use crate::document::{Form, Report, Style};
@@ -121,7 +121,7 @@ fn what_the_run_leaves_is_told() {
     assert_eq!(left(&run), "");
 }
 
-/// A run that the bus has ended is no good one, and says what was interrupted and how long.
+/// A run that ended with the loss of the bus is not good, and reports the interruption and its duration.
 #[test]
 fn a_lost_bus_is_told() {
     let last = Some(format!("{HOSTILE} was disconnected"));

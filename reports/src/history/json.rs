@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// Writes the document.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
     let result = HistoryResult {
         cases: history.cases.iter().map(|row| case(history, row)).collect(),

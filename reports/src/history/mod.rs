@@ -1,6 +1,8 @@
-//! Many results of `canvass test`: which case was how in which release, since when it is bad, and which are flaky.
+//! Many results of `canvass test`: the verdict of each case in each release, since when it is bad, and whether it is
+//! flaky.
 //!
-//! Results of the same release are its samples: a case of it is as bad as in the worst of them, and flaky if they differ.
+//! Results of the same release are its samples. The verdict of a case is the worst of the samples, and the case is
+//! flaky if they differ.
 
 mod json;
 mod report;
@@ -14,51 +16,51 @@ use canvass_suite::verdict::Kind;
 /// A release with its results, in the order in which they were given.
 #[derive(Clone, Debug)]
 pub struct Release {
-    /// What it is called.
+    /// The name of the release.
     pub name: String,
-    /// One for each sample.
+    /// The results of the release, one for each sample.
     pub results: Vec<TestResult>,
 }
 
-/// What all results say together. Names come from users and devices: they may hold anything.
+/// The evaluation of all results. Names come from users and devices and may contain any characters.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// The releases, oldest first.
     pub releases: Vec<history::Release>,
-    /// The cases by rising id.
+    /// The cases, sorted by id.
     pub cases: Vec<ReleaseRow>,
-    /// Where it comes from.
+    /// The provenance of the history.
     pub provenance: Provenance,
 }
 
-/// A case over the releases.
+/// The verdicts of a case over the releases.
 #[derive(Clone, Debug)]
 pub struct ReleaseRow {
-    /// The case.
+    /// The id of the case.
     pub id: String,
-    /// How it was in each release.
+    /// The verdict of the case in each release.
     pub cells: Vec<Cell>,
 }
 
-/// What a case did over the releases.
+/// The changes in the verdict of a case over the releases.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Course {
-    /// The first release in which it was bad.
+    /// The first release in which the case was bad.
     pub first_bad: Option<usize>,
-    /// The releases in which it became bad: bad, and good or not there in the one before.
+    /// The releases in which the case became bad: it is bad there, and was good or missing in the release before.
     pub became_bad: Vec<usize>,
-    /// Of these, those in which it had been bad before and fixed: it returned.
+    /// The releases among [`became_bad`](Self::became_bad) in which the case was bad again after it had been good.
     pub returned: Vec<usize>,
-    /// Those in which it became good again.
+    /// The releases in which the case became good again.
     pub became_good: Vec<usize>,
-    /// The release in which it first ran, if that is not the first one.
+    /// The first release in which the case ran, if that is not the first of all.
     pub new_in: Option<usize>,
-    /// The release from which on it did not run any more.
+    /// The release from which on the case did not run any more.
     pub gone_in: Option<usize>,
 }
 
 impl History {
-    /// Of these releases, oldest first. Where it comes from is for who has read them to say.
+    /// The history of these releases, oldest first. The caller, who has read them, adds the provenance.
     pub fn of(releases: &[Release]) -> Self {
         let ids = releases.iter().flat_map(|release| &release.results).flat_map(TestResult::verdicts);
         let mut ids: Vec<&str> = ids.map(|(id, _)| id).collect();
@@ -76,13 +78,13 @@ impl History {
         self.releases.get(release).map_or("", |column| &column.name)
     }
 
-    /// The rows that say something: the case was bad, flaky, new or removed.
+    /// The rows of cases that were bad, flaky, new or removed.
     pub fn telling(&self) -> impl Iterator<Item = (&ReleaseRow, Course)> {
         let told = |(row, course): &(&ReleaseRow, Course)| *course != Course::default() || row.is_flaky();
         self.cases.iter().map(|row| (row, row.course())).filter(told)
     }
 
-    /// One line about all of it.
+    /// The whole history in one line.
     fn outcome(&self) -> String {
         let last = self.releases.len().saturating_sub(1);
         let bad = self.cases.iter().filter(|row| row.verdict(last).is_some_and(is_bad)).count();
@@ -127,7 +129,7 @@ impl Cell {
         cell
     }
 
-    /// As a kind of verdict, if it ran.
+    /// The verdict, if the case ran.
     fn kind(&self) -> Option<Kind> {
         self.verdict.map(|Verdict(kind)| kind)
     }
@@ -138,7 +140,7 @@ impl ReleaseRow {
         self.cells.get(release).and_then(Cell::kind)
     }
 
-    /// Whether the case ended differently in runs of one release.
+    /// Whether the case ended differently in samples of one release.
     pub fn is_flaky(&self) -> bool {
         self.cells.iter().any(|cell| cell.flaky)
     }
@@ -154,7 +156,7 @@ impl ReleaseRow {
         };
         let last = verdicts.iter().rposition(ran);
         let became_bad = turned(true);
-        // What was left out for a release was not fixed by it.
+        // A case that did not run in a release was not fixed by it.
         let was_good = |from: usize, to: usize| (from..to).any(|at| verdicts[at].is_some() && !bad[at]);
         let is_return = |pair: &[usize]| matches!(pair, [before, at] if was_good(*before, *at));
         let returned = became_bad.windows(2).filter(|pair| is_return(pair)).map(|pair| pair[1]).collect();
@@ -170,7 +172,7 @@ impl ReleaseRow {
 }
 
 impl Course {
-    /// In words: `bad since 1.2, good again in 1.4`.
+    /// The changes in words: `bad since 1.2, good again in 1.4`.
     fn told(&self, history: &History) -> String {
         let bad = |at: &usize| (*at, if self.returned.contains(at) { "bad again since" } else { "bad since" });
         let mut turns: Vec<(usize, &str)> = self.became_bad.iter().map(bad).collect();
@@ -183,7 +185,7 @@ impl Course {
     }
 }
 
-/// A sign for a verdict; a blank where a case did not run.
+/// A sign for a verdict. It is a blank if the case did not run.
 const fn sign(verdict: Option<Kind>) -> &'static str {
     match verdict {
         Some(kind) => crate::conformance::symbol(kind),

@@ -99,7 +99,7 @@ fn times() -> Block {
     })
 }
 
-/// Milliseconds over the releases: of each case its duration, and each time that was measured in it.
+/// The durations of each case and its measured times in milliseconds, over the releases.
 fn series(history: &History) -> Value {
     let of_case = |row: &ReleaseRow| {
         let mut names: Vec<&String> = row.cells.iter().flat_map(|cell| cell.times_ns.keys()).collect();

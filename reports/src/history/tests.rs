@@ -1,4 +1,4 @@
-//! Since when which case is bad, whatever else happened in between.
+//! The release since which a case is bad, whatever happened in between.
 
 use super::*;
 use crate::document::{Form, Report, Style};
@@ -61,7 +61,7 @@ fn samples_that_differ_are_flaky_and_the_worst_counts() {
 #[test]
 fn every_format_tells_it_and_harms_nobody() {
     let history = history();
-    // In a terminal and in JSON markup is text.
+    // On a terminal and in JSON, markup is plain text.
     let text = Form::Text(Style::default());
     for (form, is_markup) in [(text, false), (Form::Json, false), (Form::Markdown, true), (Form::Html, true)] {
         let mut out = Vec::new();

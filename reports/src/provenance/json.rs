@@ -1,9 +1,9 @@
-//! The provenance as the member `provenance` of results.
+//! The provenance as the member `provenance` of JSON results.
 
 use super::{BusUsed, Choice, FileUsed, Host, Provenance, VERSION};
 use crate::results::provenance as results;
 
-/// The member.
+/// The member `provenance`.
 pub fn json(provenance: &Provenance) -> results::Provenance {
     let named = |(name, identity): &(String, _)| {
         let identity = crate::results::Device::from(identity);

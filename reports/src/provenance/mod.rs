@@ -1,6 +1,6 @@
-//! Where a result comes from: what a reader of a report needs to know to believe it, and to repeat it.
+//! The provenance of a result: the facts that a reader needs to trust the result and to repeat the run.
 //!
-//! One type for all reports of `test`, `fuzz`, `diagnose` and `compare`; each format shows all of it.
+//! All reports of `test`, `fuzz`, `diagnose` and `compare` share this type, and each format shows all of it.
 
 mod json;
 
@@ -16,7 +16,7 @@ use canvass_traces::Channels;
 /// The version of canvass.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Where a result comes from. Texts come from the user, files and devices: they may hold anything.
+/// The provenance of a result. Texts come from the user, files and devices, and may contain any characters.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Provenance {
     /// The date of the run; none for a simulated bus if the user gave no date.
@@ -25,79 +25,79 @@ pub struct Provenance {
     pub host: Option<Host>,
     /// The bus that was used; none if canvass read files.
     pub bus: Option<BusUsed>,
-    /// What the devices say of themselves, each with what it is called: `node 63`.
+    /// The identities of the devices as they report it, each with the name of the device: `node 63`.
     pub devices: Vec<(String, DeviceIdentity)>,
     /// The seed of all random choices.
     pub seed: Option<u64>,
     /// The files that were read, and the recording.
     pub files: Vec<FileUsed>,
-    /// All options that have to do with the result.
+    /// All options that affect the result.
     pub options: Vec<Choice>,
-    /// What the user adds.
+    /// Notes of the user.
     pub notes: Vec<(String, String)>,
 }
 
 /// A date and time with its zone.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Date {
-    /// As RFC 3339 writes it: `2026-11-22T14:00:00+01:00`.
+    /// The date and time in the notation of RFC 3339: `2026-11-22T14:00:00+01:00`.
     pub rfc3339: String,
     /// The name of the zone: `Europe/Berlin`, or `UTC`.
     pub zone: String,
 }
 
-/// A computer.
+/// The computer on which canvass ran.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Host {
     pub name: String,
-    /// Its operating system, with the version where it is known.
+    /// The operating system, with its version if it is known.
     pub system: String,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BusUsed {
-    /// As the user addressed it.
+    /// The address of the bus, as the user gave it.
     pub address: String,
-    /// What connects this computer to it.
+    /// The adapter that connects this computer to the bus.
     pub adapter: String,
-    /// In bit/s, where it is known.
+    /// The bit rate in bit/s, if it is known.
     pub bit_rate: Option<u32>,
 }
 
 /// A file that the result depends on, or that belongs to it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FileUsed {
-    /// What for: `description`, `waivers`, `recording`, `capture`.
+    /// The role of the file: `description`, `waivers`, `recording`, `capture`.
     pub role: &'static str,
-    /// As the user called it.
+    /// The path of the file, as the user gave it.
     pub path: String,
-    /// Its length in bytes and SHA-256 in hexadecimal; none of what can be read only once, such as a pipe.
+    /// The length in bytes and the SHA-256 in hexadecimal. `None` if the file can be read only once, such as a pipe.
     pub content: Option<(u64, String)>,
 }
 
 /// An option and its value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Choice {
-    /// As it is typed, without its hyphens.
+    /// The name of the option, without hyphens.
     pub name: String,
-    /// What holds; nothing where nothing was given and there is no default.
+    /// The values in effect. Empty if none was given and there is no default.
     pub value: Vec<String>,
-    /// What would hold if nothing had been given.
+    /// The default values.
     pub default: Vec<String>,
-    /// Who chose it.
+    /// The source of the value.
     pub by: ChosenBy,
 }
 
-/// Who chose the value of an option.
+/// The source of an option's value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ChosenBy {
-    /// Nobody.
+    /// The default of the option.
     Default,
     /// The user on the command line.
     CommandLine,
     /// An environment variable.
     Environment,
-    /// A file of settings.
+    /// A settings file.
     Settings,
 }
 
@@ -114,7 +114,7 @@ impl ChosenBy {
 }
 
 impl Provenance {
-    /// Adds what the nodes of captures said of themselves, where they were asked.
+    /// Adds the identities that nodes reported in captures, if a master asked for them.
     pub fn add_nodes_of(&mut self, results: &Results, channels: &Channels) {
         for (channel, bus) in &results.buses {
             for (node, figures) in &bus.nodes {
@@ -126,7 +126,7 @@ impl Provenance {
         }
     }
 
-    /// All of it as a section. Where there is room for no more, of the options those that somebody chose.
+    /// The provenance as a section. Unless `are_all_options`, only the options that were chosen are included.
     pub(crate) fn section(&self, depth: Depth, are_all_options: bool) -> Section {
         let (mut facts, mut settings) = (self.facts(), self.settings());
         if !are_all_options {
@@ -143,7 +143,7 @@ impl Provenance {
         Section { id: "about", title: "About this report".to_owned(), blocks }
     }
 
-    /// For JUnit files: names that programs can look for, and values.
+    /// The provenance for JUnit files: names that programs can look for, and values.
     pub(crate) fn properties(&self) -> Vec<(String, String)> {
         let facts =
             self.facts().into_iter().map(|(name, value)| (format!("canvass.{}", name.replace(' ', ".")), value));
@@ -151,7 +151,7 @@ impl Provenance {
         facts.chain(settings).collect()
     }
 
-    /// All of it but the options, as names and values for people.
+    /// The provenance without options, as names and values for people.
     fn facts(&self) -> Vec<Fact> {
         let mut facts = vec![("canvass".to_owned(), VERSION.to_owned())];
         let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
@@ -184,7 +184,7 @@ impl Provenance {
         facts
     }
 
-    /// The options with what they stand at; what was chosen comes first.
+    /// The options with their values. The chosen options come first.
     fn settings(&self) -> Vec<Fact> {
         let shown = |choice: &Choice| {
             let or_none = |values: &[String]| if values.is_empty() { "-".to_owned() } else { values.join(", ") };
@@ -200,21 +200,21 @@ impl Provenance {
     }
 }
 
-/// As many options in a line as fit; the first is named.
+/// The options, as many in a line as fit. The first line has the name.
 fn lines(settings: &[Fact]) -> impl Iterator<Item = Fact> {
-    /// The columns that a line takes.
+    /// Maximum width of a line in columns.
     const WIDTH: usize = 110;
     let settings: Vec<String> = settings.iter().map(|(name, value)| format!("{name}: {value}")).collect();
     let lines = packed(&settings, ";", WIDTH).into_iter().enumerate();
     lines.map(|(at, line)| (if at == 0 { "options" } else { "" }.to_owned(), line))
 }
 
-/// What a node of a capture said of itself.
+/// The identity that a node reported in a capture.
 pub(crate) fn identity_of(text: &IdentityText) -> DeviceIdentity {
     DeviceIdentity { device_type: text.device_type, identity: text.numbers, names: text.names.clone() }
 }
 
-/// What a device says of itself, each with its name.
+/// The parts of a device's identity, each with its name.
 pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Option<String>); 8] {
     let hex = |number: Option<u32>| number.map(|number| format!("{number:08X}h"));
     let [name, hardware, software] = identity.names.clone();
@@ -231,7 +231,7 @@ pub(crate) fn identity_facts(identity: &DeviceIdentity) -> [(&'static str, Optio
     ]
 }
 
-/// The identity in one line, which begins with the name.
+/// The identity in one line, beginning with the device name.
 fn identity_text(identity: &DeviceIdentity) -> String {
     let told = identity_facts(identity).map(|(name, value)| format!("{name} {}", value.as_deref().unwrap_or("-")));
     told.join(", ").replacen("name ", "", 1)

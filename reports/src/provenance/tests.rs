@@ -1,4 +1,4 @@
-//! Every format tells all of it, and nothing in it does harm.
+//! Every format shows the whole provenance, and no text of it does harm.
 
 use super::*;
 
@@ -8,7 +8,7 @@ use std::io::{self, Write};
 
 const TEXT: Form = Form::Text(Style { color: false, width: None });
 
-/// A report of nothing but where it comes from.
+/// A report with only a provenance.
 struct Alone<'a>(&'a Provenance);
 
 impl Report for Alone<'_> {
@@ -60,7 +60,7 @@ fn provenance() -> Provenance {
     }
 }
 
-/// What each format has to tell, in whatever words.
+/// The texts that each format has to contain.
 const TOLD: [&str; 13] = [
     VERSION,
     "2026-11-22T14:00:00+01:00",

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(rows: &[NullRow], out: &mut dyn Write) -> io::Result<()> {
     let devices = rows.iter().map(device).collect();
     results::write(&NullSelftestResult { devices, schema: NullSelftestResult::SCHEMA.into() }, out)
@@ -35,7 +35,7 @@ fn alarm((case, kind, reason): &(&'static Case, Kind, Reason)) -> FalseAlarm {
     FalseAlarm { case: case.id.into(), reason: reason.to_string(), verdict: Verdict(*kind) }
 }
 
-/// A line for each device, and for each pass that is not in the reviewed list.
+/// A line for each device, and for each pass that the reviewed list does not contain.
 pub fn text(rows: &[NullRow]) -> String {
     let mut text = String::new();
     for row in rows {

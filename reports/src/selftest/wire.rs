@@ -1,4 +1,4 @@
-//! The wire matrix: what the cases make of each wrong field.
+//! The wire matrix: the results of the cases for each wrong field.
 
 use super::line;
 use crate::results::selftest::{WireCounts, WirePrimitive, WireSelftestResult, WireSurvivor};
@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// Writes the document, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn json(matrix: &WireMatrix, out: &mut dyn Write) -> io::Result<()> {
     let primitive =
         |(primitive, counts): (Primitive, Counts)| WirePrimitive { counts: counted(counts), primitive: primitive.id() };
@@ -46,7 +46,7 @@ fn undecided(row: &WireRow) -> Option<&'static str> {
     }
 }
 
-/// Mutants whose first fail names another service.
+/// The mutants whose first failed case belongs to another service.
 fn misnamed(matrix: &WireMatrix) -> impl Iterator<Item = (&WireRow, &'static str, &str)> {
     matrix.rows.iter().filter_map(|row| match &row.outcome {
         Outcome::Found { case, is_named: false, breach } => Some((row, case.id, breach.as_str())),
@@ -61,7 +61,7 @@ fn primitives(matrix: &WireMatrix) -> Vec<(Primitive, Counts)> {
     Primitive::all().into_iter().map(|primitive| (primitive, of(primitive))).collect()
 }
 
-/// The survivors, those that were named wrongly, and a table by primitive.
+/// The survivors, the mutants found by a case of another service, and a table by primitive.
 pub fn text(matrix: &WireMatrix) -> String {
     let mut text = String::new();
     for row in matrix.survivors() {

@@ -1,4 +1,4 @@
-//! The columns: one for each object, unit and type that a PDO has shown.
+//! The columns of a sheet: one for each object, unit and type in the PDOs.
 
 use canvass_analyzer::{Multiplexer, NodeId, Number, SignalValue};
 use canvass_traces::ChannelId;
@@ -6,30 +6,30 @@ use std::collections::{HashMap, HashSet};
 
 /// A column of values of one type.
 pub struct Column {
-    /// `can0.63.Position value [steps]`.
+    /// The name of the column: `can0.63.Position value [steps]`.
     pub name: String,
-    /// The channel that it was seen on.
+    /// The channel of the PDO.
     pub channel: ChannelId,
-    /// The node whose PDO it is in.
+    /// The node that the PDO belongs to.
     pub node: NodeId,
-    /// `Position value`, or the object where it has no name; as it stands in the description.
+    /// The name of the object as in the description, such as `Position value`. If it has no name, the object's address.
     pub label: String,
-    /// The unit's symbol, or nothing.
+    /// The symbol of the unit. Empty if there is none.
     pub unit: String,
     number: usize,
 }
 
-/// All columns, in the order in which they were first seen.
+/// All columns, in the order of their first values.
 #[derive(Default)]
 pub struct Columns {
     columns: Vec<Column>,
     by_key: HashMap<Key, Vec<usize>>,
     names: HashSet<String>,
-    /// Values for which no column was made because there are too many.
+    /// Number of values without a column, because there are too many columns.
     pub left_out: u64,
 }
 
-/// What tells columns apart, beside the unit.
+/// The properties that distinguish columns, apart from the unit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     channel: ChannelId,
@@ -39,7 +39,7 @@ struct Key {
     kind: u8,
 }
 
-/// Where a value belongs.
+/// The place of a value.
 pub struct Place<'a> {
     pub channel: ChannelId,
     pub channel_name: &'a str,
@@ -49,7 +49,8 @@ pub struct Place<'a> {
 }
 
 impl Columns {
-    /// The most columns: far more than any network has, so that a hostile capture can't make rows without end.
+    /// Maximum number of columns. It is far more than any network has, and limits the length of rows for a hostile
+    /// capture.
     pub const MOST: usize = 4096;
 
     /// The columns.
@@ -57,7 +58,7 @@ impl Columns {
         self.columns.iter()
     }
 
-    /// How many there are.
+    /// Number of columns.
     pub fn len(&self) -> usize {
         self.columns.len()
     }
@@ -98,7 +99,7 @@ impl Columns {
         let second = || format!("{of_node}.{plain} {object}{unit}");
         let further = || (2..).map(|n| format!("{of_node}.{plain} {object} #{n}{unit}"));
         let mut candidates = std::iter::once(first).chain(std::iter::once_with(second)).chain(further());
-        // A free one comes in time: there are no more names than columns.
+        // One of the names is free, because there are more names than columns.
         let free = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
         self.names.insert(free.clone());
         free

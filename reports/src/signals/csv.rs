@@ -7,21 +7,21 @@ use crate::push::{push_decimal, push_text};
 use canvass_analyzer::Number;
 use std::io::{self, Read, Seek, Write};
 
-/// Writes rows as CSV, at the end.
+/// Writes rows as CSV, after all columns are known.
 pub struct CsvSheet<F: Read + Write + Seek> {
     spool: Spool<F>,
-    /// The names of channels, as rows refer to them.
+    /// The names of channels, to which rows refer by number.
     channels: Vec<String>,
     latest: Vec<Option<Number>>,
     by_pdo: bool,
     begun: bool,
 }
 
-/// What [`Sheet::finish`] appends at once, about.
+/// Approximate number of bytes that one call of [`Sheet::finish`] appends.
 const PART: usize = 64 * 1024;
 
 impl<F: Read + Write + Seek> CsvSheet<F> {
-    /// Rows wait in `file`, which is empty. `by_pdo`: each row is of one PDO, and says of which.
+    /// A sheet whose rows wait in the empty file `file`. `by_pdo`: each row is of one PDO and names it.
     pub const fn new(file: F, by_pdo: bool) -> Self {
         Self { spool: Spool::new(file), channels: Vec::new(), latest: Vec::new(), by_pdo, begun: false }
     }
@@ -72,7 +72,7 @@ impl<F: Read + Write + Seek> Sheet for CsvSheet<F> {
             for number in &self.latest {
                 out.push(b',');
                 match *number {
-                    // What is not a number is not empty: that would mean "not known".
+                    // A value that is not finite is written as text, because an empty cell means "not known".
                     Some(Number::Real32(value)) if !value.is_finite() => push_text(out, value),
                     Some(Number::Real64(value)) if !value.is_finite() => push_text(out, value),
                     Some(number) => push_number(number, out),

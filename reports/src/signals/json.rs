@@ -1,4 +1,4 @@
-//! JSON Lines: one object per row, with all columns of which a value is known.
+//! JSON Lines: one object for each row, with all columns whose values are known.
 
 use super::{Columns, SampleRow, Sheet};
 use crate::decode::{push_number, push_schema};
@@ -6,7 +6,7 @@ use crate::push::{push_decimal, push_json_string, push_text};
 use canvass_analyzer::Number;
 use std::io;
 
-/// Writes rows as JSON Lines, as they come.
+/// Writes each row as a JSON line at once.
 #[derive(Default)]
 pub struct JsonSheet {
     begun: bool,
@@ -15,7 +15,7 @@ pub struct JsonSheet {
     keys: Vec<Vec<u8>>,
 }
 
-/// The contract's name and version.
+/// The name and version of the contract.
 const SCHEMA: &str = "canvass/signals/1";
 
 impl JsonSheet {

@@ -1,7 +1,7 @@
 //! The values of PDOs as columns over time.
 //!
-//! A [`Sampler`] takes the frames and makes rows of them, a [`Sheet`] writes the rows. CSV has all columns in its first
-//! line, before any row: its rows wait in a [`Spool`] until all columns are known.
+//! A [`Sampler`] turns frames into rows, and a [`Sheet`] writes the rows. CSV has all columns in its first line, so its
+//! rows wait in a [`Spool`] until all columns are known.
 
 mod columns;
 mod csv;
@@ -19,15 +19,15 @@ use std::io;
 
 /// Writes rows of values.
 pub trait Sheet {
-    /// Takes the next row: `row.changed` holds what is new since the row before.
+    /// Takes the next row. `row.changed` contains the new values since the row before.
     ///
     /// # Errors
-    /// If what has to wait can't be written to where it waits.
+    /// An error if a waiting row can't be stored.
     fn row(&mut self, row: &SampleRow<'_>, columns: &Columns, out: &mut Vec<u8>) -> io::Result<()>;
 
-    /// Appends what had to wait, a part at a time; `false` when there is no more.
+    /// Appends waiting rows, a part at a time. `false` when there are no more.
     ///
     /// # Errors
-    /// If what waits can't be read.
+    /// An error if a waiting row can't be read.
     fn finish(&mut self, columns: &Columns, out: &mut Vec<u8>) -> io::Result<bool>;
 }

@@ -1,4 +1,4 @@
-//! Makes rows of frames.
+//! Turns frames into rows.
 
 use super::Sheet;
 use super::columns::{Columns, Place};
@@ -6,43 +6,43 @@ use canvass_analyzer::{Meaning, Message, NodeId, Number, PdoNumber, network::Dec
 use canvass_traces::{Channels, Duration, Record, Timestamp};
 use std::io;
 
-/// A row: what is new in it.
+/// A row with its new values.
 pub struct SampleRow<'a> {
     pub time: Timestamp,
-    /// The PDO that it is of; nothing where rows come at fixed times.
+    /// The PDO of the row. `None` if rows come at fixed times.
     pub source: Option<Origin<'a>>,
     /// The columns that have new values since the row before.
     pub changed: &'a [(usize, Number)],
 }
 
-/// The PDO of a row.
+/// The origin of a row: a PDO.
 #[derive(Clone, Copy)]
 pub struct Origin<'a> {
     /// The channel's name.
     pub channel: &'a str,
     /// The node that the PDO belongs to.
     pub node: NodeId,
-    /// Which one.
+    /// The number of the PDO.
     pub pdo: PdoNumber,
 }
 
-/// Takes decoded frames and gives rows to a sheet.
+/// Takes decoded frames and passes rows to a sheet.
 pub struct Sampler {
     every: Option<Duration>,
     columns: Columns,
-    /// When the next row is due, with `every`.
+    /// The time of the next row, if rows come at fixed times.
     due: Option<Timestamp>,
     latest: Option<Timestamp>,
     changed: Vec<(usize, Number)>,
-    /// Spans without rows, because nothing came for too long.
+    /// Number of long silences without rows.
     skipped: u64,
 }
 
-/// Number of rows without a single PDO from which on the gap is left out: the clock has jumped, or the network was off.
+/// Number of rows without a PDO after which a silence is left out: the clock has jumped, or the network was off.
 const LONGEST_SILENCE: u64 = 100_000;
 
 impl Sampler {
-    /// One row for each PDO; with `every`, rows in that distance with the latest values.
+    /// A sampler with one row for each PDO, or with rows at the interval `every` that have the latest values.
     pub fn new(every: Option<Duration>) -> Self {
         let every = every.map(|every| Duration(every.nanos().max(1)));
         Self { every, columns: Columns::default(), due: None, latest: None, changed: Vec::new(), skipped: 0 }
@@ -53,7 +53,7 @@ impl Sampler {
         &self.columns
     }
 
-    /// How often a long silence was left out.
+    /// Number of long silences that were left out.
     pub const fn skipped(&self) -> u64 {
         self.skipped
     }
@@ -61,7 +61,7 @@ impl Sampler {
     /// Takes a decoded frame.
     ///
     /// # Errors
-    /// As [`Sheet::row`].
+    /// The errors of [`Sheet::row`].
     pub fn frame(
         &mut self,
         record: &Record,
@@ -103,27 +103,27 @@ impl Sampler {
         sheet.row(&row, &self.columns, out)
     }
 
-    /// Gives the last row that is due, with fixed times.
+    /// Passes on the last row, if rows come at fixed times.
     ///
     /// # Errors
-    /// As [`Sheet::row`].
+    /// The errors of [`Sheet::row`].
     pub fn finish(&mut self, sheet: &mut dyn Sheet, out: &mut Vec<u8>) -> io::Result<()> {
         let after_all = self.latest.map(|latest| latest + Duration(1));
         after_all.map_or(Ok(()), |after_all| self.until(after_all, sheet, out))
     }
 
-    /// Gives the rows that are due before `now`.
+    /// Passes on the rows that are due before `now`.
     fn until(&mut self, now: Timestamp, sheet: &mut dyn Sheet, out: &mut Vec<u8>) -> io::Result<()> {
         let (Some(every), Some(mut due)) = (self.every, self.due) else { return Ok(()) };
         if self.latest.is_some_and(|latest| now < latest) {
-            // The clock stepped back: rows begin anew there.
+            // The clock has stepped back, so the times of rows begin anew.
             (self.due, self.latest) = (Some(now), Some(now));
             return Ok(());
         }
         if (now - due).nanos() / every.nanos() > LONGEST_SILENCE {
             self.give(due, sheet, out)?;
             self.skipped += 1;
-            // The grid goes on as if the rows had been given.
+            // The times of later rows are the same as if no row had been left out.
             let steps = (now - due).nanos().div_ceil(every.nanos());
             self.due = Some(due + every.times(steps));
             return Ok(());

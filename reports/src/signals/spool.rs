@@ -1,10 +1,10 @@
-//! Rows that wait until all columns are known: what is new in each, in binary.
+//! Rows that wait until all columns are known. The new values of each row are stored in binary.
 
 use canvass_analyzer::{NodeId, Number, PdoNumber};
 use canvass_traces::Timestamp;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 
-/// Rows written to and read from a file or memory.
+/// Rows that are written to a file or memory and read back.
 pub struct Spool<F: Read + Write + Seek> {
     state: SpoolState<F>,
     buffer: Vec<u8>,
@@ -16,19 +16,19 @@ enum SpoolState<F> {
     Done,
 }
 
-/// A row as it comes back.
+/// A row as it is read back.
 pub(super) struct Kept {
     pub time: Timestamp,
-    /// The number of its channel's name, node and PDO.
+    /// The number of the channel's name, the node and the PDO.
     pub source: Option<(u16, NodeId, PdoNumber)>,
     pub changed: Vec<(usize, Number)>,
 }
 
-/// What is written at once.
+/// Number of bytes that are written at once.
 const PART: usize = 64 * 1024;
 
 impl<F: Read + Write + Seek> Spool<F> {
-    /// Keeps rows in `file`, which is empty.
+    /// A spool that keeps rows in the empty file `file`.
     pub const fn new(file: F) -> Self {
         Self { state: SpoolState::Writing(file), buffer: Vec::new() }
     }
@@ -67,7 +67,7 @@ impl<F: Read + Write + Seek> Spool<F> {
         Ok(())
     }
 
-    /// The next row, in the order in which they were kept; the first call ends the writing.
+    /// The next row, in the order in which rows were kept. The first call ends the writing.
     pub(super) fn next(&mut self) -> io::Result<Option<Kept>> {
         if matches!(self.state, SpoolState::Writing(_)) {
             self.flush()?;

@@ -1,5 +1,5 @@
-//! A confirmed violation is made shorter: at once on a simulated bus; on a device that goes on a little at a time, so that most
-//! of the run's time is left for what was not tried yet.
+//! Shortening of confirmed violations. On a simulated bus it is done at once. On a live device it is done a little at a
+//! time, so that most of the run remains for new sequences.
 
 use super::violations::{Confirmed, is_same};
 use super::{Campaign, Found, Standing};
@@ -13,47 +13,49 @@ use canvass_traces::{Duration, Record, Timestamp};
 use proptest::strategy::ValueTree;
 use std::time;
 
-/// On a device that goes on, the tries for one violation at one pace end after that time of the bus.
+/// Maximum time on the bus for the tries to shorten one violation at one pace, on a live device.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// As many tries are made on the slowest device.
+/// Minimum number of tries even on the slowest device.
 const LEAST_TRIES: u32 = 24;
 
 /// Time for which one violation is made shorter before the run goes on.
 const TURN: Duration = Duration::from_millis(250);
 
-/// Sequences are made shorter in one part of the time in [`SHARE`] while the run goes on.
+/// While the run goes on, one part in [`SHARE`] of the time is spent on shortening.
 const SHARE: u64 = 4;
 
-/// In the last part in [`LAST_PART`] of a run, the sequences made shorter so far are shown from power-on.
+/// In the last part in [`LAST_PART`] of a run, the shortest sequences so far are run from power-on.
 const LAST_PART: u32 = 20;
 
-/// A confirmed violation that is being made shorter. On a device that goes on most tries begin where the one before has ended,
-/// which takes far less time than a reset; what they leave has to show it from power-on. If it does not, each try begins there.
+/// A confirmed violation whose sequence is being made shorter. On a live device most tries begin where the one before
+/// has ended, which takes far less time than a reset. The resulting sequence has to show the violation from power-on.
+/// If it does not, all tries are repeated from power-on.
 pub(super) struct Shortening {
-    /// As it was confirmed, or seen.
+    /// The violation as it was confirmed or seen.
     whole: Found,
-    /// All that was sent since a start, which has shown it at the swift pace only: what that leaves has to be confirmed.
+    /// All frames since a start, if only these have shown the violation, at the swift pace. The shortened sequence then
+    /// has to be confirmed.
     history: Option<Sequence>,
     tree: SequenceTree,
     pace: Pace,
     tries: u32,
     spent: Duration,
-    /// The frames of the shortest sequence so far, where they are kept.
+    /// The frames on the bus during the shortest sequence so far, if they are kept.
     evidence: Vec<Record>,
-    /// Those that showed it, each shorter than the one before.
+    /// The sequences that showed the violation, each shorter than the one before.
     shown: Vec<Sequence>,
-    /// Some of it was shown without the whole of its time.
+    /// Whether a try ended as soon as a known answer was missing, before its full time.
     has_hurried: bool,
 }
 
 impl Shortening {
-    /// Of that violation, which was confirmed from power-on.
+    /// Begins with a violation that was confirmed from power-on.
     pub fn new(whole: Found, is_repeatable: bool) -> Self {
         Self::at(whole, None, if is_repeatable { Pace::Careful } else { Pace::Swift })
     }
 
-    /// Of a violation that was seen, and that all that was sent since a start has shown again at the swift pace.
+    /// Begins with a violation that came back at the swift pace when all frames since a start were sent again.
     pub fn of_history(history: Sequence, seen: Found) -> Self {
         Self::at(seen, Some(history), Pace::Swift)
     }
@@ -76,14 +78,15 @@ impl Shortening {
         (self.whole.violation.property, self.whole.violation.rule)
     }
 
-    /// The shortest so far.
+    /// The violation with its shortest sequence so far.
     fn best(&self) -> Found {
         Found { sequence: self.tree.best().clone(), evidence: self.evidence.clone(), ..self.whole.clone() }
     }
 }
 
 impl Campaign<'_> {
-    /// Makes it shorter at once, or as it is confirmed, to be made shorter while the run goes on.
+    /// Shortens the violation at once on a simulated bus. On a live device it returns the violation as confirmed, and
+    /// shortens it later.
     pub(super) fn shorten_now_or_later(
         &mut self,
         stand: &mut dyn TestStand,
@@ -97,7 +100,7 @@ impl Campaign<'_> {
         self.shorten_at_once(stand, &mut shortening)
     }
 
-    /// Makes it shorter until there is nothing left to try.
+    /// Shortens the violation until there is nothing left to try.
     pub(super) fn shorten_at_once(
         &mut self,
         stand: &mut dyn TestStand,
@@ -110,7 +113,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Gives one violation a turn, if there were not too many turns already.
+    /// Gives one violation a turn, unless shortening has taken more than its share of the time.
     pub(super) fn shorten_in_turn(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         if self.unshortened.is_empty() {
             return Ok(());
@@ -122,7 +125,7 @@ impl Campaign<'_> {
         if self.shortened_for.times(SHARE) > elapsed { Ok(()) } else { self.take_turn(stand) }
     }
 
-    /// Makes what is left shorter, as long as there is time.
+    /// Shortens the remaining violations as long as there is time.
     pub(super) fn shorten_rest(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         while !self.unshortened.is_empty() && !self.dead && !self.is_ending(stand) {
             self.take_turn(stand)?;
@@ -155,7 +158,7 @@ impl Campaign<'_> {
         self.plan.time.left().is_some_and(|left| left * LAST_PART < elapsed)
     }
 
-    /// Shows the shortest so far of each violation from power-on, at the end of the run.
+    /// Runs the shortest sequence of each violation from power-on, at the end of the run.
     fn show_shortest(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         while let Some(shortening) = self.unshortened.pop_front() {
             let may_show = !shortening.shown.is_empty() && !self.dead && !self.plan.time.is_over();
@@ -173,7 +176,7 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    /// Keeps each violation as it was confirmed, or seen, as the bus has failed.
+    /// Keeps each violation as it was confirmed or seen, because the bus has failed.
     pub(super) fn keep_unshortened(&mut self) {
         while let Some(shortening) = self.unshortened.pop_front() {
             let whole = Found { is_cut_off: !shortening.whole.confirmed, ..shortening.whole.clone() };
@@ -181,7 +184,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// It is as short as it gets.
+    /// Replaces the reported violation by its shortest sequence.
     fn replace(&mut self, shortening: &Shortening, found: Found) {
         let key = shortening.key();
         if shortening.history.is_some() {
@@ -197,7 +200,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Makes it shorter until then; the result, once there is one.
+    /// Shortens the violation until the time `until`. Returns the result once there is one.
     fn shorten(
         &mut self,
         stand: &mut dyn TestStand,
@@ -221,7 +224,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// A history has to show the violation at the careful pace, too; what was seen, if it does not.
+    /// Repeats a history at the careful pace. If it does not show the violation there, the result is the violation as
+    /// seen.
     fn confirm_history(
         &mut self,
         stand: &mut dyn TestStand,
@@ -243,7 +247,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Whether there is nothing left to try.
+    /// Tries shorter sequences until the time `until`. Returns whether there is nothing left to try.
     fn try_shorter(
         &mut self,
         stand: &mut dyn TestStand,
@@ -252,7 +256,7 @@ impl Campaign<'_> {
     ) -> Result<bool, BusError> {
         let Shortening { whole, tree, pace, tries, spent, evidence, shown, has_hurried, .. } = shortening;
         let is_repeatable = stand.is_repeatable();
-        // For what was found missing nobody waits as long again with each try.
+        // A missing answer was awaited for its full time before; the tries need not do so again.
         self.executor.known.presume(Some((whole.violation.property, whole.violation.rule)));
         let mut more = tree.go_on();
         let over = loop {
@@ -287,7 +291,8 @@ impl Campaign<'_> {
         Ok(over)
     }
 
-    /// The shortest from power-on. What a try left out may have been there from the one before: then a longer one shows it.
+    /// Runs the shortest sequence from power-on. If a try depended on the state that the one before had left, a longer
+    /// sequence shows the violation.
     fn show_best(&mut self, stand: &mut dyn TestStand, shortening: &Shortening) -> Result<Found, BusError> {
         let pace = shortening.pace;
         let mut found = self.show(stand, shortening.best(), pace)?;
@@ -303,8 +308,8 @@ impl Campaign<'_> {
         Ok(found)
     }
 
-    /// Once more from power-on with its frames, and with the words for this sequence, if there is time for it. Without that,
-    /// what was shortened at the swift pace is not confirmed.
+    /// Runs the sequence from power-on, keeps the frames and the violation's texts, and confirms the violation. If
+    /// there is no time for it, a violation shortened at the swift pace stays unconfirmed.
     fn show(&mut self, stand: &mut dyn TestStand, shortest: Found, pace: Pace) -> Result<Found, BusError> {
         if self.plan.time.is_over() && !shortest.evidence.is_empty() {
             return Ok(Found { confirmed: pace == Pace::Careful, ..shortest });

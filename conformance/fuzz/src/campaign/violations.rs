@@ -1,4 +1,4 @@
-//! What becomes of a violation that was seen: it is repeated from power-on, and reported once.
+//! Handling of violations: each is repeated from power-on and reported once.
 
 use super::shortening::Shortening;
 use super::{Campaign, Found, Standing};
@@ -15,19 +15,20 @@ use proptest::strategy::ValueTree;
 /// Number of failed repetitions after which a violation is not tried again.
 const MOST_DOUBTS: u32 = 3;
 
-/// A violation that was seen, while it is being repeated.
+/// A violation that is being repeated.
 pub(super) struct Unrepeated {
     pub seen: Found,
-    /// How often it did not come back before.
+    /// Number of earlier occurrences of the violation that did not come back.
     pub doubts: u32,
-    /// Whether it was seen at the swift pace.
+    /// Whether the violation was seen at the swift pace.
     pub is_swift: bool,
 }
 
 impl Campaign<'_> {
-    /// A violation was seen: it is repeated from power-on, with its sequence alone or, on a device that goes on, after what
-    /// brought it to where the sequence began, or else with all that came before. What was seen at the swift pace and does
-    /// not come back may have been a late answer to another frame: it is reported when it was seen several times.
+    /// Repeats a violation from power-on: first with its sequence alone; then, on a live device, with the frames before
+    /// it that set the state; then with all frames since the start. A violation seen at the swift pace that does not
+    /// come back may have been a late answer to another frame. Such a violation is reported only after several
+    /// occurrences.
     pub(super) fn judge(
         &mut self,
         stand: &mut dyn TestStand,
@@ -38,7 +39,7 @@ impl Campaign<'_> {
         let key = (violation.property, violation.rule);
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
-                // What is silence this time was waited for in full, and is not waited for in full again.
+                // If the violation is a missing answer, its full time has passed now and need not pass again.
                 self.executor.known.take_for_granted(&violation);
                 return Ok(());
             }
@@ -47,7 +48,7 @@ impl Campaign<'_> {
             None => 0,
         };
         if self.executor.history.tail() > 0 && !self.executor.is_between() {
-            // What came before was another violation, after which the device was brought to rest.
+            // The frames before belong to another violation, after which the device was brought to rest.
             let mut tail = tree.current();
             tail.stimuli.drain(..self.executor.history.tail().min(tail.stimuli.len()));
             tree = SequenceTree::new(tail);
@@ -98,8 +99,8 @@ impl Campaign<'_> {
         }
     }
 
-    /// Repeats a violation that was seen in `whole`, all that was sent since the start. Gives what came of it, the sequence that
-    /// was tried last, and whether that was all of it.
+    /// Repeats a violation that was seen in `whole`, all frames since the start. Returns the result, the sequence that
+    /// was tried last, and whether this sequence is `whole`.
     fn repeat(
         &mut self,
         stand: &mut dyn TestStand,
@@ -119,7 +120,7 @@ impl Campaign<'_> {
         }
         let is_whole = matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len();
         if is_whole {
-            // It is long: whether it shows anything is tried at the pace at which it was seen.
+            // This sequence is long: it is tried at the pace at which the violation was seen.
             self.executor.forget_rest();
             confirmed = self.confirm(stand, &whole, &seen.violation, Pace::Swift)?;
             tree = SequenceTree::new(whole);
@@ -127,8 +128,8 @@ impl Campaign<'_> {
         Ok((confirmed, tree, is_whole))
     }
 
-    /// A violation is reported, unless it was seen at the swift pace, does not come back and may have been
-    /// a late answer to another frame.
+    /// Reports a violation. A violation seen at the swift pace that does not come back and may have been a late answer
+    /// to another frame is only counted at first.
     pub(super) fn tell(&mut self, found: Found, doubts: u32, is_swift: bool) {
         let key = (found.violation.property, found.violation.rule);
         if !found.confirmed && is_swift && doubts + 1 < MOST_DOUBTS && self.may_be_mixed_up(&found.violation) {
@@ -149,17 +150,17 @@ impl Campaign<'_> {
         }
     }
 
-    /// Whether what was seen at the swift pace may come from an answer to another frame, or from an order of service that
-    /// nobody has promised.
+    /// Whether a violation seen at the swift pace may come from an answer to another frame, or from a device that does
+    /// not serve frames in their order.
     fn may_be_mixed_up(&self, violation: &Violation) -> bool {
-        // A device that has died is no matter of order.
+        // The order of frames does not explain a device that has died.
         violation.property != Property::Alive
             && !violation.is_silence
             && (self.executor.is_in_order(violation.property) || is_mixable(violation))
     }
 
-    /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
-    /// its end. `dead`: nor did further resets bring it back.
+    /// Reports that the device did not come back from a reset, with the frames sent since the start before. `dead`:
+    /// further resets did not bring it back either.
     pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;
         let (sequence, evidence) = self.executor.history.take_before();
@@ -173,7 +174,7 @@ impl Campaign<'_> {
         again.map(|_| ())
     }
 
-    /// Whether the device does not come back from the reset after that sequence either.
+    /// Whether the device again does not come back from the reset after the sequence.
     fn is_lost_again(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<bool, BusError> {
         self.executor.run(stand, sequence, Pace::Careful, true)?;
         let ended = self.executor.restart(stand)?;
@@ -183,7 +184,7 @@ impl Campaign<'_> {
         Ok(matches!(ended, Ended::Lost { .. }))
     }
 
-    /// Whether the sequence shows the same violation again: at the careful pace from power-on.
+    /// Whether the sequence shows the same violation again. At the careful pace it begins from power-on.
     pub(super) fn confirm(
         &mut self,
         stand: &mut dyn TestStand,
@@ -200,18 +201,18 @@ impl Campaign<'_> {
     }
 }
 
-/// What became of a repetition.
+/// The result of a repetition.
 pub(super) enum Confirmed {
-    /// The same violation.
+    /// The same violation came again.
     Again,
-    /// Another one, or none.
+    /// Another violation came, or none.
     No,
-    /// The device did not come back from the reset before it, which is a violation of its own; whether further resets
-    /// did not bring it back either.
+    /// The device did not come back from the reset before the repetition, which is a violation of its own. The flag
+    /// says whether further resets did not bring it back either.
     Lost(Violation, bool),
 }
 
-/// Whether the answer to another frame, come late, can look like that.
+/// Whether a late answer to another frame can look like the violation.
 fn is_mixable(violation: &Violation) -> bool {
     let is_answer = matches!(
         violation.property,

@@ -1,4 +1,4 @@
-//! What was sent to the device since its starts, and what was on the bus.
+//! The frames sent to the device since its last starts, and the frames on the bus.
 
 use crate::stimulus::{Sequence, Start, Stimulus};
 use canvass_traces::{Record, Timestamp};
@@ -6,29 +6,30 @@ use canvass_traces::{Record, Timestamp};
 /// Minimum number of the last frames that are kept as evidence.
 const LONGEST_EVIDENCE: usize = 1_000;
 
-/// The frames of a device that goes on from sequence to sequence, and where in them the last sequence began.
+/// The frames of a device that is not made anew for each sequence, and the position at which the last sequence began.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     /// Whether frames are kept as evidence.
     pub keep: bool,
     /// The frames since the last start, if they are kept.
     evidence: Vec<Record>,
-    /// What was sent since the last start, on a device that goes on.
+    /// The stimuli since the last start, on a live device.
     sent: Vec<Stimulus>,
-    /// The stimuli and frames since the start before: a device that does not come back died of these.
+    /// The stimuli and frames between the last two starts: the cause if the device does not come back.
     before: (Sequence, Vec<Record>),
-    /// The way to the bus was interrupted in the last sequence: whether what began it was done is not known.
+    /// Whether the connection to the bus was interrupted in the last sequence, so that its start may not have happened.
     pub was_interrupted: bool,
-    /// Number of stimuli since the last start after which the last sequence began, or its tail.
+    /// Number of stimuli between the last start and the beginning of the last sequence, or of its tail.
     begun_at: usize,
-    /// Number of stimuli of the last sequence before its tail: at rest, after a violation that was reported before.
+    /// Number of stimuli of the last sequence before its tail. The tail begins at rest, after a violation that was
+    /// reported before.
     tail: usize,
-    /// Number of stimuli since the last start after which the device held the values of power-on.
+    /// Number of stimuli since the last start up to the last time at which the device held its power-on values.
     settled: usize,
 }
 
 impl History {
-    /// A frame was on the bus.
+    /// Adds a frame that was on the bus.
     pub fn note(&mut self, record: Record) {
         if self.keep {
             if self.evidence.len() >= 2 * LONGEST_EVIDENCE {
@@ -38,12 +39,12 @@ impl History {
         }
     }
 
-    /// A frame was sent.
+    /// Adds a stimulus that was sent.
     pub fn send(&mut self, stimulus: Stimulus) {
         self.sent.push(stimulus);
     }
 
-    /// The device is started: what came before is a history of its own.
+    /// Begins a new history with a start. The frames before are kept as the history of the start before.
     pub fn start(&mut self, is_repeatable: bool) {
         let evidence = std::mem::take(&mut self.evidence);
         if !is_repeatable {
@@ -57,32 +58,32 @@ impl History {
         (self.begun_at, self.settled) = (0, 0);
     }
 
-    /// A sequence begins now, or its tail after `tail` of its stimuli.
+    /// Begins a sequence, or its tail after `tail` stimuli.
     pub fn begin(&mut self, tail: usize) {
         (self.begun_at, self.tail) = (self.sent.len(), tail);
     }
 
-    /// The device holds the values of power-on.
+    /// Records that the device holds its power-on values.
     pub fn settle(&mut self) {
         self.settled = self.sent.len();
     }
 
-    /// What was sent since the device held the values of power-on.
+    /// The stimuli since the device held its power-on values.
     pub fn unsettled(&self) -> &[Stimulus] {
         self.sent.get(self.settled..).unwrap_or_default()
     }
 
-    /// What was sent last, latest first.
+    /// The stimuli since the last start, latest first.
     pub fn lately(&self) -> impl Iterator<Item = &Stimulus> {
         self.sent.iter().rev()
     }
 
-    /// When the last frame was on the bus, if it is kept.
+    /// The time of the last frame, if it is kept.
     pub fn last(&self) -> Timestamp {
         self.evidence.last().map_or(Timestamp::ZERO, |record| record.timestamp)
     }
 
-    /// What was sent before the last start.
+    /// The stimuli before the last start.
     pub fn sent_before(&self) -> &[Stimulus] {
         &self.before.0.stimuli
     }
@@ -92,33 +93,33 @@ impl History {
         &self.evidence
     }
 
-    /// Takes the frames since the last start, which are not needed here any more.
+    /// Takes the frames since the last start out of the history.
     pub fn take_evidence(&mut self) -> Vec<Record> {
         std::mem::take(&mut self.evidence)
     }
 
-    /// What was sent since the last start: all that has made the device what it is.
+    /// All stimuli since the last start. They determine the state of the device.
     pub fn since_start(&self) -> Sequence {
         Sequence { start: Start::Configured, stimuli: self.sent.clone() }
     }
 
-    /// The stimulus of the last sequence from which on the device had violated nothing.
+    /// Number of stimuli of the last sequence before its tail. Since then the device has violated nothing.
     pub const fn tail(&self) -> usize {
         self.tail
     }
 
-    /// What was sent since the last start before the last sequence, or its tail.
+    /// The stimuli between the last start and the last sequence, or its tail.
     pub fn before_sequence(&self) -> &[Stimulus] {
         self.sent.get(..self.begun_at).unwrap_or_default()
     }
 
-    /// What was sent since the last sequence began.
+    /// The stimuli since the last sequence, or its tail, began.
     pub fn since_sequence(&self) -> Sequence {
         let stimuli = self.sent.get(self.begun_at..).unwrap_or_default().to_vec();
         Sequence { start: Start::Configured, stimuli }
     }
 
-    /// What was sent between the last start and the one before, and the frames.
+    /// Takes the stimuli and frames between the last two starts.
     pub fn take_before(&mut self) -> (Sequence, Vec<Record>) {
         std::mem::take(&mut self.before)
     }

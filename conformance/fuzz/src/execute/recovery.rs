@@ -1,4 +1,4 @@
-//! A device that has violated something goes on without a reset, where its own answers tell what it does and holds.
+//! After a violation the fuzzer goes on without a reset if the device's own answers show its state and values.
 
 use super::{Cause, Executor, Pace, Stop, WEDGED};
 use crate::baseline;
@@ -14,8 +14,7 @@ use canvass_bus::BusError;
 use canvass_traces::{Direction, Duration};
 
 impl Executor {
-    /// Whether a sequence goes on after that violation, which was reported before: what comes after it shows more than its
-    /// end would.
+    /// Whether a sequence goes on after a violation that was reported before. The rest of the sequence may show more.
     pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
         self.waits.pace == Pace::Swift
             && !stand.is_repeatable()
@@ -23,8 +22,8 @@ impl Executor {
             && self.is_alive_after(violation)
     }
 
-    /// Whether the device may go on from where a sequence has left it, once its answers tell where that is: nothing that
-    /// only a reset brings into force was changed, and it is neither starting nor without node-ID.
+    /// Whether the device may go on in the state that a sequence has left, once its answers show this state. It may if
+    /// no change waits for a reset, and if it is neither starting nor without node-ID.
     pub(super) fn may_recover(&self, ended: &Result<(), Stop>) -> bool {
         match ended {
             Ok(()) => self.oracle.may_go_on(),
@@ -33,14 +32,14 @@ impl Executor {
         }
     }
 
-    /// Whether the device answers, as far as that violation says, and may go on.
+    /// Whether the device still answers despite the violation, and may go on.
     fn is_alive_after(&self, violation: &Violation) -> bool {
         let is_of_lss = matches!(violation.property, Property::LegalLss | Property::Fastscan);
         let is_alive = violation.property != Property::Alive && (!violation.is_silence || is_of_lss);
         is_alive && self.oracle.may_go_on()
     }
 
-    /// Whether going on without a reset has taken less time so far than resets have.
+    /// Whether recoveries have taken less time on average than resets.
     pub(super) fn is_recovery_faster(&self) -> bool {
         let usual = |cause| match self.tally.spent.of(cause) {
             (0, _) => None,
@@ -52,8 +51,8 @@ impl Executor {
         }
     }
 
-    /// Ends what may be under way, and reads what the device holds; what differs from power-on is written back. `false`: it
-    /// does not answer as a device at rest does.
+    /// Ends any transfer, reads the objects that may have changed, and writes the power-on values back. `false`: the
+    /// device does not answer like one at rest.
     pub(super) fn recover(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         let begun = stand.bus().now();
         let recovered = self.bring_to_rest(stand);
@@ -91,8 +90,8 @@ impl Executor {
         Ok(true)
     }
 
-    /// Whether 1000h is read as it is of a server without a transfer. It must be: silence is a violation (PROP-01), unless it is
-    /// none for the first time.
+    /// Whether reading 1000h succeeds as on a server without a transfer. A missing answer is a violation (PROP-01); it
+    /// is awaited in full only if it is new.
     fn is_idle(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         self.hand_over(stand, self.requests.probe)?;
         let is_news = self.known.is_wedged_news();

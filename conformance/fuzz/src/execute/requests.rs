@@ -1,4 +1,4 @@
-//! The SDO messages that the executor sends beside those of the sequences.
+//! The SDO messages that the executor sends in addition to those of the sequences.
 
 use crate::stimulus::Stimulus;
 use canvass_analyzer::wire::Wire;
@@ -6,7 +6,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, Payload, REQUEST_BASE, RESPONSE_BAS
 use canvass_analyzer::{Multiplexer, NodeId, object};
 use canvass_traces::Frame;
 
-/// Requests to the default SDO server of one node, and how its answers are recognised.
+/// Requests to the default SDO server of one node, and the recognition of its answers.
 #[derive(Debug)]
 pub(crate) struct Requests {
     request: u16,
@@ -27,21 +27,21 @@ impl Requests {
         Self { request, response, probe, abort }
     }
 
-    /// Reads that object.
+    /// The request to read an object.
     pub fn read(&self, at: Multiplexer) -> Frame {
         Request::upload(at).to_frame(self.request)
     }
 
-    /// Whether that is the value of that object, in one frame.
+    /// Whether the frame is the value of the object in an expedited upload.
     pub fn is_value(&self, frame: &Frame, at: Multiplexer) -> bool {
         let response = Response::read(frame.data()).ok().filter(|_| frame.cob_id() == Some(self.response));
         let Some(Response::InitiateUpload { multiplexer, payload }) = response else { return false };
         multiplexer == at && !matches!(payload, Payload::Segmented(_) | Payload::SegmentedUnsized)
     }
 
-    /// Whether answers to two frames that follow each other at once can be distinguished on a bus where they take their
-    /// time: those to SDO requests name what they answer. An answer to the first that comes after the second would be
-    /// taken for an answer to that elsewhere.
+    /// Whether answers to two frames that follow each other at once can be distinguished, although frames take time on
+    /// the bus. Answers to SDO requests name their object. Other services don't: a late answer to the first frame would
+    /// be taken for an answer to the second.
     pub fn are_told_apart(&self, first: &Stimulus, second: &Stimulus) -> bool {
         let is_request =
             |stimulus: &Stimulus| !stimulus.frame.is_remote() && stimulus.frame.cob_id() == Some(self.request);

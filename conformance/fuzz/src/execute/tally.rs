@@ -1,19 +1,19 @@
-//! What a run has exercised, and what its time went into.
+//! The coverage of a run and the use of its time.
 
 use crate::coverage::Coverage;
 use crate::spent::Spent;
 
-/// Counts over all sequences.
+/// Sums over all sequences.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
-    /// What was exercised.
+    /// The combinations of state, command and answer that were seen.
     pub coverage: Coverage,
-    /// Frames that were on the bus, and after which the models knew what must or must not come.
+    /// Number of frames on the bus for which the models knew which answers must or must not come.
     pub executions: u64,
-    /// Frames that were sent, with those after which anything may come.
+    /// Number of frames sent, including frames after which the standard leaves everything open.
     pub frames: u64,
-    /// Sequences that say nothing, because the way to the device failed.
+    /// Number of sequences without a result, because the connection to the device failed.
     pub unjudged: u64,
-    /// What the time went into.
+    /// The use of the time on the bus.
     pub spent: Spent,
 }

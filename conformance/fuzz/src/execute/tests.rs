@@ -1,4 +1,4 @@
-//! Single sequences on a simulated bus that goes on.
+//! Single sequences on a simulated bus with a device that is reset, not made anew.
 
 use super::*;
 use crate::Spent;
@@ -12,7 +12,7 @@ use canvass_traces::{CanId, Duration};
 
 const NODE: NodeId = NodeId::MIN;
 
-/// How each of them ended, and what its time went into.
+/// Runs the sequences. Returns how each ended and how its time was used.
 fn run(sequences: &[Vec<Stimulus>]) -> Vec<(Ended, Spent)> {
     let model = Model::by_id("reference-301").unwrap();
     let mut bus = SimulatedBus::new(250_000);
@@ -37,8 +37,8 @@ fn frame(id: u16, data: &[u8]) -> Stimulus {
     Stimulus::settle(Frame::new(CanId::standard_masked(id.into()), data).unwrap())
 }
 
-/// After a frame of two bytes nobody knows what the server does. The value of 1000h, which it gave long before, does not say that
-/// it has answered the request to read 1000h that asks it.
+/// A frame of two bytes leaves the state of the server open. An earlier value of 1000h is no answer to the request to
+/// read 1000h that clears up this state.
 #[test]
 fn a_value_that_was_read_before_answers_no_question() {
     let mut stimuli = vec![request([0x40, 0x00, 0x10, 0, 0, 0, 0, 0])];
@@ -49,7 +49,8 @@ fn a_value_that_was_read_before_answers_no_question() {
     assert!(matches!(ran[..], [(Ended::Well, _)]), "{ran:?}");
 }
 
-/// What LSS does in initialisation is left open, so that nothing is judged any more; that the device has booted is seen.
+/// CiA 305 leaves open what LSS does in initialisation, so nothing is judged any more. But the boot-up message of the
+/// device is seen.
 #[test]
 fn a_device_that_has_booted_unseen_is_not_waited_for() {
     let reset = Stimulus { then: Then::AtOnce, ..frame(0, &[0x81, 1]) };
@@ -60,7 +61,7 @@ fn a_device_that_has_booted_unseen_is_not_waited_for() {
     assert!(starts == 1 && time < Duration::from_millis(300), "{next}");
 }
 
-/// As before; but a second reset is under way when the sequence ends. Its boot-up message is not taken for that of the start.
+/// A second reset is under way when the sequence ends. Its boot-up message is not taken for the one of the start.
 #[test]
 fn a_device_that_is_reset_unseen_is_waited_for() {
     let (reset, wait) = (frame(0, &[0x81, 1]), frame(lss::MASTER_CAN_ID, &[0x04, 0, 0, 0, 0, 0, 0, 0]));

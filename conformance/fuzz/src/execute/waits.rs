@@ -1,4 +1,5 @@
-//! What comes between two frames of a sequence: answers, silence, and what takes the place of waiting for it.
+//! The time between two frames of a sequence: waiting for answers, for silence, or for the answer to a request that
+//! replaces waiting for silence.
 
 use super::{Cause, Executor, LATE_ANSWER, LATELY, MISSING_ANSWER, MOST_QUIET, Pace, SLOW_ANSWER, Stop, WEDGED};
 use crate::oracle::Violation;
@@ -11,21 +12,21 @@ use canvass_analyzer::wire::lss;
 use canvass_bus::BusError;
 use canvass_traces::{Direction, Duration, Frame, Timestamp};
 
-/// How long is waited after the frame that was sent last, and what for.
+/// The wait after the last frame.
 #[derive(Debug)]
 pub(crate) struct Waits {
     pub pace: Pace,
-    /// How long silence has to last, and what can stand for it.
+    /// The required duration of silence, and whether a request can replace it.
     pub trusts: Trusts,
-    /// An answer to this frame that must not come shows also when the next frame follows at once.
+    /// Whether a forbidden answer to this frame is also recognised after the next frame.
     pub followed: bool,
-    /// What the wait that is under way, or was the last, was for.
+    /// The reason of the current or last wait.
     awaited: Cause,
-    /// The request to read that each sequence ends with is under way: its silence is a violation of its own.
+    /// Whether the read at the end of a sequence is under way. Its missing answer is a violation of its own.
     pub probing: bool,
-    /// What came last from others.
+    /// The last frame that the device or another node has sent.
     heard: Option<Frame>,
-    /// Own frames that were handed over and have not been on the bus.
+    /// Number of own frames that were handed over and have not been on the bus.
     pub outstanding: usize,
 }
 
@@ -42,35 +43,36 @@ impl Waits {
         }
     }
 
-    /// A sequence begins.
+    /// Resets the waits for a new sequence.
     pub fn begin(&mut self, pace: Pace) {
         (self.pace, self.probing, self.outstanding) = (pace, false, 0);
     }
 
-    /// How long silence has to last.
+    /// The required duration of silence.
     pub fn quiet(&self) -> Duration {
         self.trusts.quiet()
     }
 
-    /// After that time an answer is missing that is known not to come.
+    /// The time after which a known missing answer counts as missing again.
     pub fn missing_after(&self) -> Duration {
         self.quiet().times(MISSING_ANSWER)
     }
 
-    /// How long silence is waited for at most where others keep the bus busy.
+    /// Maximum wait for silence while other nodes keep the bus busy.
     fn longest(&self) -> Duration {
         self.quiet().times(MOST_QUIET)
     }
 }
 
 impl Executor {
-    /// Nothing is under way any more.
+    /// Tells the models that no answer is under way any more.
     fn be_quiet(&mut self, now: Timestamp) {
         self.waits.trusts.awaits_lss = false;
         self.oracle.quiet(now);
     }
 
-    /// Whether nobody need wait for silence: an answer that must not come shows before the answer to the next frame.
+    /// Whether the fuzzer need not wait for silence, because a forbidden answer would come before the answer to the
+    /// next frame.
     fn may_hurry(&self) -> bool {
         self.waits.pace == Pace::Swift
             && self.waits.followed
@@ -78,7 +80,7 @@ impl Executor {
             && !self.known.answers_too_much()
     }
 
-    /// Until what is due has come, or no answer has come for a while where none is due.
+    /// Waits until the answers that are due have come, or until silence has lasted long enough if none is due.
     pub(super) fn settle(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let begun = stand.bus().now();
         let ended = self.wait_for_answers(stand);
@@ -91,7 +93,7 @@ impl Executor {
         let mut quiet = self.waits.quiet();
         let must_be_sure = self.waits.pace == Pace::Careful || self.oracle.may_be_answered();
         if must_be_sure && !stand.is_repeatable() {
-            // What comes later would be taken for the answer to the next frame.
+            // A later answer would be taken for the answer to the next frame.
             quiet = quiet.times(LATE_ANSWER);
         }
         let mut was_due = false;
@@ -123,20 +125,20 @@ impl Executor {
             };
             was_due |= due.is_some();
             match self.receive(stand, deadline)? {
-                // Several answers may be under way; heartbeats and PDOs come all the time.
+                // Several answers may be under way. Heartbeats and PDOs come all the time and don't prolong the wait.
                 Received::Answer => {
                     until = Timestamp::MAX;
                     self.waits.awaited = Cause::Answer;
                     self.remember_slow(awaited, stand.bus().now().since(begun));
                 }
-                // The answer may wait for the bus.
+                // The answer may be waiting for the bus.
                 Received::Bystander if stand.bus().now() < longest => until = Timestamp::MAX,
                 Received::Bystander | Received::Other => {}
                 Received::Nothing => {
                     self.waits.awaited = if due.is_some() { Cause::Missing } else { Cause::Silence };
                     self.oracle.expire(stand.bus().now())?;
                     if self.waits.outstanding > 0 {
-                        // The bus does not take the frame: nothing can be said about the device.
+                        // The frame was not sent, so nothing can be said about the device.
                         self.waits.outstanding = 0;
                     } else if let Some(due) = due {
                         if stand.bus().now() >= known_by {
@@ -153,7 +155,7 @@ impl Executor {
         }
     }
 
-    /// When an answer that has not come is compared with those that are known not to come, or to be slow.
+    /// The time at which a missing answer is compared with the answers known to be missing or slow.
     fn known_by(&self, stand: &mut dyn TestStand) -> Timestamp {
         let is_known = match self.waits.pace {
             Pace::Careful => self.known.presumes() && !stand.is_repeatable(),
@@ -162,7 +164,7 @@ impl Executor {
         if is_known { stand.bus().now() + self.waits.missing_after() } else { Timestamp::MAX }
     }
 
-    /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
+    /// Counts a slow answer, such as that of a server that ends a block with missing segments by its own time-out.
     fn remember_slow(&mut self, awaited: Option<&'static str>, took: Duration) {
         if let Some(awaited) =
             awaited.filter(|_| self.waits.pace == Pace::Swift && took > self.waits.quiet().times(SLOW_ANSWER))
@@ -171,7 +173,7 @@ impl Executor {
         }
     }
 
-    /// Aborts a transfer whose answer is known to be slow: it was judged when it came before.
+    /// Aborts a transfer whose answer is known to be slow, because it was judged before.
     fn give_up(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let is_too_slow = self.oracle.awaits().is_some_and(|awaited| self.known.is_too_slow(awaited));
         if self.waits.pace == Pace::Careful || !is_too_slow {
@@ -180,12 +182,12 @@ impl Executor {
         Ok(self.hand_over(stand, self.requests.abort)?)
     }
 
-    /// Ends the sequence where the answer that is due until then is one that is known not to come: the whole of its time
-    /// was waited for when it was missing for the first time, and when that was repeated.
+    /// Ends the sequence if the answer due at `due` is known to be missing. It was awaited in full when it was missing
+    /// for the first time, and when that was repeated.
     fn is_missing_as_before(&mut self, due: Timestamp) -> Result<(), Stop> {
         match self.oracle.clone().expire(due) {
-            // A try that shows something else than what it is to show has failed, however slow the answer is. A start may take
-            // long, and what is to be shown may come after it.
+            // A missing answer that is not the violation to be shown again ends the try, too, however slow the answer
+            // is. But a start may take long, and the violation may come after it.
             Err(violation) if self.is_known(&violation) || self.known.presumes() && !self.oracle.is_booting() => {
                 self.known.hurry();
                 Err(violation.into())
@@ -199,13 +201,14 @@ impl Executor {
         self.known.is_known_silence(key, self.waits.pace)
     }
 
-    /// Whether a request can take the place of waiting: its answer comes when what was sent before it is done.
+    /// Whether a request can replace waiting: its answer comes after the frames before it have taken effect.
     fn may_ask(&self, stand: &dyn TestStand) -> bool {
         self.waits.pace == Pace::Swift && self.waits.trusts.are_in_order() && !stand.is_repeatable()
     }
 
-    /// Reads an object where nobody knows what the server does: its value says that the server has no transfer, and has
-    /// answered what came before. A server that takes the request for something else is made to end its transfer.
+    /// Reads an object when the state of the server is not known. The value shows that the server has no transfer and
+    /// has answered the requests before. If the server takes the request for something else, an abort ends its
+    /// transfer.
     fn find_server(&mut self, stand: &mut dyn TestStand, at: Multiplexer) -> Result<(), Stop> {
         self.waits.awaited = Cause::Question;
         let executions = self.tally.executions;
@@ -219,7 +222,7 @@ impl Executor {
         Ok(())
     }
 
-    /// An object of every device that no request of the last moment has named, so that only this answer names it.
+    /// A mandatory object that none of the last requests has named, so that only the answer to this request names it.
     fn unnamed(&self) -> Option<Multiplexer> {
         let names = |at: &Multiplexer| {
             self.history
@@ -232,10 +235,10 @@ impl Executor {
         every.into_iter().map(|(index, sub)| Multiplexer::new(index, sub)).find(|at| !names(at))
     }
 
-    /// Whether the value of that object comes, before nothing has come for a while.
+    /// Whether the value of the object is received before silence has lasted long enough.
     fn has_read(&mut self, stand: &mut dyn TestStand, at: Multiplexer) -> Result<bool, Stop> {
         self.hand_over(stand, self.requests.read(at))?;
-        // The value that was read last is no answer to this request.
+        // The last value read before is no answer to this request.
         self.waits.heard = None;
         let longest = stand.bus().now() + self.waits.longest();
         loop {
@@ -254,7 +257,7 @@ impl Executor {
         }
     }
 
-    /// Sends a frame that is none of the sequence.
+    /// Sends a frame that is not part of the sequence.
     pub(super) fn hand_over(&mut self, stand: &mut dyn TestStand, frame: Frame) -> Result<(), BusError> {
         stand.bus().send(&frame)?;
         self.history.send(Stimulus::settle(frame));
@@ -262,7 +265,8 @@ impl Executor {
         Ok(())
     }
 
-    /// Reads 1000h; what comes until the answer is judged. It is no exchange of the sequence, and not counted as one.
+    /// Reads 1000h and judges all frames until the answer. This exchange is not counted, as it is not part of the
+    /// sequence.
     fn ask(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         self.waits.awaited = Cause::Question;
         let executions = self.tally.executions;
@@ -276,7 +280,7 @@ impl Executor {
                 _ if self.waits.outstanding > 0 => until,
                 Some(due) => due,
                 None if self.oracle.may_be_asked() => break,
-                // What came meanwhile leaves open whether it is answered.
+                // A frame that came meanwhile leaves open whether this request is answered.
                 None => longest.min(stand.bus().now() + self.waits.quiet().times(LATE_ANSWER)),
             };
             if self.receive(stand, deadline)? == Received::Nothing {
@@ -292,7 +296,7 @@ impl Executor {
         Ok(())
     }
 
-    /// Lets time pass.
+    /// Waits until the time `until` and judges the frames that are received.
     pub(super) fn pass(&mut self, stand: &mut dyn TestStand, until: Timestamp) -> Result<(), Stop> {
         let begun = stand.bus().now();
         let ended = self.listen(stand, until);
@@ -311,7 +315,7 @@ impl Executor {
                     let now = stand.bus().now();
                     self.oracle.expire(now)?;
                     if now >= until {
-                        // In a short pause an answer may still be under way.
+                        // After a short pause an answer may still be under way.
                         if now.since(heard) >= self.waits.quiet() {
                             self.be_quiet(stand.bus().now());
                         }
@@ -322,7 +326,7 @@ impl Executor {
         }
     }
 
-    /// The next frame, if there is one until the deadline.
+    /// Receives the next frame, if one comes before the deadline.
     fn receive(&mut self, stand: &mut dyn TestStand, deadline: Timestamp) -> Result<Received, Stop> {
         let Some(record) = stand.bus().receive(deadline)? else { return Ok(Received::Nothing) };
         if record.frame.is_error() {
@@ -348,14 +352,14 @@ impl Executor {
     }
 }
 
-/// What was received.
+/// The kind of a received frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Received {
     Nothing,
-    /// An own frame, or one with which servers and slaves answer.
+    /// An own frame, or an answer of a server or slave.
     Answer,
-    /// What others send, or the device beside its services.
+    /// A frame of another node, or one outside the device's predefined connection set.
     Bystander,
-    /// What comes by itself.
+    /// Any other frame, such as a heartbeat or a PDO.
     Other,
 }

@@ -15,9 +15,9 @@ impl<'a> Dice<'a> {
         self.0.next_u64()
     }
 
-    /// 0 to `n` - 1.
+    /// A random number from 0 to `n` - 1.
     pub fn below(&mut self, n: usize) -> usize {
-        // The bias of a 64-bit number is far below what matters here.
+        // The bias of a 64-bit number is negligible here.
         ((u128::from(self.number()) * n as u128) >> 64) as usize
     }
 
@@ -33,12 +33,12 @@ impl<'a> Dice<'a> {
         self.number() & 1 != 0
     }
 
-    /// One of them; `None` only of an empty list.
+    /// A random item of the list; `None` if the list is empty.
     pub fn pick<'t, T>(&mut self, of: &'t [T]) -> Option<&'t T> {
         if of.is_empty() { None } else { of.get(self.below(of.len())) }
     }
 
-    /// One of a fixed list.
+    /// A random item of a fixed list.
     pub fn one_of<T: Copy, const N: usize>(&mut self, of: [T; N]) -> T {
         const { assert!(N > 0) };
         of[self.below(N)]

@@ -1,4 +1,4 @@
-//! LMT dialogues, for devices that have that instead of LSS.
+//! LMT dialogues, for devices with LMT instead of LSS.
 
 use super::Script;
 use canvass_analyzer::wire::lmt::{Lmt, Part, Request, Seven};
@@ -25,7 +25,7 @@ impl Script<'_> {
         value.unwrap_or(Seven([0; 7]))
     }
 
-    /// One wrong bit, or one digit more or less.
+    /// Changes two digits of the serial number, or one bit of a name.
     fn lmt_distorted(&mut self, part: Part, value: Seven) -> Seven {
         let mut bytes = value.0;
         let at = self.dice.below(7);

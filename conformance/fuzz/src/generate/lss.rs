@@ -37,7 +37,7 @@ impl Script<'_> {
         }
     }
 
-    /// Brings the slave into a state; one without node-ID only where the sequence begins so.
+    /// Brings the slave into a state. A state without node-ID is reached only if the sequence begins without one.
     fn reach_lss(&mut self, state: LssState) {
         let [vendor, ..] = self.address();
         match state {
@@ -54,7 +54,7 @@ impl Script<'_> {
         }
     }
 
-    /// A frame of that class.
+    /// Adds a frame of the class.
     fn lss_command(&mut self, command: LssCommand) {
         let [vendor, ..] = self.address();
         let request = match command {
@@ -108,7 +108,7 @@ impl Script<'_> {
                 match kind {
                     0 => value ^= 1 << self.dice.below(32),
                     1 => continue,
-                    // One of another device in between.
+                    // A part of another device's address comes in between.
                     2 => {
                         let other = value ^ 1 << self.dice.below(32);
                         self.tell(Request::SwitchSelective { part, value: other });
@@ -140,7 +140,7 @@ impl Script<'_> {
             self.tell(Request::InquireNodeId);
         }
         if self.dice.one_in(4) {
-            // What is pending must not come into force.
+            // The pending node-ID must not take effect.
             self.tell(Request::ConfigureNodeId { node_id: own });
             self.tell(Request::SwitchGlobal { mode: 0 });
         }
@@ -165,7 +165,7 @@ impl Script<'_> {
         ];
         if self.dice.flip() {
             let wrong = self.dice.below(6);
-            // Just outside: the lower bound one above, the upper one below.
+            // One bound just excludes the slave: a lower or equal bound is one too high, an upper one is one too low.
             bounds[wrong] = match wrong {
                 2 => revision.wrapping_add(1),
                 3 => revision.wrapping_sub(1),
@@ -185,7 +185,7 @@ impl Script<'_> {
         }
         match self.dice.below(4) {
             0 => {
-                // The right values, part by part, with one mistake now and then.
+                // The correct parts in their order, now and then with one mistake.
                 let wrong = if self.dice.flip() { self.dice.below(4) } else { usize::MAX };
                 for (n, &id) in address.iter().enumerate() {
                     let id = if n == wrong { id ^ 1 << self.dice.below(32) } else { id };
@@ -201,7 +201,7 @@ impl Script<'_> {
                 self.tell(scan(id, bit_check, sub, sub));
             }
             2 => {
-                // Completion before the last part.
+                // The scan is completed before its last part.
                 for sub in 0..=self.dice.below(3) as u8 {
                     let next = if self.dice.flip() { sub + 1 } else { 0 };
                     self.tell(scan(address[usize::from(sub)], 0, sub, next));

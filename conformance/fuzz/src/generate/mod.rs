@@ -1,7 +1,7 @@
-//! Sequences of frames: valid dialogues, dialogues with one thing wrong, and nonsense.
+//! Sequences of frames: valid dialogues, dialogues with one mistake, and nonsense.
 //!
-//! A proptest strategy. The value is the concrete list of frames, so that what was found can be replayed without the
-//! generator; the tree shrinks that list ([`super::shrink`]).
+//! The generator is a proptest strategy. Its value is the concrete list of frames, so that a finding can be replayed
+//! without the generator. The value tree shrinks this list ([`super::shrink`]).
 
 mod dice;
 mod layer_setting;
@@ -31,22 +31,22 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 pub use target::{Target, Targets, UnknownTarget};
 
-/// The strategy: sequences for one device.
+/// The strategy that generates sequences for one device.
 #[derive(Clone, Debug)]
 pub struct Dialogues {
-    /// The device.
+    /// The knowledge of the device.
     pub knowledge: Arc<Knowledge>,
-    /// The services.
+    /// The services to fuzz.
     pub targets: Targets,
-    /// What the sequences may do beyond what leaves no trace.
+    /// The touches that the user allows.
     pub allow: BTreeSet<Touch>,
-    /// Whether a device without node-ID can be had.
+    /// Whether the test stand can provide the device without node-ID.
     pub unconfigured: bool,
-    /// Whether a wait of seconds costs nothing.
+    /// Whether long pauses take no real time, as on a simulated bus.
     pub patient: bool,
-    /// The combination of SDO state and command that was exercised least.
+    /// The SDO state and command to be exercised next, as they came least often.
     pub focus: Option<(SdoState, Command)>,
-    /// That of LSS.
+    /// The LSS state and command to be exercised next, as they came least often.
     pub lss_focus: Option<(LssState, LssCommand)>,
 }
 
@@ -61,13 +61,13 @@ impl Strategy for Dialogues {
     }
 }
 
-/// On a device that is not reset between sequences, one pause in [`PAUSES_LIVE`] is made.
+/// On a live device only one pause in [`PAUSES_LIVE`] is made.
 const PAUSES_LIVE: usize = 16;
 
-/// The most frames of a sequence.
+/// Maximum number of frames in a sequence.
 const LONGEST: usize = 48;
 
-/// A sequence that is being written.
+/// A sequence that is being generated.
 struct Script<'a> {
     plan: &'a Dialogues,
     dice: Dice<'a>,
@@ -97,7 +97,8 @@ impl<'a> Script<'a> {
         }
     }
 
-    /// Whether LSS may come next: beside SDOs it comes where a sequence begins, and where the device has no node-ID.
+    /// Whether an LSS dialogue may come next. If SDO is fuzzed, too, LSS comes only at the beginning of a sequence and
+    /// on a device without node-ID.
     fn is_for_lss(&self) -> bool {
         !self.plan.targets.contains(Target::Sdo)
             || self.sequence.stimuli.is_empty()
@@ -113,20 +114,20 @@ impl<'a> Script<'a> {
     }
 
     fn push(&mut self, frame: Frame, then: Then) {
-        // Checked on the finished frame, so that no chance leads there.
+        // The finished frame is checked, so that no random choice can touch what is not allowed.
         if limits::of(&frame, self.knowledge(), &self.plan.allow).is_none() {
             self.sequence.stimuli.push(Stimulus { frame, then });
         }
     }
 
-    /// A frame that the device gets time to answer; now and then the next one follows at once.
+    /// Adds a frame that the device gets time to answer. Now and then the next frame follows at once.
     fn ask(&mut self, frame: Frame) {
         let then = if self.dice.one_in(64) { Then::AtOnce } else { Then::Settle };
         self.push(frame, then);
     }
 
     fn pause(&mut self, milliseconds: u64) {
-        // Where waiting takes the time of people, few dialogues wait: the others go on at once.
+        // On a live device few dialogues wait, because waiting takes real time.
         if !self.plan.patient && !self.dice.one_in(PAUSES_LIVE) {
             return;
         }
@@ -140,7 +141,7 @@ impl<'a> Script<'a> {
         self.ask(frame);
     }
 
-    /// Whether the object may be written.
+    /// Whether the user allows writing the object.
     fn may_write(&self, at: Multiplexer) -> bool {
         limits::writing(at, self.knowledge(), &self.plan.allow).is_none()
     }

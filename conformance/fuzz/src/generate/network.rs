@@ -75,7 +75,7 @@ impl Script<'_> {
         }
     }
 
-    /// One after the other.
+    /// Adds several resets in a row.
     fn resets(&mut self) {
         let own = self.node() as u8;
         let command = self.dice.one_of([129, 130]);
@@ -86,7 +86,7 @@ impl Script<'_> {
 
     fn heartbeat(&mut self) {
         if self.dice.one_in(4) {
-            // Another time while heartbeats are sent.
+            // The heartbeat time changes while heartbeats are sent.
             let time = self.dice.one_of([5_u16, 50, 100]);
             self.sdo(Request::download(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), &time.to_le_bytes()));
             self.pause(u64::from(time) * 2 + 20);
@@ -131,7 +131,7 @@ impl Script<'_> {
         }
     }
 
-    /// Another identifier for a service that is in use.
+    /// Changes the identifier of a service that is in use.
     fn held_identifier(&mut self) {
         let (index, sub) = self.dice.one_of([
             (object::COB_ID_SYNC, 0),
@@ -154,7 +154,7 @@ impl Script<'_> {
         self.sdo(Request::upload(at));
     }
 
-    /// 1019h while SYNC is produced.
+    /// Writes 1019h while the device produces SYNC.
     fn counter_in_use(&mut self) {
         let period = self.dice.one_of([10_000_u32, 50_000]);
         self.sdo(Request::download(Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0), &period.to_le_bytes()));
@@ -203,7 +203,7 @@ impl Script<'_> {
         self.sdo(Request::upload(Multiplexer::new(object::ERROR_REGISTER, 0)));
     }
 
-    /// Limits that the present value exceeds make the device report an error.
+    /// Sets limits that the present value exceeds, so that the device reports an error.
     fn provoke(&mut self) {
         let profiles = self.knowledge().profiles();
         let provokes = |known: &Known| known.writable && profiles.iter().any(|profile| profile.provokes(known.at));

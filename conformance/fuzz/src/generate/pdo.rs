@@ -6,7 +6,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::Frame;
 
-/// An identifier that no service of the predefined connection set has.
+/// An identifier that no service uses in the predefined connection set.
 const FREE: u32 = 0x6A0;
 
 impl Script<'_> {
@@ -44,7 +44,7 @@ impl Script<'_> {
         }
     }
 
-    /// The communication parameters of a PDO.
+    /// Changes the communication parameters of a PDO.
     fn parameters(&mut self) -> Option<u16> {
         let transmit = !self.dice.one_in(4);
         let range = if transmit { 0x1800..0x1A00 } else { 0x1400..0x1600 };
@@ -78,7 +78,7 @@ impl Script<'_> {
             self.parameter(index, 1, own | 1 << 31);
         }
         let restricted = self.dice.one_of([0, 1, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF]);
-        // 6A0h: no service has it in the predefined connection set.
+        // No service uses 6A0h in the predefined connection set.
         let other = if self.dice.flip() { FREE } else { 0x181 + self.dice.below(0x400) as u32 };
         let flags = own & 0x4000_0000;
         let value = self.dice.one_of([
@@ -106,7 +106,7 @@ impl Script<'_> {
         }
     }
 
-    /// Values that RPDOs change faster than the inhibit time allows to send them.
+    /// RPDOs change mapped values faster than the inhibit time of a TPDO allows to send them.
     fn without_pause(&mut self, index: u16) {
         let Some(outputs) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.timer(index) };
         let own = self.own_identifier(index);
@@ -125,7 +125,7 @@ impl Script<'_> {
         }
     }
 
-    /// What an RPDO writes, read before and after it, in any state.
+    /// Reads the objects that an RPDO writes, before and after it, in any NMT state.
     fn outputs(&mut self) {
         let Some(index) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.sync() };
         let mapped = self.knowledge().entry(Multiplexer::new(index + 0x200, 1)).and_then(|known| known.power_on);
@@ -208,7 +208,7 @@ impl Script<'_> {
         }
     }
 
-    /// What can stand in a mapping: an object, or what can't be mapped.
+    /// A random mapping entry: an existing object, or one that can't be mapped.
     fn mapped(&mut self) -> u32 {
         let entry = |at: Multiplexer, bits: u32| u32::from(at.index.0) << 16 | u32::from(at.sub.0) << 8 | bits;
         if self.dice.one_in(4) {
@@ -233,7 +233,8 @@ impl Script<'_> {
         self.parameter(index + 0x200, sub, entry);
     }
 
-    /// The procedure of CiA 301: invalid, count 0, entries, count, valid; with a step left out now and then.
+    /// The mapping procedure of CiA 301: PDO invalid, count 0, entries, count, PDO valid. Now and then a step is left
+    /// out.
     fn remap(&mut self, index: u16) {
         let own = self.own_identifier(index);
         let mapping = index + 0x200;

@@ -1,4 +1,4 @@
-//! SDO dialogues: right ones, and ones with something wrong.
+//! SDO dialogues, valid and with mistakes.
 
 use super::super::coverage::{Command, SdoState};
 use super::super::knowledge::Known;
@@ -41,7 +41,7 @@ impl Script<'_> {
         }
     }
 
-    /// What was not stored is gone after a reset.
+    /// Writes an object and resets the device, which must lose the value.
     fn write_and_reset(&mut self) {
         let Some(known) = self.writable() else { return };
         let value = self.bytes_for(&known);
@@ -55,7 +55,7 @@ impl Script<'_> {
         self.sdo(Request::upload(known.at));
     }
 
-    /// The client says nothing any more; when it is back, the server must be too.
+    /// The client abandons a transfer. When it is back, the server has to serve it again.
     fn abandoned(&mut self) {
         let state = self.dice.one_of([SdoState::Download, SdoState::Upload, SdoState::BlockDownload]);
         self.reach(state);
@@ -65,7 +65,7 @@ impl Script<'_> {
         self.read();
     }
 
-    /// A request to a neighbour.
+    /// Adds a request to another node-ID.
     fn other_node(&mut self) {
         let other = self.dice.one_of([self.node() + 1, self.node() - 1, self.node() ^ 0x20]);
         let id = REQUEST_BASE + (other & 0x7F);
@@ -73,7 +73,7 @@ impl Script<'_> {
         self.ask(Request::upload(at).to_frame(id));
     }
 
-    /// A dialogue of the device's profile.
+    /// Adds a dialogue of the device's profile.
     fn profile_dialogue(&mut self) {
         let profiles = self.knowledge().profiles();
         if !profiles.iter().any(|profile| profile.dialogue(self)) {
@@ -132,7 +132,7 @@ impl Script<'_> {
         self.sdo(Request::upload(known.at));
     }
 
-    /// Read, write something that may be wrong, read again: nothing may have changed that was not confirmed.
+    /// Reads, writes a possibly wrong value, and reads again: only a confirmed write may change the value.
     fn read_write_read(&mut self) {
         let Some(known) = self.writable() else { return };
         self.sdo(Request::upload(known.at));
@@ -169,7 +169,7 @@ impl Script<'_> {
     }
 
     fn segmented_download(&mut self) {
-        // Values of any length, also of none, are few among the objects.
+        // Few objects have values of variable length, so one of these is preferred now and then.
         let text = if self.dice.one_in(4) {
             self.object_where(|known| known.writable && known.size.is_none()).cloned()
         } else {
@@ -203,7 +203,7 @@ impl Script<'_> {
         self.object_where(|known| known.size.is_none_or(|size| size > 4) && known.readable).map(|known| known.at)
     }
 
-    /// What can be read in blocks: if nothing is long, anything.
+    /// An object for a block upload: one with more than four bytes, or any object if there is none.
     fn for_blocks(&mut self) -> Option<Multiplexer> {
         match self.text() {
             None => self.object_where(|known| known.readable).map(|known| known.at),
@@ -259,7 +259,7 @@ impl Script<'_> {
         }
     }
 
-    /// The segments of a block; how many bytes of the last don't count.
+    /// Adds the segments of a block. Returns the number of unused bytes in the last one.
     fn block_segments(&mut self, value: &[u8]) -> u8 {
         let count = value.len().div_ceil(7).max(1);
         let mistake = if self.dice.one_in(3) { self.dice.below(count) } else { usize::MAX };
@@ -277,12 +277,12 @@ impl Script<'_> {
                     _ => self.block_segment(segment, Then::AtOnce),
                 }
             }
-            // Only the last one is answered.
+            // Only the last segment of a block is answered.
             let then = if n + 1 == count { Then::Settle } else { Then::AtOnce };
             self.block_segment(segment, then);
         }
         if mistake != usize::MAX {
-            // The rest of the block once more, as the server asks for it.
+            // The server asks for the rest of the block again.
             for n in mistake..count {
                 let mut data = [0; 7];
                 let chunk = value.get(n * 7..value.len().min(n * 7 + 7)).unwrap_or(&[]);
@@ -340,20 +340,20 @@ impl Script<'_> {
         self.sdo(Request::EndBlockUpload);
     }
 
-    /// How many segments the value of that object needs, as far as it is known.
+    /// Number of segments for the value of an object, as far as its length is known.
     fn segments_of(&self, at: Multiplexer) -> u32 {
         let known = self.knowledge().entry(at);
         let len = known.map_or(4, |known| known.size.unwrap_or(known.usual_length));
         (len.div_ceil(7) as u32).max(1)
     }
 
-    /// A command that has no place here.
+    /// Adds a command that does not fit the state.
     fn stray(&mut self) {
         let command = *self.dice.pick(Command::ALL).unwrap_or(&Command::Unknown);
         self.command(command);
     }
 
-    /// NMT commands around a read.
+    /// Adds NMT commands before and after a read.
     fn state_and_read(&mut self) {
         let node = self.node() as u8;
         let command = self.dice.one_of([1, 2, 128, 129, 130]);
@@ -363,7 +363,7 @@ impl Script<'_> {
         self.sdo(Request::abort(at, AbortCode::GENERAL));
     }
 
-    /// A frame that the server must not take for a request, or about which the standard says nothing.
+    /// Adds a frame that is no request for this server, or that the standard does not describe.
     fn odd_frame(&mut self) {
         let id = REQUEST_BASE + self.node();
         let at = self.object();
@@ -426,7 +426,7 @@ impl Script<'_> {
         }
     }
 
-    /// A frame of that class.
+    /// Adds a frame of the class.
     fn command(&mut self, command: Command) {
         let at = self.object();
         let id = REQUEST_BASE + self.node();

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// What of a device is fuzzed.
+/// A service, or all services, to fuzz.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Target {
     /// The SDO server.
@@ -16,7 +16,7 @@ pub enum Target {
     Pdo,
     /// SYNC, EMCY, heartbeat consumer.
     SyncEmcy,
-    /// All of them, interleaved.
+    /// All services, interleaved.
     #[default]
     All,
 }
@@ -25,7 +25,7 @@ impl Target {
     /// All targets.
     pub const ALL: [Self; 6] = [Self::Sdo, Self::Lss, Self::Nmt, Self::Pdo, Self::SyncEmcy, Self::All];
 
-    /// The services, each with how often it has its turn among others: the SDO server has by far the most states.
+    /// All services with their relative frequencies. The SDO server has by far the most states.
     const SHARES: [(Self, usize); 5] =
         [(Self::Sdo, 6), (Self::Pdo, 2), (Self::Nmt, 1), (Self::SyncEmcy, 1), (Self::Lss, 2)];
 
@@ -48,7 +48,7 @@ impl fmt::Display for Target {
     }
 }
 
-/// There is no target of that name.
+/// No target has this name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("no target is called \"{0}\": there are sdo, lss, nmt, pdo, sync-emcy and all, and lists such as sdo,lss")]
 pub struct UnknownTarget(pub String);
@@ -61,22 +61,22 @@ impl FromStr for Target {
     }
 }
 
-/// One target or several, interleaved. Never none.
+/// One or more targets, interleaved.
 ///
-/// As text it is `all`, or the names with commas between them in the order of [`Target::ALL`].
+/// The textual form is `all`, or the names with commas between them in the order of [`Target::ALL`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Targets(u8);
 
 impl Targets {
     const ALL: Self = Self(0b1_1111);
 
-    /// Whether the service is among them.
+    /// Whether the targets contain the service.
     pub const fn contains(self, target: Target) -> bool {
         let bits = Self::of(target).0;
         self.0 & bits == bits
     }
 
-    /// A service by chance: `below` draws a number below another.
+    /// Draws a service at random. `below` returns a random number below its argument.
     pub(super) fn draw(self, below: impl FnOnce(usize) -> usize) -> Target {
         let shares = || Target::SHARES.into_iter().filter(|&(target, _)| self.contains(target));
         if self.0.is_power_of_two() {
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(Target::ALL.map(count), [6, 2, 1, 2, 1, 0]);
         let two: Vec<_> = (0..3).map(|n| drawn("nmt,lss", n)).collect();
         assert_eq!(two, [Target::Nmt, Target::Lss, Target::Lss]);
-        // One alone takes nothing from the dice.
+        // A single target needs no random number.
         assert_eq!(Targets::from(Target::Pdo).draw(|_| unreachable!()), Target::Pdo);
     }
 

@@ -1,4 +1,4 @@
-//! Objects to read and write, and values at the edges of what they take.
+//! Random objects, and values near the limits of an object.
 
 use super::Script;
 use crate::Known;
@@ -6,9 +6,9 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 
 impl Script<'_> {
-    /// An object that exists, or nearly.
+    /// An object that exists, or an address near one.
     pub(super) fn object(&mut self) -> Multiplexer {
-        // There is little time on a bus that goes on: mappings, which have many entries, are not to take most of it.
+        // The time on a live bus is short: mapping parameters with their many entries must not take most of it.
         if !self.plan.patient
             && self.dice.flip()
             && let Some(at) = self.entry_of_any_object()
@@ -20,7 +20,7 @@ impl Script<'_> {
             (0, Some(known)) => Multiplexer::new(known.at.index.0, known.at.sub.0.wrapping_add(self.dice.byte() | 1)),
             (1, _) => {
                 let raw = self.dice.number();
-                // Where manufacturers begin to count.
+                // Half of these indexes lie at the beginning of the manufacturer's area.
                 let index = if raw >> 32 & 1 == 0 { raw as u16 } else { 0x2000 + (raw as u16 & 0x1F) };
                 Multiplexer::new(index, (raw >> 16) as u8 & 3)
             }
@@ -40,7 +40,7 @@ impl Script<'_> {
         }
     }
 
-    /// An entry of an object, each of which is as likely as another, however many entries it has.
+    /// An entry of a random object. All objects have the same probability, however many entries they have.
     fn entry_of_any_object(&mut self) -> Option<Multiplexer> {
         let objects = self.plan.knowledge.entries().chunk_by(|one, next| one.at.index == next.at.index);
         let objects: Vec<&[Known]> = objects.collect();
@@ -48,7 +48,7 @@ impl Script<'_> {
         self.dice.pick(entries).map(|known| known.at)
     }
 
-    /// An object that fits, if chance meets one.
+    /// The first object from a random position on that meets the condition. `None` if no object does.
     pub(super) fn object_where(&mut self, fits: impl Fn(&Known) -> bool) -> Option<&'_ Known> {
         let entries = self.plan.knowledge.entries();
         let first = self.dice.below(entries.len().max(1));
@@ -56,7 +56,7 @@ impl Script<'_> {
         tail.iter().chain(head).find(|known| fits(known))
     }
 
-    /// A value near the edges of what the object takes.
+    /// A value near the limits of the object.
     pub(super) fn value_of(&mut self, known: &Known) -> u64 {
         if !self.plan.patient && known.at.index.0 == object::CONSUMER_HEARTBEAT_TIME && known.at.sub.0 > 0 {
             return self.consumer_entry();
@@ -79,13 +79,13 @@ impl Script<'_> {
         }
     }
 
-    /// An entry of 1016h with a node-ID and a time at the edges of what they take.
+    /// An entry of 1016h with a node-ID and a time near their limits.
     fn consumer_entry(&mut self) -> u64 {
         let node = self.dice.one_of([0_u64, 1, 127, 128, 255]);
         node << 16 | self.dice.one_of([0, 1, 50, 1_000])
     }
 
-    /// The bytes of a value of that object; `None` length: a text.
+    /// The bytes of a value of the object. An object without fixed length gets a text.
     pub(super) fn bytes_for(&mut self, known: &Known) -> Vec<u8> {
         match known.size {
             Some(size) => self.value_of(known).to_le_bytes().into_iter().chain([0; 8]).take(size.min(16)).collect(),

@@ -1,4 +1,4 @@
-//! Sets of abort codes: those of the table of allowed answers, and those of choices that only a fuzzer meets.
+//! Sets of abort codes, from the table of allowed answers and for situations that only a fuzzer reaches.
 
 use canvass_analyzer::wire::sdo::{ABORT_CODES, AbortCode};
 use canvass_suite::situation::Situation;
@@ -6,16 +6,16 @@ use canvass_suite::situation::Situation;
 /// A set of the abort codes of CiA 301.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct CodeSet {
-    /// A bit for each row of [`ABORT_CODES`].
+    /// One bit for each row of [`ABORT_CODES`].
     rows: u64,
-    /// The one that fits best, which words begin with.
+    /// The most suitable code, which texts name first.
     best: Option<AbortCode>,
 }
 
 impl CodeSet {
     pub const NONE: Self = Self { rows: 0, best: None };
 
-    /// The set of those codes, the best one first.
+    /// The set of the codes. The first one is the best.
     pub const fn of(codes: &[AbortCode]) -> Self {
         let mut set = 0;
         let mut n = 0;
@@ -32,13 +32,13 @@ impl CodeSet {
         Self { rows: set, best: if codes.is_empty() { None } else { Some(codes[0]) } }
     }
 
-    /// The codes that the table of allowed answers has for a situation, and those that CiA's own tool accepts there.
+    /// The codes that the table of allowed answers and CiA's own tool accept in a situation.
     const fn in_situation(situation: Situation) -> Self {
         let answers = situation.answers();
         Self::of(answers.aborts).or(Self::of(answers.tolerated))
     }
 
-    /// Both sets; the best code is that of the first one.
+    /// The union of both sets, with the best code of the first.
     pub const fn or(self, other: Self) -> Self {
         let best = if self.best.is_some() { self.best } else { other.best };
         Self { rows: self.rows | other.rows, best }
@@ -52,7 +52,8 @@ impl CodeSet {
         ABORT_CODES.binary_search_by_key(&code, |row| row.0).is_ok_and(|at| self.rows >> at & 1 != 0)
     }
 
-    /// `0602 0000h or 0800 0000h`; of many the best one: `0609 0030h, or one of 12 other codes`.
+    /// The set as text, best code first, such as `0602 0000h or 0800 0000h`, or for many codes `0609 0030h, or one of
+    /// 12 other codes`.
     pub fn text(self) -> String {
         let words = |code: AbortCode| format!("{:04X} {:04X}h", code.0 >> 16, code.0 & 0xFFFF);
         let rows = ABORT_CODES.iter().enumerate().filter(|(at, _)| self.rows >> at & 1 != 0).map(|(_, row)| row.0);
@@ -67,29 +68,29 @@ impl CodeSet {
     }
 }
 
-/// More codes than this beside the best one are counted, not named.
+/// Maximum number of codes named after the best one. More are only counted.
 const MOST_NAMED: usize = 2;
 
-/// What CiA's own tool accepts beside any specific code.
+/// The general code, which CiA's own tool accepts instead of any specific one.
 pub(super) const GENERAL: CodeSet = CodeSet::of(&[AbortCode::GENERAL]);
 /// The object does not exist.
 pub(super) const NO_OBJECT: CodeSet = CodeSet::in_situation(Situation::MissingObject);
-/// The object exists, the sub-index does not.
+/// The object exists, but the sub-index does not.
 pub(super) const NO_SUB_INDEX: CodeSet = CodeSet::in_situation(Situation::MissingEntry);
-/// Writing what can only be read.
+/// A read-only object is written.
 pub(super) const READ_ONLY: CodeSet = CodeSet::in_situation(Situation::ReadOnly);
-/// Reading what can only be written.
+/// A write-only object is read.
 pub(super) const WRITE_ONLY: CodeSet = CodeSet::in_situation(Situation::WriteOnly);
-/// Too many bytes.
+/// The value has too many bytes.
 pub(super) const TOO_LONG: CodeSet =
     CodeSet::in_situation(Situation::TooLong).or(CodeSet::of(&[AbortCode::OUT_OF_MEMORY]));
-/// Too few bytes.
+/// The value has too few bytes.
 pub(super) const TOO_SHORT: CodeSet = CodeSet::in_situation(Situation::TooShort);
-/// Beyond the limits.
+/// The value is above the limit.
 pub(super) const TOO_HIGH: CodeSet = CodeSet::in_situation(Situation::TooHigh);
-/// Beyond the limits.
+/// The value is below the limit.
 pub(super) const TOO_LOW: CodeSet = CodeSet::in_situation(Situation::TooLow);
-/// A value that the device may refuse for reasons of its own.
+/// The device refuses the value for reasons of its own.
 pub(super) const REFUSED: CodeSet = CodeSet::of(&[
     AbortCode::INVALID_VALUE,
     AbortCode::VALUE_TOO_HIGH,
@@ -106,7 +107,7 @@ pub(super) const REFUSED: CodeSet = CodeSet::of(&[
     AbortCode::DEVICE_STATE,
 ])
 .or(GENERAL);
-/// What a device says of data that it does not have at the moment.
+/// The device does not have the data at the moment.
 pub(super) const NO_DATA: CodeSet = CodeSet::of(&[
     AbortCode::NO_DATA,
     AbortCode::NOT_TRANSFERRED,
@@ -115,17 +116,17 @@ pub(super) const NO_DATA: CodeSet = CodeSet::of(&[
     AbortCode::HARDWARE,
 ])
 .or(GENERAL);
-/// A command that has no place in this state.
+/// The command does not fit the state.
 pub(super) const COMMAND: CodeSet = CodeSet::in_situation(Situation::UnknownCommand);
-/// A toggle bit that does not alternate.
+/// The toggle bit does not alternate.
 pub(super) const TOGGLE: CodeSet = CodeSet::in_situation(Situation::RepeatedToggle);
-/// A block size of 0 or above 127.
+/// The block size is 0 or above 127.
 pub(super) const BLOCK_SIZE: CodeSet = CodeSet::in_situation(Situation::BlockSize);
-/// A sequence number that was never sent.
+/// The sequence number was never sent.
 pub(super) const SEQUENCE: CodeSet = CodeSet::in_situation(Situation::SequenceNumber);
-/// A checksum that does not fit.
+/// The checksum does not match.
 pub(super) const CRC: CodeSet = CodeSet::in_situation(Situation::WrongChecksum);
-/// What may end a download in the middle of a block: the transfer itself, or what is wrong with the object.
+/// The codes that may end a download within a block, because of the transfer or of the object.
 pub(super) const IN_BLOCK_DOWNLOAD: CodeSet =
     SEQUENCE.or(REFUSED).or(TOO_LONG).or(TOO_SHORT).or(READ_ONLY).or(NO_OBJECT).or(NO_SUB_INDEX);
 

@@ -1,4 +1,4 @@
-//! EMCY messages: few, well-formed, each error once.
+//! EMCY messages have to be few and well-formed, and each error is reported once.
 
 use super::nmt;
 use super::{Violation, violation};
@@ -6,22 +6,23 @@ use crate::property::Property;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The same message again so soon is the same event.
+/// Within this time the same message again reports the same event.
 const SAME_EVENT: Duration = Duration::from_millis(20);
 
-/// More in a second than this is a storm.
+/// More messages than this in one second are a storm.
 const STORM: u32 = 100;
 
-/// What was seen of EMCY.
+/// The EMCY messages seen so far.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     last: Option<(Timestamp, [u8; 8])>,
-    /// The last frame that may have been an error: not one that an SDO server answers.
+    /// The last frame that may have caused an error. Requests to the SDO server are excluded, as the server answers
+    /// them.
     cause: Option<Frame>,
-    /// Number of times that the cause came since the last EMCY, with no other frame between them that may have ended
-    /// the error.
+    /// Number of times that the cause was sent since the last EMCY, without another frame that may have ended the
+    /// error.
     causes: u32,
-    /// Number of times that the last EMCY may come again: once for each further cause.
+    /// Number of allowed repetitions of the last EMCY: one for each further cause.
     again: u32,
     second: Timestamp,
     count: u32,
@@ -36,7 +37,7 @@ impl Watch {
         *self = Self::new();
     }
 
-    /// The fuzzer has sent something: an error that is reported from now on may be another one.
+    /// The fuzzer has sent a frame, so that an error reported from now on may be a new one.
     pub fn provoked(&mut self, frame: &Frame, is_sdo: bool) {
         self.last = None;
         if !is_sdo {
@@ -45,10 +46,10 @@ impl Watch {
         }
     }
 
-    /// An EMCY came.
+    /// Checks an EMCY message.
     ///
     /// # Errors
-    /// [`Violation`] if it must not.
+    /// [`Violation`] if the device must not send it.
     pub fn came(&mut self, now: Timestamp, frame: &Frame, nmt: &nmt::Slave) -> Result<(), Violation> {
         if frame.len() != 8 {
             let expected = "an EMCY of eight bytes";
@@ -63,9 +64,9 @@ impl Watch {
             let expected = "the error register in byte 2, in which at least one bit is set while there is an error";
             return Err(violation(Property::EmcyRate, "error register in EMCY", expected, format!("{frame}"), now));
         }
-        // Several errors can be gone at the same time.
+        // Several errors can end at the same time.
         let is_reset = bytes[..2] == [0, 0];
-        // A device that has one code for all errors says the same of two of them.
+        // A device with one code for all errors sends the same message for two of them.
         let is_generic = bytes[..2] == EmcyCode::GENERIC.0.to_le_bytes();
         let repeated = !is_reset
             && !is_generic

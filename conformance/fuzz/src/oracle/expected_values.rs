@@ -1,20 +1,20 @@
-//! What the objects of the device hold, as far as its own answers tell.
+//! The expected values of the device's objects, as far as its own answers tell.
 
 use crate::Knowledge;
 use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 
-/// The values that all objects should hold after what was written, as far as that is certain.
+/// The expected values of all objects after the writes so far, as far as they are certain.
 #[derive(Clone, Debug)]
 pub(super) struct ExpectedValues {
     values: Vec<Held>,
-    /// How many writes were confirmed: what was read before another write may have changed with it.
+    /// Number of confirmed writes. A value that was read before the last write may have changed with it.
     writes: u32,
-    /// The value that is being read may have changed while it was read.
+    /// The value that is being read may change during the read.
     suspended: bool,
-    /// Counts every change of what PDOs should do.
+    /// A number that increases with each change of the expected behaviour of PDOs.
     version: u64,
-    /// The object that was written last, until it is taken.
+    /// The object that was written last and its value, until [`ExpectedValues::take_change`].
     change: Option<(Multiplexer, u64)>,
     /// The object of the last aborted download.
     pub aborted: Option<usize>,
@@ -28,18 +28,18 @@ pub(super) struct ExpectedValues {
 #[derive(Clone, Copy, Debug, Default)]
 struct Held {
     raw: Option<u64>,
-    /// [`ExpectedValues::writes`] when it was learned.
+    /// The value of [`ExpectedValues::writes`] when this value was learned.
     since: u32,
-    /// A reset brought it back.
+    /// The value was restored by a reset.
     by_reset: bool,
 }
 
-/// What a reset brings back.
+/// The part of the dictionary that a reset restores.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Extent {
-    /// 1000h to 1FFFh.
+    /// The communication area, 1000h to 1FFFh.
     Communication,
-    /// Everything.
+    /// The whole dictionary.
     Node,
 }
 
@@ -62,7 +62,7 @@ impl ExpectedValues {
         expected_values
     }
 
-    /// The device was switched on: all values are those of power-on.
+    /// Sets all values to those after power-on.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
         self.suspended = false;
@@ -76,7 +76,7 @@ impl ExpectedValues {
         self.learn_identifiers(knowledge);
     }
 
-    /// A reset brought values back.
+    /// Restores the values that a reset of this extent restores.
     pub fn reset(&mut self, knowledge: &Knowledge, extent: Extent) {
         if self.writes == 0 {
             return;
@@ -88,12 +88,13 @@ impl ExpectedValues {
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
             let communication = (0x1000..0x2000).contains(&known.at.index.0);
             let raw = match extent {
-                // The timer that a profile has for a PDO may be the event timer of that PDO.
+                // The event timer that a profile defines for a PDO may be the same value as the event timer of that
+                // PDO.
                 Extent::Communication if !communication && known.is_event_timer => None,
                 Extent::Communication if !communication && knowledge.services.reset_communication_loads_all => None,
-                // What has not been stored before a reset never acts.
+                // Values of these objects take effect only when they are stored before the reset.
                 _ if knowledge.services.acts_when_stored.contains(&known.at) => None,
-                // A manufacturer's variables need not be parameters, which a reset sets.
+                // A reset sets parameters only, and a manufacturer's object need not be a parameter.
                 _ if (0x2000..0x6000).contains(&known.at.index.0) && extent == Extent::Node => None,
                 Extent::Communication if !communication => held.raw.filter(|_| held.since + 1 == self.writes),
                 _ => known.power_on.filter(|_| known.stable && !known.persists),
@@ -109,44 +110,44 @@ impl ExpectedValues {
         self.time = self.number(knowledge, object::COB_ID_TIME, 0);
     }
 
-    /// Another number whenever a PDO should do something else.
+    /// A number that changes with each change of the expected behaviour of PDOs.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// The value of an object, if it is known.
+    /// The expected value of an object, if it is known.
     pub fn number(&self, knowledge: &Knowledge, index: u16, sub: u8) -> Option<u64> {
         let found = knowledge.position(Multiplexer::new(index, sub))?;
         self.values.get(found)?.raw
     }
 
-    /// The value that must be read now: nothing else was written since it was learned.
+    /// The value that a read has to return now, because nothing was written since it was learned.
     pub fn certain(&self, entry: usize) -> Option<u64> {
         let held = self.values.get(entry).filter(|held| held.since == self.writes && !self.suspended);
         held.and_then(|held| held.raw)
     }
 
-    /// How many writes there were.
+    /// Number of writes.
     pub fn writes(&self) -> u32 {
         self.writes
     }
 
-    /// What is being read now says nothing.
+    /// Ignores the value of the read under way.
     pub fn suspend(&mut self) {
         self.suspended = true;
     }
 
-    /// What is read from now on says something.
+    /// Accepts values that are read from now on.
     pub fn resume(&mut self) {
         self.suspended = false;
     }
 
-    /// Whether a reset brought the value of that object back.
+    /// Whether the value of the object was restored by a reset.
     pub fn is_by_reset(&self, entry: usize) -> bool {
         self.values.get(entry).is_some_and(|held| held.by_reset)
     }
 
-    /// A download was confirmed.
+    /// Records a confirmed download.
     pub fn written(&mut self, knowledge: &Knowledge, entry: usize, raw: Option<u64>) {
         let Some(known) = knowledge.entries().get(entry) else { return };
         self.writes += 1;
@@ -168,7 +169,8 @@ impl ExpectedValues {
         }
     }
 
-    /// Objects of the profile and the manufacturer can be linked to event timers: 6200h is 1800h:05.
+    /// Forgets event timers: objects of the profile and the manufacturer can be linked to them, such as 6200h to
+    /// 1800h:05.
     fn forget_linked(&mut self, knowledge: &Knowledge) {
         let first =
             knowledge.entries().partition_point(|known| known.at.index.0 < object::TPDO_COMMUNICATION_PARAMETER);
@@ -180,7 +182,7 @@ impl ExpectedValues {
         }
     }
 
-    /// A value was read.
+    /// Records a value that was read.
     pub fn read(&mut self, knowledge: &Knowledge, entry: usize, raw: u64) {
         if !self.suspended
             && knowledge.entries().get(entry).is_some_and(|known| known.stable)
@@ -191,7 +193,7 @@ impl ExpectedValues {
         }
     }
 
-    /// An object has another value after a start than that of power-on.
+    /// Records that an object has another value after a start than its power-on value.
     pub fn holds(&mut self, knowledge: &Knowledge, at: Multiplexer, raw: u64) {
         if let Some(entry) = knowledge.position(at) {
             self.read(knowledge, entry, raw);
@@ -199,14 +201,14 @@ impl ExpectedValues {
         }
     }
 
-    /// Objects may have been written by a PDO.
+    /// Records that a PDO may have written objects.
     pub fn forget_outputs(&mut self) {
         self.writes += 1;
     }
 
-    /// Something was written, but nobody knows what, and maybe not even which object.
+    /// Records that an unknown value was written, maybe even to an unknown object. All values are forgotten.
     pub fn forget(&mut self, at: Option<Multiplexer>) {
-        // What a device does on an error, and what it stores, it shows to nobody.
+        // Values of these objects have effects that can't be seen on the bus.
         let hidden = at.is_none_or(|at| {
             matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::ERROR_BEHAVIOR)
         });
@@ -218,23 +220,24 @@ impl ExpectedValues {
         (self.sync, self.emcy, self.time) = (None, None, None);
     }
 
-    /// What was written last, once.
+    /// Takes the object that was written last and its value.
     pub fn take_change(&mut self) -> Option<(Multiplexer, u64)> {
         self.change.take()
     }
 
-    /// Whether node-ID, bit rate or stored values were changed, or may have been: what a reset brings is then not known.
+    /// Whether node-ID, bit rate or stored values were changed or may have been. The values after the next reset are
+    /// then unknown.
     pub fn bus_changed(&self) -> bool {
         self.bus_changed
     }
 
-    /// Whether parameters were stored or restored: what is read from then on is not modelled.
+    /// Whether parameters were stored or restored. The models don't follow values after that.
     pub fn has_stored(&self) -> bool {
         self.change
             .is_some_and(|(at, _)| matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS))
     }
 
-    /// Whether that is the identifier of SYNC; 080h where 1005h is not known.
+    /// Whether the identifier is that of SYNC: 080h if 1005h is not known.
     pub fn is_sync(&self, can_id: u16) -> bool {
         u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
     }
@@ -244,7 +247,7 @@ impl ExpectedValues {
         self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
     }
 
-    /// Whether that is the identifier of the device's EMCY.
+    /// Whether the identifier is that of the device's EMCY.
     pub fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
         let predefined = 0x80 + u64::from(node.raw());
         match self.emcy {
@@ -253,8 +256,9 @@ impl ExpectedValues {
         }
     }
 
-    /// Whether an error may not be reported at once: there is no EMCY, it is off or has an inhibit time, or nobody knows;
-    /// or the device watches other nodes, whose loss it need not report (CiA 301, 7.2.8.2.2).
+    /// Whether the device may delay or omit the EMCY of an error. It may if it has no EMCY, if EMCY is off, has an
+    /// inhibit time or is not known, or if the device monitors other nodes, whose loss it need not report (CiA 301,
+    /// 7.2.8.2.2).
     pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
         if !self.has_emcy_object || self.watches(knowledge) {
             return true;
@@ -265,7 +269,7 @@ impl ExpectedValues {
             || is_set(object::INHIBIT_TIME_EMCY) && self.number(knowledge, object::INHIBIT_TIME_EMCY, 0) != Some(0)
     }
 
-    /// Whether the device may be watching other nodes (1016h), or its master (100Ch, 100Dh).
+    /// Whether the device may be monitoring other nodes (1016h) or its master (100Ch, 100Dh).
     fn watches(&self, knowledge: &Knowledge) -> bool {
         let first = knowledge
             .entries()
@@ -280,7 +284,7 @@ impl ExpectedValues {
         heartbeats || is_guarded
     }
 
-    /// Whether the device produces SYNC or TIME on that identifier.
+    /// Whether the device produces SYNC or TIME with the identifier.
     pub fn is_produced(&self, can_id: u16) -> bool {
         let produces = |raw: Option<u64>| {
             raw.is_some_and(|raw| raw & u64::from(CobId::NO_RTR) != 0 && raw & 0x7FF == u64::from(can_id))
@@ -289,7 +293,7 @@ impl ExpectedValues {
     }
 }
 
-/// Whether an entry of 1016h has a time, so that it is in use.
+/// Whether an entry of 1016h has a time other than 0, so that it is in use.
 const fn has_time(entry: u64) -> bool {
     entry & 0xFFFF != 0
 }

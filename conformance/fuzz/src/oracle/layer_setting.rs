@@ -1,4 +1,4 @@
-//! What the slaves of LSS and LMT have in common: the two states, values that come in order, one question at a time.
+//! The common parts of the LSS and LMT slave models: the two states, parts in their order, and one request at a time.
 
 use super::{Violation, silence, violation};
 use crate::coverage::{Coverage, LssCommand, LssState};
@@ -8,71 +8,72 @@ use canvass_analyzer::wire::layer_setting::{Dialect, Limit, Numbered, Request, R
 use canvass_traces::{Frame, Timestamp};
 use std::fmt::Debug;
 
-/// What a request does beyond the slave.
+/// The effect of a request outside the slave.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Effect {
     Nothing,
-    /// A device without node-ID got one and boots.
+    /// A device without node-ID gets one and boots.
     Boots,
-    /// Something that the models don't follow.
+    /// The request has an effect that the models don't follow.
     Lost,
 }
 
-/// What may be answered.
+/// The answers that are allowed.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Awaited<D: Dialect, O> {
     Nothing,
-    /// The standard leaves it open.
+    /// The standard leaves the answer open.
     Anything,
     Exactly(Response<D>),
     /// One of several responses.
     OneOf(O),
 }
 
-/// The responses of a dialect that are right alike.
+/// Alternative correct responses of a dialect.
 pub(super) trait Options<D: Dialect>: Copy + PartialEq + Debug {
-    /// Whether a response is one of them; `is_clean`: its reserved bytes are 0.
+    /// Whether the options contain the response. `is_clean`: its reserved bytes are 0.
     fn contain(self, response: Response<D>, is_clean: bool) -> bool;
-    /// Which they are, in words.
+    /// The options in words.
     fn text(self) -> String;
 }
 
-/// Whether the slave is in configuration.
+/// The state of the slave, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Mode {
-    /// Waiting, or in operation.
+    /// Waiting state of LSS, or operation mode of LMT.
     Waiting,
     Configuration,
-    /// After a request that the standard leaves open.
+    /// Unknown, after a request that the standard leaves open.
     Unsure,
 }
 
-/// Parts or bounds that have come in their order.
+/// The progress of an address or of bounds whose parts have to come in order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct InOrder {
-    /// How many have matched one after the other; `None`: the order was another one.
+    /// Number of parts that have matched in order. `None`: a part came out of order, so that the number is not known.
     strictly: Option<usize>,
-    /// The same with those of other addresses left out: whether they end an address, the standard leaves open. `None`: not known.
+    /// Number of parts that have matched if parts of other addresses are ignored. The standard leaves open whether such
+    /// parts end an address. `None`: not known.
     with_others: Option<usize>,
 }
 
-/// A slave, but for what its dialect alone has.
+/// The parts of a slave's model that LSS and LMT have in common.
 #[derive(Clone, Debug)]
 pub(super) struct LayerSetting<D: Dialect, O> {
     pub mode: Mode,
-    /// The parts of the address.
+    /// The progress of selective addressing.
     pub selected: InOrder,
-    /// The bounds of "identify remote slave".
+    /// The progress of "identify remote slave".
     pub identified: InOrder,
     pub awaited: Awaited<D, O>,
-    /// The service that was asked for.
+    /// The service of the last request.
     pub rule: &'static str,
     pub property: Property,
     due: Timestamp,
     asked: (LssState, LssCommand),
-    /// The last requests that may be answered still, each with its service; the last one is first.
+    /// The last requests that may still be answered, each with its service. The latest is first.
     lately: [Option<(Request<D>, &'static str, Property)>; LATELY],
-    /// A request whose answer was due when the next one came, and until when it may come.
+    /// A request whose answer was still due when the next request came, and the time until which the answer may come.
     owed: Option<(Request<D>, Timestamp)>,
 }
 
@@ -83,7 +84,7 @@ impl InOrder {
     pub const NONE: Self = Self { strictly: Some(0), with_others: Some(0) };
     pub const UNKNOWN: Self = Self { strictly: None, with_others: None };
 
-    /// One has come that fits, or one that does not.
+    /// A part or bound came, which fits or does not.
     pub fn came(&mut self, which: impl Numbered, fits: bool) {
         let position = which.position();
         if fits && Some(position) == self.with_others {
@@ -93,13 +94,13 @@ impl InOrder {
             _ if position == 0 && fits => Some(1),
             Some(matched) if matched == position => Some(if fits { matched + 1 } else { 0 }),
             None => None,
-            // One again, or out of order: it may count or begin anew.
+            // A repeated part, or one out of order, may count or begin an address anew.
             Some(matched) if fits && matched > 0 => None,
             Some(_) => Some(0),
         };
     }
 
-    /// The last one has come: whether all have matched, where that is known.
+    /// The last part came. Returns whether all parts have matched, if that is known.
     pub fn end<N: Numbered>(&mut self) -> Option<bool> {
         let among_others = self.with_others.is_none_or(|matched| matched == N::ALL.len());
         if self.with_others == Some(N::ALL.len()) {
@@ -111,7 +112,7 @@ impl InOrder {
         }
     }
 
-    /// Whether some have matched, and no other has come since.
+    /// Whether some parts have matched since the last one that did not.
     pub fn has_begun(self) -> bool {
         self.strictly.is_some_and(|matched| matched > 0)
     }
@@ -133,7 +134,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
     }
 
-    /// Its state, as coverage counts it; a device without node-ID has others.
+    /// The state of the slave for the coverage. States without node-ID are counted elsewhere.
     pub fn class(&self) -> LssState {
         match self.mode {
             Mode::Configuration => LssState::Configuration,
@@ -142,12 +143,12 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
     }
 
-    /// Whether anything may come.
+    /// Whether any answer is allowed.
     pub fn is_open(&self) -> bool {
         self.awaited == Awaited::Anything
     }
 
-    /// Whether the slave waits, and has nothing to answer.
+    /// Whether the slave is in waiting state and owes no answer.
     pub fn is_at_rest(&self) -> bool {
         self.mode == Mode::Waiting && self.awaited == Awaited::Nothing
     }
@@ -156,8 +157,8 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         (self.due < Timestamp::MAX).then_some(self.due)
     }
 
-    /// The request of a frame. Of a frame that is no request nobody knows what it does: a slave may fill up what is too
-    /// short, and take it for a part of an address.
+    /// Reads a request. The effect of any other frame is unknown: a slave may fill a short frame up and take it for a
+    /// part of an address.
     pub fn read(&mut self, frame: &Frame) -> Option<Request<D>> {
         let request = Request::read(frame.data()).ok().filter(|_| frame.len() == 8);
         if request.is_none() {
@@ -166,18 +167,18 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         request
     }
 
-    /// "Switch global".
+    /// Applies "switch global".
     pub const fn switch(&mut self, mode: u8) {
         self.selected = InOrder::NONE;
         self.mode = match mode {
             0 => Mode::Waiting,
             1 => Mode::Configuration,
-            // Reserved.
+            // Reserved modes.
             _ => Mode::Unsure,
         };
     }
 
-    /// A bound of "identify remote slave" that fits, or not.
+    /// Applies a bound of "identify remote slave", which fits or does not.
     pub fn identify(&mut self, bound: D::Bound, fits: bool) -> Awaited<D, O> {
         self.identified.came(bound, fits);
         if !bound.is_last() {
@@ -190,8 +191,8 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
     }
 
-    /// A request came while the slave was in the state `class`; `due` is when its answer is overdue. Where an answer was
-    /// due still, nobody knows which of the two requests the next one belongs to.
+    /// Records a request that came while the slave was in the state `class`. Its answer is overdue at `due`. If an
+    /// answer was still due, nobody knows which of the two requests the next answer belongs to.
     pub fn asked(
         &mut self,
         (class, frame): (LssState, &Frame),
@@ -207,7 +208,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
         self.remember(frame);
         if self.is_open() && matches!(self.lately[0], Some((Request::StoreConfiguration, ..))) {
-            // Storing takes longer than silence has to last.
+            // Storing takes longer than the required silence.
             self.owe(due);
         }
         let is_required = !matches!(self.awaited, Awaited::Nothing | Awaited::Anything);
@@ -217,7 +218,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.due = if is_required { due } else { Timestamp::MAX };
     }
 
-    /// The last request may be answered until then, whatever comes meanwhile.
+    /// Allows an answer to the last request until the time `until`, even if other frames come meanwhile.
     fn owe(&mut self, until: Timestamp) {
         self.owed = self.lately[0].map(|(request, ..)| (request, until));
     }
@@ -227,7 +228,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.lately[0] = Request::read(frame.data()).ok().map(|request| (request, self.rule, self.property));
     }
 
-    /// Nothing has come for a while: no answer to an earlier request is under way, but for one that may take its time.
+    /// Silence has lasted long enough, so no earlier request will be answered, except one that may take its time.
     pub fn quiet(&mut self, now: Timestamp) {
         if self.owed.is_some_and(|(_, until)| now < until) {
             return;
@@ -239,12 +240,12 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
     }
 
-    /// The place of the last request that is answered so.
+    /// The position of the latest request that the response answers.
     fn asked_lately(&self, response: Response<D>) -> Option<usize> {
         self.lately.iter().position(|asked| asked.is_some_and(|(request, ..)| response.answers(request)))
     }
 
-    /// A frame of the slave.
+    /// Checks a frame of the slave.
     ///
     /// # Errors
     /// [`Violation`] if the slave must not send it now.
@@ -272,7 +273,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
             self.owed = None;
         }
         if fits {
-            // Nor are those before it answered any more.
+            // Requests before the answered one are not answered any more.
             self.lately[answered.unwrap_or(LATELY)..].fill(None);
             return Ok(());
         }
@@ -293,10 +294,10 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         }
     }
 
-    /// Something is overdue.
+    /// Checks whether an answer is overdue.
     ///
     /// # Errors
-    /// [`Violation`]: silence where an answer is due.
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         if now < self.due {
             return Ok(());
@@ -311,7 +312,7 @@ fn unanswered<D: Dialect>(rule: &str) -> String {
     format!("no answer to \"{rule}\" in this {}", D::STATE)
 }
 
-/// Whether a bound of "identify remote slave" includes a part of the address.
+/// Whether a bound of "identify remote slave" includes the part of the own address.
 pub(super) fn includes<D: Dialect>(limit: Limit, bound: D::Value, own: D::Value) -> bool {
     match limit {
         Limit::Equal => bound == own,
@@ -341,7 +342,7 @@ mod tests {
 
     const SELECT: Request<Lss> = Request::SwitchSelective { part: Part::SerialNumber, value: 7 };
 
-    /// A slave that has been asked both, one right after the other.
+    /// A slave that got both requests, one right after the other.
     fn asked(first: Awaited<Lss, OneOf>) -> LayerSetting<Lss, OneOf> {
         let mut at = LayerSetting::new(Mode::Waiting);
         for (rule, request, awaited) in
@@ -385,7 +386,7 @@ mod tests {
         assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID");
     }
 
-    /// The parts of the own address, or of others, one after the other, and whether the slave is then addressed.
+    /// Feeds parts of the own address or of others one after the other. Returns whether the slave is then addressed.
     #[test]
     fn parts_of_others_leave_open_whether_the_address_goes_on() {
         let end = |parts: &[(Part, bool)]| {
@@ -412,8 +413,8 @@ mod tests {
         assert_eq!(unknown.end::<Part>(), None, "the first two may have come before");
     }
 
-    /// What need not be answered is not answered after silence; what was due may still come when the next request has come, and
-    /// storing takes its time.
+    /// After silence an optional answer is not expected any more. A due answer may still come after the next request,
+    /// and storing takes its time.
     #[test]
     fn silence_ends_what_is_open_unless_an_answer_is_owed() {
         let open = |requests: &[(Request<Lss>, Awaited<Lss, OneOf>)], after: u64| {

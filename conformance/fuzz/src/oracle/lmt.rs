@@ -1,6 +1,7 @@
-//! The LMT slave as CiA DS-205 demands it, seen from outside.
+//! A model of the LMT slave of CiA DS-205, seen from outside.
 //!
-//! Only configurations, inquiries and "identify remote slave" are answered; what is configured acts after power-off.
+//! Only configurations, inquiries and "identify remote slave" are answered. Configured values take effect after the
+//! power was switched off and on.
 
 use super::Violation;
 use super::layer_setting::{Effect, InOrder, LayerSetting, Mode, Options, includes};
@@ -13,24 +14,24 @@ use canvass_analyzer::wire::layer_setting::{Dialect, Limit, Numbered};
 use canvass_analyzer::wire::lmt::{Bound, ConfigureCommand, Lmt, Part, Request, Response, Seven};
 use canvass_traces::{Frame, Timestamp};
 
-/// What may be answered.
+/// The answers that are allowed.
 type Awaited = super::layer_setting::Awaited<Lmt, OneOf>;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum OneOf {
     /// A configuration that succeeds.
     Success(ConfigureCommand),
-    /// A configuration that fails, with whatever code.
+    /// A configuration that fails, with any code.
     Refusal(ConfigureCommand),
-    /// A part of an address that is not known yet.
+    /// A part of the address whose value is not known yet.
     Part(Part),
 }
 
-/// The slave.
+/// The model of the slave.
 #[derive(Clone, Debug)]
 pub(super) struct Slave {
     pub at: LayerSetting<Lmt, OneOf>,
-    /// The serial number that the device itself has told, where nobody else has.
+    /// The serial number that the device itself has reported, if it is not known otherwise.
     serial: Option<Seven>,
 }
 
@@ -44,19 +45,19 @@ impl Slave {
         self.at = LayerSetting::new(Mode::Waiting);
     }
 
-    /// A reset of the NMT slave: whether LMT goes on in its mode, the standard leaves open.
+    /// The NMT slave was reset. The standard leaves open whether LMT keeps its mode.
     pub const fn reset_communication(&mut self) {
         self.at = LayerSetting::new(Mode::Unsure);
         self.at.awaited = Awaited::Anything;
     }
 
-    /// The slave is in operation; which parts of an address have matched is not known.
+    /// The slave is in operation mode. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         self.at = LayerSetting::new(Mode::Waiting);
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
     }
 
-    /// A request of the fuzzer.
+    /// Applies a request of the fuzzer.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -94,14 +95,14 @@ impl Slave {
         Awaited::Nothing
     }
 
-    /// The three parts, each equal, in order. Success is silent too.
+    /// All three parts have to be equal, in order. A successful selection is not answered either.
     fn select(&mut self, part: Part, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch mode selective";
         if self.at.mode == Mode::Configuration {
             return Awaited::Nothing;
         }
         if part == Part::ManufacturerName {
-            // Whether it fits or not, it is the first of an address.
+            // This part begins an address, whether it fits or not.
             self.at.selected = InOrder::NONE;
         }
         match knowledge.lmt.and_then(|address| self.own(part, address)) {
@@ -126,7 +127,7 @@ impl Slave {
         }
     }
 
-    /// The names have to be equal, the serial number within the bounds.
+    /// The names have to be equal, and the serial number within the bounds.
     fn identify(&mut self, bound: Bound, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "identify remote slave";
         let (part, limit) = Lmt::limits(bound);
@@ -134,7 +135,7 @@ impl Slave {
             self.at.identified = InOrder::UNKNOWN;
             return Awaited::Anything;
         };
-        // What is no digit has no place among the serial numbers.
+        // A value with a digit that does not exist can't be compared with serial numbers.
         let is_number = value.0.iter().all(|byte| byte >> 4 < 10 && byte & 0xF < 10);
         if limit != Limit::Equal && !is_number {
             self.at.identified = InOrder::UNKNOWN;
@@ -181,7 +182,7 @@ impl Slave {
         (awaited, Effect::Nothing)
     }
 
-    /// A frame of the slave.
+    /// Checks a frame of the slave.
     ///
     /// # Errors
     /// [`Violation`] if the slave must not send it now.

@@ -1,4 +1,4 @@
-//! The LSS slave as CiA 305 demands it, seen from outside.
+//! A model of the LSS slave of CiA 305, seen from outside.
 
 use super::Violation;
 use super::layer_setting::{Effect, InOrder, LayerSetting, Mode, Options, includes};
@@ -12,39 +12,39 @@ use canvass_analyzer::wire::layer_setting::{Dialect, Numbered};
 use canvass_analyzer::wire::lss::{Bound, ConfigureCommand, Lss, Part, Request, Response};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The node-ID that says "not configured".
+/// The node-ID of a device that is not configured.
 const NONE: u8 = 255;
 
-/// Writing the non-volatile memory takes a device seconds, and it may answer when it is done.
+/// Maximum time of the answer to "store configuration": writing non-volatile memory takes seconds on some devices.
 const STORING: Duration = Duration::from_secs(10);
 
-/// Begins Fastscan anew.
+/// The value of the bit check that begins Fastscan anew.
 const BEGIN: u8 = 128;
 
-/// What may be answered.
+/// The answers that are allowed.
 type Awaited = super::layer_setting::Awaited<Lss, OneOf>;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum OneOf {
-    /// Store configuration: success, or why not.
+    /// Store configuration succeeds or fails.
     Stored,
-    /// Configure bit timing: success or refusal by what the device supports.
+    /// Configure bit timing succeeds or fails, depending on whether the device supports the bit rate.
     Timing { supported: Option<bool> },
 }
 
-/// The slave.
+/// The model of the slave.
 #[derive(Clone, Debug)]
 pub(super) struct Slave {
     pub at: LayerSetting<Lss, OneOf>,
-    /// The active node-ID is "none".
+    /// The device has no active node-ID.
     unconfigured: bool,
     pending: Option<u8>,
-    /// It began without node-ID and was given one, which a reset may take away again.
+    /// The device began without node-ID and was given one, which a reset may take away again.
     given: bool,
     timing_changed: bool,
-    /// The part that Fastscan compares; `None`: not begun, or not known.
+    /// The part that Fastscan compares. `None`: Fastscan has not begun, or the part is not known.
     scanning: Option<u8>,
-    /// An answer that was on its way when a reset came may still come until then.
+    /// Until this time an answer may come that was on its way at a reset.
     grace: Timestamp,
 }
 
@@ -65,15 +65,15 @@ impl Slave {
         *self = Self { unconfigured: start == Start::Unconfigured, ..Self::new() };
     }
 
-    /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open. An answer that was due may
-    /// have been on its way, and come until `grace`.
+    /// The NMT slave was reset. The standard leaves open whether LSS keeps its state. An answer that was due may have
+    /// been on its way and come until `grace`.
     pub fn reset_communication(&mut self, grace: Timestamp) {
         let grace = if self.at.awaited == Awaited::Nothing { Timestamp::ZERO } else { grace };
         let at = LayerSetting::new(Mode::Unsure);
         *self = Self { at, unconfigured: self.unconfigured, grace, ..Self::new() };
     }
 
-    /// Whether a reset gives the device another node-ID than it has.
+    /// Whether a reset changes the node-ID of the device.
     pub fn moves(&self, knowledge: &Knowledge) -> bool {
         self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
@@ -87,23 +87,23 @@ impl Slave {
         }
     }
 
-    /// Whether the slave waits, and nothing that was configured waits for a reset.
+    /// Whether the slave is in waiting state, and no configured value waits for a reset.
     pub fn is_at_rest(&self) -> bool {
         self.at.is_at_rest() && self.is_settled()
     }
 
-    /// Whether nothing that was configured waits for a reset.
+    /// Whether no configured value waits for a reset.
     pub fn is_settled(&self) -> bool {
         self.pending.is_none() && !self.given && !self.timing_changed
     }
 
-    /// The slave waits; which parts of an address have matched is not known.
+    /// The slave is in waiting state. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         *self = Self { unconfigured: self.unconfigured, ..Self::new() };
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
     }
 
-    /// A request of the fuzzer.
+    /// Applies a request of the fuzzer.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -132,7 +132,7 @@ impl Slave {
         self.at.property = Property::LegalLss;
         let (awaited, effect) = self.answer(request, knowledge);
         match awaited {
-            // Where LSS may not work, every silence is right, and what the request did is not known.
+            // If LSS may not work, the slave need not answer, and the effect of the request is not known.
             Awaited::Exactly(_) | Awaited::OneOf(_) if !works => {
                 self.at.mode = Mode::Unsure;
                 (Awaited::Anything, effect)
@@ -172,7 +172,7 @@ impl Slave {
     fn only_if(&self, condition: bool, response: Response) -> Awaited {
         match (condition, self.pending) {
             (true, _) => Awaited::Exactly(response),
-            // What a pending node-ID means for a device that has none yet is left open.
+            // CiA 305 leaves open what a pending node-ID means for a device that has no active one.
             (false, Some(_)) => Awaited::Anything,
             (false, None) => Awaited::Nothing,
         }
@@ -195,22 +195,23 @@ impl Slave {
                 self.pending = None;
                 (Awaited::Nothing, Effect::Boots)
             }
-            // CiA 305: at the next reset communication.
+            // According to CiA 305 the node-ID changes at the next reset communication.
             Some(_) if !self.unconfigured && knowledge.services.lss_restarts == Some(false) => {
                 (Awaited::Nothing, Effect::Nothing)
             }
-            // When a configured device takes its new node-ID over depends on the device.
+            // It depends on the device when its new node-ID takes effect.
             Some(_) if left => (Awaited::Nothing, Effect::Lost),
             _ => (Awaited::Nothing, Effect::Nothing),
         }
     }
 
-    /// The four parts, each equal, in order. Slaves that accept another order with the serial number last exist.
+    /// All four parts have to be equal, in order. Some slaves accept another order if the serial number comes last.
     fn select(&mut self, part: Part, value: u32, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch state selective";
         let Some(address) = knowledge.address else { return Awaited::Anything };
         if self.at.mode == Mode::Configuration {
-            // Selective addressing is a service of the waiting state; a slave in configuration may say so again.
+            // Selective addressing is a service of the waiting state. A slave in configuration state may confirm it
+            // again.
             return if part.is_last() { Awaited::Anything } else { Awaited::Nothing };
         }
         self.at.selected.came(part, address[part as usize] == value);
@@ -226,7 +227,7 @@ impl Slave {
         match (was, self.at.mode) {
             (Mode::Waiting, Mode::Configuration) => Awaited::Exactly(Response::Switched),
             (Mode::Waiting, Mode::Waiting) => Awaited::Nothing,
-            // A slave that is in configuration already has nothing to say.
+            // A slave that already is in configuration state need not answer.
             _ => Awaited::Anything,
         }
     }
@@ -243,7 +244,7 @@ impl Slave {
             return Awaited::Nothing;
         }
         if self.at.mode == Mode::Unsure || self.pending.is_some() {
-            // It may have begun, gone on or not.
+            // The scan may have begun, gone on or neither.
             self.scanning = None;
             return Awaited::Anything;
         }
@@ -258,7 +259,7 @@ impl Slave {
         if bit_check > 31 || sub > 3 || next > 3 {
             return Awaited::Nothing;
         }
-        // Without a begin the slave may be at its first part.
+        // Without a beginning the slave may be at its first part.
         let Some(scanning) = self.scanning else {
             if sub == 3 && bit_check == 0 {
                 self.at.mode = Mode::Unsure;
@@ -276,7 +277,8 @@ impl Slave {
                     self.at.mode = Mode::Configuration;
                     self.scanning = None;
                 }
-                // Back before the last part: it must not complete the scan; where it goes on is left open.
+                // The scan goes back before its last part. It must not complete; the standard leaves open where it goes
+                // on.
                 (_, next) if next != sub + 1 => self.scanning = None,
                 _ => {}
             }
@@ -323,7 +325,7 @@ impl Slave {
             }
             Request::ActivateBitTiming { .. } => return (Awaited::Anything, Effect::Lost),
             Request::StoreConfiguration => {
-                // What a reset brings then is not known.
+                // The node-ID after the next reset is then not known.
                 self.given = true;
                 Awaited::OneOf(OneOf::Stored)
             }
@@ -337,7 +339,7 @@ impl Slave {
             Request::InquireNodeId => {
                 let active = if self.unconfigured { NONE } else { knowledge.node.raw() };
                 match self.pending {
-                    // Which of the two a slave tells is left open.
+                    // The standard leaves open which of the two node-IDs a slave reports.
                     Some(_) => Awaited::Anything,
                     None => Awaited::Exactly(Response::NodeId(active)),
                 }
@@ -347,7 +349,7 @@ impl Slave {
         (awaited, Effect::Nothing)
     }
 
-    /// A frame of the slave.
+    /// Checks a frame of the slave.
     ///
     /// # Errors
     /// [`Violation`] if the slave must not send it now.

@@ -1,9 +1,9 @@
-//! Reference models of a CANopen device: what it must, may and must not send.
+//! Reference models of a CANopen device: the frames that it must, may and must not send.
 //!
-//! Written from the standard, without a line of the simulated device: an oracle that shares code with what it judges
-//! shares its mistakes. One file for each service; this one only passes each frame to the service that it belongs to.
-//! Where the standard leaves a choice, every choice is right; where the model can't know (after a frame that the
-//! standard does not describe), it says nothing until it can know again.
+//! The models are written from the standard and share no code with the simulated device, because an oracle that shares
+//! code with a device shares its mistakes. Each service has a file; this one passes each frame to its service. If the
+//! standard leaves a choice, every choice is right. After a frame that the standard does not describe, a model judges
+//! nothing until it knows the state again.
 
 mod codes;
 mod emcy;
@@ -31,24 +31,24 @@ use expected_values::ExpectedValues;
 use layer_setting::Effect;
 use std::sync::Arc;
 
-/// A property that does not hold.
+/// A violation of a property.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Violation {
-    /// Which.
+    /// The violated property.
     pub property: Property,
-    /// In which state of the device, or by which rule: together with the property it tells violations apart.
+    /// The violated rule, or the state of the device. Property and rule together distinguish violations.
     pub rule: &'static str,
-    /// What the device had to do.
+    /// The required behaviour.
     pub expected: String,
-    /// What it did.
+    /// The actual behaviour.
     pub actual: String,
-    /// It did nothing: an answer was due and has not come.
+    /// The device was silent although an answer was due.
     pub is_silence: bool,
-    /// When.
+    /// The time of the violation.
     pub at: Timestamp,
 }
 
-/// Frames that follow each other so soon leave no room for others.
+/// Frames at this distance leave no room for other frames.
 const BURST: Duration = Duration::from_millis(2);
 
 /// The reference models of one device.
@@ -62,9 +62,9 @@ pub struct Oracle {
     lmt: lmt::Slave,
     pdo: pdo::Pdos,
     emcy: emcy::Watch,
-    /// When a frame of somebody else came last.
+    /// The time of the last frame of another node.
     passed: Timestamp,
-    /// Something happened that the models don't follow: nothing is judged until the next start.
+    /// A frame had an effect that the models don't follow. Nothing is judged until the next start.
     blind: bool,
 }
 
@@ -85,7 +85,7 @@ impl Oracle {
         }
     }
 
-    /// The device has just started in that condition.
+    /// The device has just started as `start` says.
     pub fn start(&mut self, now: Timestamp, start: Start) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.start(now, start);
@@ -141,7 +141,7 @@ impl Oracle {
                 self.blind |= lost;
                 Ok(())
             }
-            // A producer need not listen to another one.
+            // A producer of SYNC need not accept the SYNC of another one.
             id if self.expected_values.is_sync(id) && self.expected_values.produces_sync() => {
                 self.pdo.synchronises_itself();
                 Ok(())
@@ -155,7 +155,7 @@ impl Oracle {
                 let writing = self.sdo.is_writing() || self.sdo.is_busy();
                 rpdo::received(now, frame, id, writing, &self.nmt, &mut self.expected_values, &self.knowledge);
                 if self.sdo.is_busy() && self.expected_values.writes() != writes {
-                    // What is being read may be the value before or after it.
+                    // A read under way may return the value before or after this frame.
                     self.expected_values.suspend();
                 }
                 Ok(())
@@ -174,7 +174,7 @@ impl Oracle {
     }
 
     fn sent_nmt(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
-        // What is being written may be written before the command acts, or not.
+        // A write under way may take effect before the command or not at all.
         let writing = self.sdo.is_writing();
         match self.nmt.commanded(now, frame, &self.knowledge) {
             nmt::Change::None => {}
@@ -201,12 +201,12 @@ impl Oracle {
         Ok(())
     }
 
-    /// How long an SDO response that was on its way may still come.
+    /// Time during which an SDO response may come that was already on its way.
     fn late(&self) -> Duration {
         self.nmt.grace().max(self.knowledge.patience.quiet)
     }
 
-    /// A device whose EMCY is off, or waits, leaves operational on an error without a word.
+    /// A device whose EMCY is off or delayed may leave operational on an error without reporting it.
     fn doubt(&mut self, now: Timestamp) {
         if self.nmt.phase() == nmt::Phase::Operational && self.expected_values.errs_silently(&self.knowledge) {
             self.nmt.doubt(now);
@@ -220,7 +220,8 @@ impl Oracle {
     pub fn received(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let node = u16::from(self.knowledge.node.raw());
         if self.blind {
-            // The next start waits for a device that is still starting, and not for one that has started.
+            // The next start waits for the boot-up message of a device that is still starting, so this frame must be
+            // noticed.
             if frame.cob_id() == Some(error_control::CAN_ID_BASE + node) {
                 self.nmt.started(now, frame);
             }
@@ -254,20 +255,20 @@ impl Oracle {
             }
             _ => {
                 let judged = self.pdo.came(now, frame, &self.nmt, &self.expected_values, &self.knowledge);
-                // It may be the first frame of a configuration that is not confirmed yet, or the last one before a reset.
+                // The frame may be the first of a configuration that is not confirmed yet, or the last before a reset.
                 if self.sdo.is_writing() || self.nmt.was_just_reset(now) { Ok(()) } else { judged }
             }
         }
     }
 
-    /// A boot-up message, a heartbeat or an answer to guarding.
+    /// Checks a boot-up message, a heartbeat or an answer to guarding.
     fn error_control_came(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
         if self.is_booting() {
-            // What is wrong after a start is told anew, also where the start before it has just told the same.
+            // An error may be reported after each start, even if the report of the start before has just come.
             self.emcy.reset();
         }
         let change = match self.nmt.shown(now, frame, &self.expected_values, &self.knowledge) {
-            // It may be the first one with a period that is not confirmed yet.
+            // The heartbeat may be the first with a period that is not confirmed yet.
             Err(_) if self.sdo.is_writing() => return Ok(()),
             judged => judged?,
         };
@@ -283,14 +284,14 @@ impl Oracle {
         let served = self.nmt.serves_sdo();
         self.blind |= self.sdo.answered(now, frame, served, &self.knowledge, &mut self.expected_values, coverage)?;
         if self.sdo.is_sending_blocks() {
-            // Segments that fill the bus hold up everything else.
+            // Block segments fill the bus and delay other frames.
             self.nmt.held_up(now);
             self.pdo.held_up(now);
         }
-        // What nobody can follow may have been a configuration too.
+        // A write that the models can't follow may have changed the EMCY configuration, too.
         self.doubt(now);
         if let Some(change) = self.expected_values.take_change() {
-            // A device that stops on an error does so without a word.
+            // A device that stops on an error does not report this state.
             self.blind |= change.0.index.0 == object::ERROR_BEHAVIOR && change.1 > 1;
             self.nmt.configured(now, change);
             self.pdo.configured(now, change);
@@ -299,7 +300,7 @@ impl Oracle {
     }
 
     fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
-        // A PDO that was given the identifier of EMCY, or is being given it, can't be distinguished from one.
+        // If a PDO has the identifier of EMCY, or is just being given it, the two can't be distinguished.
         let shares = self.pdo.shares(now, can_id, &self.expected_values, &self.knowledge);
         let judged = self.emcy.came(now, frame, &self.nmt);
         if !shares && !self.sdo.is_writing() {
@@ -312,7 +313,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// A frame of somebody else: several without a pause hold up what the device has to send.
+    /// Frames of other nodes without a pause delay the frames of the device.
     fn passed_by(&mut self, now: Timestamp) {
         if now.since(self.passed) < BURST {
             self.nmt.held_up(now);
@@ -332,7 +333,7 @@ impl Oracle {
         (earliest < Timestamp::MAX).then_some(earliest)
     }
 
-    /// Time has passed.
+    /// Checks whether an answer is overdue at `now`.
     ///
     /// # Errors
     /// [`Violation`] if an answer that was due has not come.
@@ -347,7 +348,7 @@ impl Oracle {
         self.pdo.expire(now)
     }
 
-    /// Whether it is known what must, or must not, come after that frame of the fuzzer.
+    /// Whether the models know which answers must or must not follow the frame.
     pub fn judges(&self, frame: &Frame) -> bool {
         match frame.cob_id() {
             _ if self.blind => false,
@@ -362,32 +363,32 @@ impl Oracle {
         !self.blind && self.sdo.is_in_blocks()
     }
 
-    /// Whether more answers may be under way than the one that was due.
+    /// Whether other answers may be under way in addition to the one that was due.
     pub fn is_open(&self) -> bool {
         !self.blind && self.sdo.is_open()
     }
 
-    /// Whether the standard leaves open if the last frame is answered, by whatever service.
+    /// Whether the standard leaves open that any service answers the last frame.
     pub fn may_be_answered(&self) -> bool {
         !self.blind && (self.sdo.is_open() || self.lss.at.is_open() || self.lmt.at.is_open())
     }
 
-    /// What the SDO server has to answer now, if anything.
+    /// The rule of the answer that the SDO server owes now, if it owes one.
     pub fn awaits(&self) -> Option<&'static str> {
         if self.blind { None } else { self.sdo.awaits() }
     }
 
-    /// Whether a request to read would be answered, and disturb no transfer.
+    /// Whether the SDO server would answer a request to read, and no transfer would be disturbed.
     pub fn may_be_asked(&self) -> bool {
         self.serves_sdo() && !self.sdo.is_busy() && !self.sdo.is_open()
     }
 
-    /// Whether a request to read would tell where the SDO server is, which nobody knows.
+    /// Whether the state of the SDO server is unknown, and the answer to a request to read would tell it.
     pub fn is_lost(&self) -> bool {
         self.serves_sdo() && self.sdo.is_lost() && !self.lss.at.is_open() && !self.lmt.at.is_open()
     }
 
-    /// Whether it is known where the device is, so that a next sequence can begin from there: it runs, no transfer is under
+    /// Whether the device is in a known state from which the next sequence can begin: it runs, no transfer is under
     /// way, and neither node-ID nor bit rate has changed.
     pub fn is_at_rest(&self) -> bool {
         !self.blind
@@ -399,16 +400,15 @@ impl Oracle {
             && !self.expected_values.bus_changed()
     }
 
-    /// Whether a device that is not at rest can be brought there without a reset: it runs, and nothing was changed that only
-    /// a reset brings into force.
+    /// Whether the device can be brought to rest without a reset: it runs, and no change waits for a reset.
     pub fn may_go_on(&self) -> bool {
         let runs = !matches!(self.nmt.phase(), nmt::Phase::Unconfigured | nmt::Phase::Booting);
         let settled = self.lss.is_settled() || self.knowledge.services.lss == Some(false);
         !self.blind && runs && settled && !self.expected_values.bus_changed()
     }
 
-    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS waits, and it holds the values
-    /// of power-on; what else has become of it is not known.
+    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS is in waiting state,
+    /// and the objects have their power-on values. Everything else is unknown.
     pub fn go_on(&mut self, now: Timestamp) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.go_on(now);
@@ -419,7 +419,7 @@ impl Oracle {
         self.emcy.reset();
     }
 
-    /// Whether the slave of LSS, or that of LMT, waits, if there is one.
+    /// Whether the LSS or LMT slave is in waiting state, or does not exist.
     fn waits_for_lss(&self) -> bool {
         match &self.knowledge.services {
             services if services.lmt => self.lmt.at.is_at_rest(),
@@ -427,7 +427,7 @@ impl Oracle {
         }
     }
 
-    /// What brings the device to rest that is not: commands whose effect is known in every state.
+    /// The frames that bring the device to rest: commands whose effect is known in every state.
     pub fn brings_to_rest(&self) -> impl Iterator<Item = Frame> + use<> {
         let node = self.knowledge.node.raw();
         let is_lost = self.blind;
@@ -439,12 +439,12 @@ impl Oracle {
         wait.into_iter().chain(wake)
     }
 
-    /// An object has that value, though a start should have given it another one.
+    /// An object keeps this value, though a start should have restored another one.
     pub fn holds(&mut self, at: Multiplexer, value: u64) {
         self.expected_values.holds(&self.knowledge, at, value);
     }
 
-    /// Nothing has come for a while.
+    /// Silence has lasted long enough, so no answer is under way any more.
     pub fn quiet(&mut self, now: Timestamp) {
         self.nmt.quiet();
         self.sdo.quiet();
@@ -452,35 +452,35 @@ impl Oracle {
         self.lmt.at.quiet(now);
     }
 
-    /// The sequence is over; what can only be judged over a time is judged.
+    /// Checks at the end of a sequence what can be judged only over time, such as periods.
     ///
     /// # Errors
-    /// [`Violation`] if something was missing.
+    /// [`Violation`] if a periodic message was missing.
     pub fn finish(&mut self, now: Timestamp) -> Result<(), Violation> {
         if self.blind {
             return Ok(());
         }
         self.expire(now)?;
         if self.sdo.is_writing() {
-            // What is on its way may have changed the periods already.
+            // A write under way may already have changed the periods.
             return Ok(());
         }
         self.nmt.finish(now, &self.expected_values, &self.knowledge)?;
         self.pdo.finish(now, &self.nmt, &self.expected_values, &self.knowledge)
     }
 
-    /// Whether the device starts, as far as is known.
+    /// Whether the device is between reset and boot-up, as far as is known.
     pub fn is_booting(&self) -> bool {
         self.nmt.phase() == nmt::Phase::Booting
     }
 
-    /// Whether the SDO server has to answer now.
+    /// Whether the SDO server has to answer requests now.
     pub fn serves_sdo(&self) -> bool {
         !self.blind && self.nmt.serves_sdo() == Served::Yes
     }
 }
 
-/// Whether a service works in the state that the device is in.
+/// Whether a service works in the current state of the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Served {
     Yes,

@@ -1,4 +1,4 @@
-//! The NMT slave and its error control: states by command, boot-up, heartbeat, guarding.
+//! A model of the NMT slave and its error control: states by command, boot-up, heartbeat and guarding.
 
 use super::expected_values::{ExpectedValues, Extent};
 use super::{Served, Violation, violation};
@@ -13,10 +13,10 @@ use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::nmt::{Command, Nmt};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Frames that were on their way when a command came may still come, for this long and the jitter of the measurement.
+/// After a command, frames that were already on their way may come for this time plus the measuring jitter.
 pub(super) const GRACE: Duration = Duration::from_millis(3);
 
-/// Where the device is, as far as it is known.
+/// The NMT state of the device, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
     /// Without node-ID.
@@ -26,16 +26,17 @@ pub(crate) enum Phase {
     PreOperational,
     Operational,
     Stopped,
-    /// Pre-operational or operational: after the boot-up message some devices go on by themselves (1F80h, 6000h).
+    /// Pre-operational or operational: some devices start themselves after the boot-up message (1F80h, 6000h).
     Running,
-    /// Any state: after a frame about which the standard says nothing.
+    /// Any state, after a frame that the standard does not describe.
     Unsure,
 }
 
-/// Number of sub-indexes of 1029h that are read: communication error, and those of device profile and manufacturer.
+/// Number of sub-indexes of 1029h that are read: the communication error, and the errors of device profile and
+/// manufacturer.
 const ERROR_CLASSES: u8 = 16;
 
-/// What a frame changed.
+/// The change that a frame caused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Change {
     None,
@@ -43,42 +44,42 @@ pub(super) enum Change {
     Reset(Extent),
 }
 
-/// The slave.
+/// The model of the slave.
 #[derive(Clone, Debug)]
 pub(crate) struct Slave {
     phase: Phase,
-    /// What the phase was before [`Slave::changed`].
+    /// The phase before the time [`Slave::changed`].
     before: Phase,
     changed: Timestamp,
-    /// A boot-up message is overdue then.
+    /// The time at which the boot-up message is overdue.
     boot_due: Timestamp,
-    /// The answer to a guarding request is overdue then.
+    /// The time at which the answer to a guarding request is overdue.
     guard_due: Timestamp,
-    /// Guarding requests that may be answered.
+    /// Number of guarding requests that may be answered.
     guard_open: u8,
-    /// When the last of them came.
+    /// The time of the last guarding request.
     guarded: Timestamp,
-    /// The toggle bit of the next answer; `None`: not known.
+    /// The toggle bit of the next guarding answer. `None`: not known.
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
-    /// The last command that came before the boot-up message.
+    /// The time of the last command before the boot-up message.
     commanded_early: Timestamp,
-    /// That one may have waited for the bus.
+    /// The last heartbeat may have waited for the bus.
     waited: bool,
-    /// Other frames of the device that follow each other without a pause: when the first of them ended, and the last one.
+    /// A train of frames without a pause, of the device or the fuzzer: the end of its first and of its last frame.
     train: (Timestamp, Timestamp),
-    /// The bus was full since the last change: what came before it may show until then.
+    /// The time until which error control may still show the state before the last change, because the bus was full.
     old_until: Timestamp,
-    /// The period of the heartbeat, once it was written; `None`: not known.
+    /// The heartbeat period, once it was written. `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
-    /// By how much times may be off.
+    /// The tolerance of measured times.
     jitter: Duration,
-    /// How long frames of the time before a command may come.
+    /// Time after a command during which earlier frames may still come.
     grace: Duration,
-    /// The device says when it has booted.
+    /// The device sends a boot-up message.
     announces: bool,
-    /// A command came while it may still have been booting.
+    /// A command came while the device may still have been booting.
     early: bool,
 }
 
@@ -117,7 +118,7 @@ impl Slave {
         self.changed = now;
     }
 
-    /// The device was commanded to pre-operational a moment ago, from wherever it was.
+    /// The device was commanded from any state to pre-operational a moment ago.
     pub fn go_on(&mut self, now: Timestamp) {
         *self = Self::new(self.jitter, self.announces);
         (self.before, self.phase) = (Phase::Operational, Phase::PreOperational);
@@ -125,17 +126,17 @@ impl Slave {
         self.toggle = None;
     }
 
-    /// Whether the device has certainly not been operational before the last change.
+    /// Whether the device was certainly not operational before the last change.
     pub fn comes_from_rest(&self) -> bool {
         !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)
     }
 
-    /// Where the device is.
+    /// The current phase.
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// How long frames of the time before a command may come.
+    /// Time after a command during which earlier frames may still come.
     pub fn grace(&self) -> Duration {
         self.grace
     }
@@ -144,14 +145,14 @@ impl Slave {
     pub fn serves_sdo(&self) -> Served {
         match self.phase {
             Phase::PreOperational | Phase::Operational | Phase::Running => Served::Yes,
-            // Without a boot-up message nobody can tell when initialisation ends.
+            // Without a boot-up message the end of initialisation can't be seen.
             Phase::Booting if !self.announces => Served::Unsure,
             Phase::Unconfigured | Phase::Booting | Phase::Stopped => Served::No,
             Phase::Unsure => Served::Unsure,
         }
     }
 
-    /// Whether a PDO may come now.
+    /// Whether the device may send a PDO now.
     pub fn serves_pdo(&self, now: Timestamp) -> Served {
         match self.phase {
             Phase::Operational => Served::Yes,
@@ -163,12 +164,12 @@ impl Slave {
         }
     }
 
-    /// Whether a frame may have been on its way when a reset was commanded.
+    /// Whether a frame may have been on its way when the reset was commanded.
     pub fn was_just_reset(&self, now: Timestamp) -> bool {
         self.phase == Phase::Booting && now < self.changed + self.grace
     }
 
-    /// Whether an EMCY may come now.
+    /// Whether the device may send an EMCY now.
     pub fn serves_emcy(&self, now: Timestamp) -> bool {
         !matches!(self.phase, Phase::Stopped) || now < self.changed + self.grace
     }
@@ -183,7 +184,7 @@ impl Slave {
         Change::State
     }
 
-    /// Starts anew with a node-ID.
+    /// The device starts booting with a node-ID.
     pub fn boots(&mut self, now: Timestamp, knowledge: &Knowledge) {
         self.enter(now, Phase::Booting);
         self.changed = now;
@@ -195,13 +196,13 @@ impl Slave {
         self.period = None;
     }
 
-    /// An NMT frame of the fuzzer.
+    /// Applies an NMT frame of the fuzzer.
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
         let boots = self.phase == Phase::Booting;
         if boots && self.announces {
             self.commanded_early = now;
             if resets(frame, knowledge) {
-                // A device that obeys in initialisation too begins it anew.
+                // A device that obeys a reset in initialisation begins it anew.
                 self.boot_due = now + knowledge.patience.boot;
             }
         }
@@ -213,7 +214,7 @@ impl Slave {
             return Change::None;
         }
         if boots && !message.command.is_reset() {
-            // It may have come too early to be obeyed.
+            // The command may have come too early to be obeyed.
             self.early = true;
             return Change::None;
         }
@@ -226,7 +227,7 @@ impl Slave {
             _ => Change::None,
         };
         if frame.len() > 2 && change != Change::None {
-            // The standard has two bytes; what a device makes of more is its own affair.
+            // The standard defines two bytes, so the effect of a longer command is unknown.
             self.enter(now, Phase::Unsure);
             self.boot_due = Timestamp::MAX;
             return Change::State;
@@ -237,7 +238,7 @@ impl Slave {
         change
     }
 
-    /// A guarding request of the fuzzer.
+    /// Records a guarding request of the fuzzer.
     pub fn guarded(&mut self, now: Timestamp, writing: bool, expected_values: &ExpectedValues, knowledge: &Knowledge) {
         if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
             return;
@@ -246,7 +247,7 @@ impl Slave {
             self.guard_open = self.guard_open.saturating_add(1);
             self.guarded = now;
         }
-        // What is being written may switch the heartbeat on.
+        // A write under way may switch the heartbeat on.
         let known = self.phase != Phase::Unsure && !writing;
         if knowledge.services.guarding == Some(true)
             && produces_heartbeat(expected_values, knowledge) == Some(false)
@@ -256,20 +257,20 @@ impl Slave {
         }
     }
 
-    /// A value was written that changes error control.
+    /// Applies a written value that changes error control.
     pub fn configured(&mut self, now: Timestamp, change: (Multiplexer, u64)) {
         if change.0 == HEARTBEAT_TIME {
             self.period = Some(Duration::from_millis(change.1));
             self.period_since = now;
             self.last_heartbeat = None;
-            // A request of the moment before may have come too late.
+            // The guarding request just before may have come too late.
             self.guard_due = Timestamp::MAX;
             self.guard_open = 0;
             self.toggle = None;
         }
     }
 
-    /// The period is another one than was followed so far: it was read, and what wrote it was not seen to work.
+    /// Takes over a heartbeat period that was read, but whose write was not seen to succeed.
     fn learn(&mut self, now: Timestamp, expected_values: &ExpectedValues, knowledge: &Knowledge) {
         let Some(time) = expected_values.number(knowledge, HEARTBEAT_TIME.index.0, 0) else { return };
         if self.period.is_some_and(|period| period != Duration::from_millis(time)) {
@@ -277,14 +278,14 @@ impl Slave {
         }
     }
 
-    /// Whether the device may send anything but error control now.
+    /// Checks whether the device may send anything but error control now.
     ///
     /// # Errors
-    /// [`Violation`] if it may not.
+    /// [`Violation`] if it must not.
     pub fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
         let silent = match self.phase {
             Phase::Unconfigured => true,
-            // Without a boot-up message nobody can tell when initialisation ends.
+            // Without a boot-up message the end of initialisation can't be seen.
             Phase::Booting => knowledge.services.boot_up_message,
             _ => false,
         };
@@ -295,10 +296,10 @@ impl Slave {
         Err(violation(Property::Silent, "frame before the boot-up message", expected, format!("{frame}"), now))
     }
 
-    /// A frame on the identifier of error control.
+    /// Checks a frame with the identifier of error control.
     ///
     /// # Errors
-    /// [`Violation`] if it shows what is not so.
+    /// [`Violation`] if the state, the period or the toggle bit is wrong.
     pub fn shown(
         &mut self,
         now: Timestamp,
@@ -338,7 +339,7 @@ impl Slave {
                 return Err(violation(Property::NmtState, "error control without need", expected, actual, now));
             }
             Some(_) => self.check_heartbeat(now, message)?,
-            // It may be either.
+            // The frame may be a heartbeat or an answer to guarding.
             None => {
                 (self.period, self.toggle) = (None, None);
                 (self.guard_open, self.guard_due) = (0, Timestamp::MAX);
@@ -357,19 +358,19 @@ impl Slave {
             return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
         }
         self.boot_due = Timestamp::MAX;
-        // A command that came while the boot-up message waited for the bus may have been obeyed.
+        // A command may have been obeyed that came while the boot-up message waited for the bus.
         let commanded_early = self.commanded_early > Timestamp::ZERO && now < self.commanded_early + self.grace;
         Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }
 
-    /// A command that is not judged: it may be a reset.
+    /// Notes an NMT command that is not judged: it may be a reset.
     pub fn restarted(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) {
         if resets(frame, knowledge) {
             self.boots(now, knowledge);
         }
     }
 
-    /// A frame on the identifier of error control that is not judged: it may be the boot-up message.
+    /// Notes an error control frame that is not judged: it may be the boot-up message.
     pub fn started(&mut self, now: Timestamp, frame: &Frame) {
         let is_boot_up = ErrorControl::read(frame.data()).is_ok_and(|message| message.is_boot_up());
         if self.phase == Phase::Booting && is_boot_up {
@@ -378,8 +379,8 @@ impl Slave {
         }
     }
 
-    /// The device has reported an error: 1029h says where it goes then.
-    /// For errors of communication it is sub-index 1; which class of others the device counts an error to is its own.
+    /// The device has reported an error, and 1029h determines its next state. Sub-index 1 is for communication errors.
+    /// The device decides which class any other error belongs to.
     pub fn erred(
         &mut self,
         now: Timestamp,
@@ -414,7 +415,7 @@ impl Slave {
         }
     }
 
-    /// The bus was full until now.
+    /// The bus was full until `now`.
     pub fn held_up(&mut self, now: Timestamp) {
         if self.may_be_old(now) {
             self.old_until = now + self.grace;
@@ -423,18 +424,19 @@ impl Slave {
         self.period_since = now;
     }
 
-    /// Another frame of the device, or one of the fuzzer, has passed.
+    /// Records another frame of the device, or one of the fuzzer.
     pub fn passed(&mut self, now: Timestamp) {
         let begin = if now.since(self.train.1) > self.jitter { now } else { self.train.0 };
         self.train = (begin, now);
     }
 
-    /// Whether more important frames have passed without a pause since `due`: heartbeats have the last place.
+    /// Whether frames with higher priority have followed each other without a pause since `due`. Heartbeats have the
+    /// lowest priority.
     fn is_behind(&self, now: Timestamp, due: Timestamp) -> bool {
         self.train.0 <= due && now.since(self.train.1) <= self.jitter
     }
 
-    /// Nothing has come for a while: nobody answers earlier guarding requests any more.
+    /// Silence has lasted long enough, so no earlier guarding request will be answered.
     pub const fn quiet(&mut self) {
         self.guard_open = 0;
     }
@@ -456,7 +458,7 @@ impl Slave {
         }
         let Some(period) = self.period else { return Ok(()) };
         if period > Duration(0) && now < self.period_since + self.jitter.times(2) {
-            // It may have waited for the bus; the next one comes in its time.
+            // This heartbeat may have waited for the bus. The next one comes in time.
             (self.last_heartbeat, self.waited) = (Some(now), true);
             return Ok(());
         }
@@ -471,10 +473,10 @@ impl Slave {
         let Some(since) = since else { return Ok(()) };
         let tolerance = self.tolerance(period);
         let actual = now.since(since);
-        // A heartbeat may come early when the state has changed.
+        // A heartbeat may come early after a change of state.
         let late =
             actual.nanos() > period.nanos() + tolerance.nanos() && !self.is_behind(now, since + period + tolerance);
-        // One that had to wait for the bus is followed by the next one in time.
+        // The next heartbeat after a delayed one comes in time.
         let is_long = period > self.jitter.times(20);
         let early = !std::mem::take(&mut self.waited)
             && is_long
@@ -511,27 +513,27 @@ impl Slave {
         }
     }
 
-    /// Whether a heartbeat may be of the time before the last change: it waited for the bus since.
+    /// Whether a heartbeat may be from before the last change, because it has waited for the bus since then.
     fn may_be_old(&self, now: Timestamp) -> bool {
         now < (self.changed + self.grace).max(self.old_until)
     }
 
-    /// Whether the answer to guarding that comes now was asked for when the last command had been done long since: by then an
-    /// answer to another request would have come, and no other guarding request waits for its own.
+    /// Whether this guarding answer shows the state after the last command. It does if the request came so long after
+    /// the command that earlier answers would have come, and if no other guarding request is open.
     fn is_fresh(&self, now: Timestamp, knowledge: &Knowledge) -> bool {
         self.guard_open == 1 && self.guarded >= self.changed + knowledge.patience.quiet && now >= self.old_until
     }
 
-    /// When something is overdue.
+    /// The time at which an answer is overdue.
     pub fn due(&self) -> Option<Timestamp> {
         let due = self.boot_due.min(self.guard_due);
         (due < Timestamp::MAX).then_some(due)
     }
 
-    /// Something is overdue.
+    /// Checks whether an answer is overdue at `now`.
     ///
     /// # Errors
-    /// [`Violation`] if it had to come.
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp, knowledge: &Knowledge) -> Result<(), Violation> {
         if now >= self.boot_due {
             self.boot_due = Timestamp::MAX;
@@ -551,7 +553,7 @@ impl Slave {
         Ok(())
     }
 
-    /// Whether heartbeats are missing.
+    /// Checks whether heartbeats are missing.
     ///
     /// # Errors
     /// [`Violation`] if they are.
@@ -576,16 +578,16 @@ impl Slave {
         Ok(())
     }
 
-    /// By how much a heartbeat may be off.
+    /// The tolerance of the heartbeat period.
     fn tolerance(&self, period: Duration) -> Duration {
         Duration((period.nanos() / 10).max(self.jitter.nanos()))
     }
 }
 
-/// Producer heartbeat time, in ms.
+/// The producer heartbeat time in ms.
 const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
 
-/// Whether a frame commands the device, alone or among all, to reset itself.
+/// Whether a frame commands a reset of the device, alone or with all nodes.
 fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
     let named = |node: u8| node == 0 || node == knowledge.node.raw();
     Nmt::read(frame.data()).is_ok_and(|nmt| named(nmt.node) && nmt.command.is_reset())

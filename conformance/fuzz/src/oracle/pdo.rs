@@ -1,4 +1,4 @@
-//! PDOs of the device: on which identifiers, in which state, how long, how often.
+//! A model of the device's PDOs: their identifiers, states, lengths and times.
 
 use super::expected_values::ExpectedValues;
 use super::nmt::{Phase, Slave};
@@ -10,39 +10,39 @@ use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// A TPDO as it was seen.
+/// The occurrences of one TPDO.
 #[derive(Clone, Debug)]
 struct Seen {
-    /// The index of its communication parameters.
+    /// The index of the TPDO's communication parameters.
     index: u16,
     last: Option<Timestamp>,
-    /// Its configuration, or the NMT state, changed last then.
+    /// The time of the last change of the configuration or the NMT state.
     since: Timestamp,
-    /// SYNC messages since then.
+    /// The SYNC messages since the last change.
     count: SyncCount,
     /// A SYNC came while the device may have been operational.
     heard: bool,
-    /// How many SYNC messages and remote frames may still be answered.
+    /// Number of SYNC messages and remote frames that may still be answered.
     open: u8,
-    /// The answer to a SYNC is overdue then.
+    /// The time at which the answer to a SYNC or remote frame is overdue.
     due: Timestamp,
-    /// An inhibit time that began before it was changed may still run: the next one may be later by that.
+    /// The next PDO may be later by this time, because an inhibit time from before its change may still run.
     lag: Duration,
-    /// Since the last one the bus was full for a while.
+    /// The bus was full for a while since the last PDO.
     held_up: bool,
-    /// It is not the answer to a SYNC, but to a remote frame.
+    /// The PDO is due by a remote frame, not by a SYNC.
     remote: bool,
-    /// Its configuration, by the values of [`Pdos::version`].
+    /// The configuration at [`Pdos::version`].
     parameters: Parameters,
 }
 
-/// All TPDOs.
+/// All TPDOs of the device.
 #[derive(Clone, Debug)]
 pub(super) struct Pdos {
     seen: Vec<Seen>,
-    /// [`ExpectedValues::version`] of the parameters.
+    /// The value of [`ExpectedValues::version`] at which the parameters were read.
     version: Option<u64>,
-    /// Whether a TPDO may be due: asked for with every frame, and nearly always none is.
+    /// Whether a TPDO may be due. This flag saves a search with every frame, as nearly always none is due.
     may_be_due: bool,
 }
 
@@ -63,7 +63,7 @@ impl Pdos {
         }
     }
 
-    /// Takes the configuration over that holds now, if it is another one.
+    /// Takes over the current configuration, if it has changed.
     fn learn(&mut self, expected_values: &ExpectedValues, knowledge: &Knowledge) {
         if self.version != Some(expected_values.version()) {
             self.version = Some(expected_values.version());
@@ -75,7 +75,7 @@ impl Pdos {
         }
     }
 
-    /// Whether a valid PDO has, or may have, that identifier of another service, so that nobody can tell whose frame it was.
+    /// Whether a valid PDO has, or may have, the identifier of another service. The two can't be distinguished then.
     pub fn shares(
         &mut self,
         now: Timestamp,
@@ -99,7 +99,7 @@ impl Pdos {
         self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
     }
 
-    /// Another NMT state: timers and counters begin anew, if it is one.
+    /// The NMT state has changed. Timers and counters begin anew.
     pub fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
         let from_rest = nmt.comes_from_rest();
         for seen in &mut self.seen {
@@ -111,7 +111,8 @@ impl Pdos {
         }
     }
 
-    /// The device goes on in pre-operational with the configuration of power-on; what was counted and timed is not known.
+    /// The device goes on in pre-operational with its power-on configuration. The state of timers and counters is not
+    /// known.
     pub fn go_on(&mut self, now: Timestamp) {
         self.reset();
         for seen in &mut self.seen {
@@ -124,7 +125,7 @@ impl Pdos {
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
         let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
-            // A device may begin anew with all PDOs when one is configured, or go on.
+            // A device may restart all PDOs when one is configured, or let the others go on.
             if !communication {
                 let in_step = seen.count.is_in_step() && !seen.heard;
                 seen.begin(now);
@@ -141,10 +142,10 @@ impl Pdos {
         }
     }
 
-    /// A SYNC of the fuzzer.
+    /// Applies a SYNC of the fuzzer.
     ///
     /// # Errors
-    /// None so far: what is due is judged when it is overdue.
+    /// None so far: a missing PDO is judged when it is overdue.
     pub fn synchronised(
         &mut self,
         now: Timestamp,
@@ -164,7 +165,7 @@ impl Pdos {
             }
             seen.heard = true;
             if nmt.phase() != Phase::Operational || !understood || writing {
-                // Whether it counts is not known.
+                // The device may or may not count this SYNC.
                 seen.open();
                 seen.count.doubt();
                 continue;
@@ -184,7 +185,7 @@ impl Pdos {
         Ok(())
     }
 
-    /// A SYNC of the device itself: whether it counts for its own PDOs is left open.
+    /// Applies a SYNC of the device itself. The standard leaves open whether it counts for the device's own PDOs.
     pub fn synchronises_itself(&mut self) {
         for seen in &mut self.seen {
             seen.heard = true;
@@ -193,7 +194,7 @@ impl Pdos {
         }
     }
 
-    /// The bus was full until now.
+    /// The bus was full until `now`.
     pub fn held_up(&mut self, now: Timestamp) {
         for seen in &mut self.seen {
             (seen.last, seen.since) = (None, now);
@@ -202,7 +203,7 @@ impl Pdos {
         }
     }
 
-    /// A remote frame of the fuzzer.
+    /// Applies a remote frame of the fuzzer.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -219,7 +220,7 @@ impl Pdos {
         for seen in &mut self.seen {
             seen.open();
             if has(seen) {
-                // The answer is no TPDO of the count.
+                // The answer to a remote frame does not belong to the SYNC count.
                 seen.count.doubt();
             }
             if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
@@ -230,10 +231,10 @@ impl Pdos {
         }
     }
 
-    /// A frame of the device that belongs to no other service.
+    /// Checks a frame of the device that belongs to no other service.
     ///
     /// # Errors
-    /// [`Violation`] if it must not send it.
+    /// [`Violation`] if the device must not send it.
     pub fn came(
         &mut self,
         now: Timestamp,
@@ -253,11 +254,11 @@ impl Pdos {
         let mut own = self.seen.iter_mut().filter(|seen| seen.has(id));
         if let Some(first) = own.next() {
             let Some(second) = own.next() else { return first.came(now, frame, nmt, knowledge) };
-            // Two PDOs with one identifier can't be distinguished.
+            // Two PDOs with the same identifier can't be distinguished.
             [first, second].into_iter().chain(own).for_each(|seen| seen.begin(now));
             return Ok(());
         }
-        // An identifier that changed a moment ago may still be on its way.
+        // A PDO with an identifier that changed a moment ago may still be on its way.
         let changing = self.seen.iter().any(|seen| now.since(seen.since) < knowledge.patience.jitter.times(2));
         if unknown || changing || knowledge.bystanders.contains(&(id as u16)) {
             return Ok(());
@@ -266,10 +267,10 @@ impl Pdos {
         Err(violation(Property::Pdo, "identifier", expected, format!("{frame}"), now))
     }
 
-    /// The answer to a SYNC is overdue.
+    /// Checks whether a PDO is overdue.
     ///
     /// # Errors
-    /// [`Violation`] if it had to come.
+    /// [`Violation`] if a PDO is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         for seen in &mut self.seen {
             if now >= seen.due {
@@ -285,7 +286,7 @@ impl Pdos {
         Ok(())
     }
 
-    /// Whether cyclic PDOs are missing.
+    /// Checks whether cyclic PDOs are missing.
     ///
     /// # Errors
     /// [`Violation`] if they are.
@@ -330,7 +331,7 @@ impl Seen {
         }
     }
 
-    /// Whether it is a PDO with that identifier.
+    /// Whether the PDO is valid and has the identifier.
     fn has(&self, can_id: u32) -> bool {
         self.parameters.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == can_id)
     }
@@ -357,7 +358,7 @@ impl Seen {
         }
         if let Some(len) = parameters.length
             && frame.len() != len
-            // Type 252 sends what it took at the last SYNC, maybe before it was configured.
+            // Type 252 sends the data of the last SYNC, maybe from before the configuration.
             && parameters.transmission != Some(252)
             && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
             && now.since(self.since) > jitter
@@ -383,11 +384,11 @@ impl Seen {
             return wrong("synchronous TPDO", expected, actual);
         }
         if std::mem::take(&mut self.held_up) {
-            // It waited for the bus, the next one may not have to.
+            // The PDO waited for the bus; the next one may come in time and thus too soon after it.
             (self.last, self.since) = (None, now);
         }
         if asked {
-            // An answer to a remote frame keeps to no time, and the next one to none after it.
+            // The answer to a remote frame keeps no period, and the next PDO keeps none to it.
             (self.last, self.since) = (None, now);
         }
         let Some(last) = last else { return Ok(()) };
@@ -408,15 +409,16 @@ impl Seen {
     }
 }
 
-/// Where 1007h sets no window, nothing says how long after a SYNC a TPDO comes; the cases wait as long.
+/// Time within which a synchronous TPDO has to follow its SYNC if 1007h sets no window. No clause limits this time; the
+/// test cases use the same.
 const LONGEST_SYNC_DELAY: Duration = Duration::from_millis(500);
 
-/// The latest that a cyclic PDO may come.
+/// The maximum time between two cyclic PDOs.
 fn late(period: Duration, jitter: Duration) -> Duration {
     Duration(period.nanos() + (period.nanos() / 10).max(jitter.nanos()))
 }
 
-/// Communication parameters and mapping, as far as they are known.
+/// The communication parameters and mapping of a PDO, as far as they are known.
 #[derive(Clone, Copy, Debug)]
 struct Parameters {
     cob_id: Option<CobId>,
@@ -424,11 +426,11 @@ struct Parameters {
     inhibit: Option<Duration>,
     event_timer: Option<Duration>,
     start_value: u64,
-    /// The window after a SYNC in which synchronous PDOs are sent has no end.
+    /// The synchronous window has no end.
     open_window: bool,
-    /// Whether something is mapped: a PDO that carries nothing is not sent.
+    /// Whether an object is mapped. A PDO without one is not sent.
     mapped: bool,
-    /// Of what is mapped, in bytes.
+    /// The length of all mapped objects in bytes.
     length: Option<usize>,
 }
 
@@ -463,7 +465,7 @@ impl Parameters {
 
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
-        // Whether an inhibit time that began before the type was changed still counts is left open.
+        // The standard leaves open whether an inhibit time that began before a change of the type still counts.
         let free = self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO);
         free && self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
     }
@@ -477,7 +479,7 @@ impl Parameters {
             && matches!(self.transmission, Some(253..=255))
     }
 
-    /// The time between two, for a PDO with an event timer.
+    /// The event timer's period, for a PDO that has one.
     fn period(&self) -> Option<Duration> {
         let cyclic =
             self.mapped && matches!(self.transmission, Some(254 | 255)) && self.cob_id.is_some_and(CobId::is_valid);
@@ -486,7 +488,7 @@ impl Parameters {
     }
 }
 
-/// The length of a PDO in bytes by its mapping, where that is known.
+/// The length of a PDO in bytes by its mapping, if it is known.
 fn mapped_length(mapping: u16, expected_values: &ExpectedValues, knowledge: &Knowledge) -> Option<usize> {
     let count = expected_values.number(knowledge, mapping, 0).filter(|count| (1..=64).contains(count))?;
     let bits = (1..=count as u8).map(|sub| expected_values.number(knowledge, mapping, sub).map(|entry| entry & 0xFF));

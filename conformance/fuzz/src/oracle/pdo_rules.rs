@@ -1,4 +1,4 @@
-//! Which values of communication parameters a device must refuse (CiA 301, 7.5.2).
+//! The values of communication parameters that a device must refuse (CiA 301, 7.5.2).
 
 use super::codes::{self, CodeSet};
 use super::expected_values::ExpectedValues;
@@ -9,13 +9,13 @@ use canvass_analyzer::{CobId, Multiplexer};
 
 type Refusal = (CodeSet, &'static str);
 
-/// Mapping errors have codes of their own.
+/// Abort codes for mapping errors.
 const MAPPING: CodeSet = codes::REFUSED.or(codes::NO_OBJECT).or(codes::NO_SUB_INDEX).or(codes::TOO_LONG);
 
-/// The most bits that a PDO can carry.
+/// Maximum number of bits in a PDO.
 const LONGEST_PDO: u64 = 64;
 
-/// Why that value must be refused, if it must.
+/// The reason why the value must be refused; `None` if it need not be.
 pub(super) fn refusal(
     at: Multiplexer,
     raw: u64,
@@ -67,16 +67,16 @@ pub(super) fn refusal(
     }
 }
 
-/// "save" and "load", little-endian.
+/// The signatures "save" and "load", little-endian.
 const SAVE: u64 = 0x6576_6173;
 const LOAD: u64 = 0x6461_6F6C;
 
-/// Bit 30 of 1005h and 1012h.
+/// Bit 30 of 1005h and 1012h: the device produces SYNC or TIME.
 const PRODUCES: u32 = 1 << 30;
-/// Bit 31 of 1012h.
+/// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 
-/// The identifier of SYNC or TIME, while it is produced or consumed.
+/// Refuses another identifier of SYNC or TIME while it is produced or consumed.
 fn in_use(
     at: Multiplexer,
     raw: u64,
@@ -89,7 +89,7 @@ fn in_use(
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is not in use"))
 }
 
-/// An identifier whose bit 31 says that it is none.
+/// Refuses another identifier while the old one is valid. Bit 31 marks an identifier as invalid.
 fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
     let (old, new) = (CobId(expected_values.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
     let changes = old.is_valid() && new.is_valid() && old.can_id() != new.can_id();
@@ -102,7 +102,7 @@ fn sync_start(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values:
     changes.then_some((codes::REFUSED, "the SYNC start value changes only while the PDO is invalid"))
 }
 
-/// Codes with which a mapping may be refused beside the usual ones.
+/// Additional abort codes with which a mapping may be refused.
 pub(super) fn mapping_codes(at: Multiplexer) -> CodeSet {
     match at.index.0 {
         0x1600..=0x17FF | 0x1A00..=0x1BFF => MAPPING,
@@ -133,7 +133,7 @@ fn mapping_count(
     expected_values: &ExpectedValues,
 ) -> Option<Refusal> {
     if raw == 0 || raw > 8 {
-        // Above 64 the value is a reserved one, or that of a multiplexed PDO.
+        // Values above 64 are reserved, or belong to a multiplexed PDO.
         return (65..254).contains(&raw).then_some((MAPPING, "more than 64 mapped objects"));
     }
     let mut bits = 0;
@@ -167,12 +167,12 @@ fn mapping_entry(
 ) -> Option<Refusal> {
     let count = expected_values.number(knowledge, at.index.0, 0)?;
     let in_use = (1..=64).contains(&count) && u64::from(at.sub.0) <= count;
-    // Its own value changes nothing.
+    // Writing the current value again changes nothing.
     let changes = expected_values.number(knowledge, at.index.0, at.sub.0) != Some(raw);
     (in_use && changes).then_some((MAPPING, "mapping entries change only while sub-index 0 is 0"))
 }
 
-/// Two times for one node (abort 0604 0043h).
+/// Refuses a second heartbeat consumer time for the same node (abort 0604 0043h).
 fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
     const DOUBLE: CodeSet = CodeSet::of(&[AbortCode::PARAMETER_INCOMPATIBLE]).or(codes::REFUSED);
     let (node, time) = (raw >> 16 & 0xFF, raw & 0xFFFF);

@@ -1,4 +1,4 @@
-//! RPDOs of the device: which of the fuzzer's frames write objects, and what they hold then.
+//! A model of the device's RPDOs: which frames of the fuzzer write objects, and their values then.
 
 use super::expected_values::ExpectedValues;
 use super::nmt::Slave;
@@ -7,8 +7,8 @@ use crate::Knowledge;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Frame, Timestamp};
 
-/// A data frame of the fuzzer that belongs to no other service. `writing`: an object is being written, so that the
-/// configuration may be another one than is expected.
+/// Applies a data frame of the fuzzer that belongs to no other service. `writing`: an object is being written, so that
+/// the configuration may differ from the expected one.
 pub(super) fn received(
     now: Timestamp,
     frame: &Frame,
@@ -22,7 +22,7 @@ pub(super) fn received(
     for &index in &knowledge.rpdos {
         match expected_values.number(knowledge, index, 1).map(|raw| CobId(raw as u32)) {
             Some(cob_id) if !cob_id.is_valid() || cob_id.can_id() != u32::from(can_id) => {}
-            // Nobody knows which of several it is, or whether it is one.
+            // Nobody knows which of several RPDOs the frame is, or whether it is one.
             Some(_) if own.is_none() => own = Some(index),
             _ => return expected_values.forget_outputs(),
         }
@@ -43,7 +43,7 @@ pub(super) fn received(
     }
 }
 
-/// What a PDO that acts at once leaves in the objects of its mapping, where that is certain.
+/// Records the values that an RPDO writes at once into its mapped objects, as far as they are certain.
 fn write(index: u16, frame: &Frame, expected_values: &mut ExpectedValues, knowledge: &Knowledge) {
     let event_driven = expected_values.number(knowledge, index, 2).is_some_and(|kind| kind >= 254);
     let mapping = index + 0x200;

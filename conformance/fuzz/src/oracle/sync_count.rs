@@ -1,17 +1,18 @@
-//! How a synchronous TPDO counts SYNC messages: every n-th, from anywhere in its count, some time after the SYNC.
+//! The SYNC count of a synchronous TPDO: the TPDO follows every n-th SYNC, from any start of the count, after some
+//! time.
 
-/// The SYNC messages since the PDO was started or configured, and which of them may cause the next TPDO.
+/// The SYNC messages since the PDO was started or configured, and the range of those that may cause the next TPDO.
 ///
-/// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC; not with which of the first
-/// n SYNCs it begins, nor, where 1007h sets no window, how long after a SYNC it comes. So a TPDO tells its SYNC only up to
-/// a range, which narrows with each TPDO.
+/// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC. It does not say with
+/// which of the first n SYNC messages the TPDO begins, nor how long after a SYNC it comes if 1007h sets no window. So a
+/// TPDO shows its SYNC only within a range, which narrows with each TPDO.
 #[derive(Clone, Debug)]
 pub(super) struct SyncCount {
-    /// SYNC messages since the begin.
+    /// Number of SYNC messages since the beginning.
     syncs: u64,
-    /// The first and the last SYNC that may cause the next TPDO; none before the first.
+    /// The first and the last SYNC that may cause the next TPDO. `None` before the first TPDO.
     next: Option<(u64, u64)>,
-    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
+    /// Whether the device has counted the same SYNC messages. A SYNC that it may have ignored leaves this open.
     in_step: bool,
 }
 
@@ -20,36 +21,36 @@ impl SyncCount {
         Self { syncs: 0, next: None, in_step: true }
     }
 
-    /// Whether the device has counted the same.
+    /// Whether the device has certainly counted the same SYNC messages.
     pub const fn is_in_step(&self) -> bool {
         self.in_step
     }
 
-    /// A SYNC, or a TPDO of another cause, that the device may or may not count.
+    /// Records a SYNC, or a TPDO of another cause, that the device may or may not count.
     pub const fn doubt(&mut self) {
         self.in_step = false;
     }
 
-    /// A SYNC came. `true`: with it a TPDO of transmission type `kind` is due at last.
+    /// Counts a SYNC. `true`: it is the last one that may cause the TPDO of transmission type `kind`.
     pub fn sync(&mut self, kind: u8) -> bool {
         self.syncs += 1;
         let (_, last) = self.next.unwrap_or((1, kind.into()));
         kind == 1 || self.in_step && self.syncs == last
     }
 
-    /// How many SYNC messages came since the begin.
+    /// Number of SYNC messages since the beginning.
     pub const fn syncs(&self) -> u64 {
         self.syncs
     }
 
-    /// A TPDO of transmission type `kind` came. `false`: no SYNC can be its cause.
+    /// Records a TPDO of transmission type `kind`. `false`: no SYNC can be its cause.
     pub fn came(&mut self, kind: u8) -> bool {
         let (first, last) = self.next.unwrap_or((1, kind.into()));
         if first > self.syncs {
             return !self.in_step;
         }
         let kind = u64::from(kind);
-        // Where a second one could have been due already, it may stand for both.
+        // If a second TPDO could already have been due, this one may stand for both.
         let last = if first + kind <= self.syncs { self.syncs } else { last.min(self.syncs) };
         self.next = Some((first + kind, last + kind));
         true
@@ -60,12 +61,13 @@ impl SyncCount {
 mod tests {
     use super::SyncCount;
 
-    /// The numbers of the SYNC messages after which a TPDO comes; the first number that shows something wrong.
+    /// Counts SYNC messages and the TPDOs sent after the given ones. Returns the number of the first SYNC at which
+    /// something is wrong.
     fn wrong_at(kind: u8, sent: &[u64], syncs: u64) -> Option<u64> {
         let mut count = SyncCount::new();
         let mut due = None;
         for sync in 1..=syncs {
-            // What is due comes before the next SYNC here.
+            // In this test a due TPDO comes before the next SYNC.
             if due.is_some() {
                 return due;
             }

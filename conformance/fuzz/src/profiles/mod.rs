@@ -1,3 +1,3 @@
-//! The device profiles whose properties the fuzzer checks, a folder each.
+//! The device profiles whose properties the fuzzer checks, each in a folder.
 
 mod cia406;

@@ -1,20 +1,20 @@
-//! A sequence as a candump log, and back.
+//! Conversion of a sequence to a candump log and back.
 
 use super::super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::fmt::Write;
 
-/// A comment that says that the device has no node-ID when the sequence begins.
+/// Comment of a log whose sequence begins with a device without node-ID.
 pub(super) const UNCONFIGURED: &str = "# start: without node-ID";
 
-/// A comment that says how long to wait after the last frame, which no time stamp tells: a number and `ms`.
+/// Comment with the wait after the last frame, which no time stamp contains: a number and `ms`.
 const LAST_WAIT: &str = "# end: after ";
 
-/// No reproducer needs a longer one.
+/// Maximum wait after the last frame in ms. No reproducer needs a longer one.
 const LONGEST_WAIT: u64 = 60_000;
 
-/// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. Times are those at which the
-/// frames are to be sent: 100 ms apart where the device is to be given time, at once where it is not.
+/// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. The time stamps say when to
+/// send the frames: 100 ms apart if the device needs time, otherwise at once.
 pub fn candump(sequence: &Sequence) -> String {
     let mut now = Timestamp::ZERO;
     let head = if sequence.start == Start::Unconfigured { format!("{UNCONFIGURED}\n") } else { String::new() };
@@ -37,29 +37,29 @@ pub fn candump(sequence: &Sequence) -> String {
     text
 }
 
-/// How long to wait after the last frame, if a log says so.
+/// The wait after the last frame, if the log contains it.
 pub(super) fn last_wait(log: &str) -> Option<Duration> {
     let number = log.lines().find_map(|line| line.strip_prefix(LAST_WAIT)?.trim().strip_suffix("ms"))?;
     number.trim().parse().ok().filter(|millis| *millis <= LONGEST_WAIT).map(Duration::from_millis)
 }
 
-/// What `canplayer` and a replay wait after a frame that is to settle.
+/// The pause that `canplayer` and a replay make after a settled frame.
 pub(super) const SETTLE: Duration = Duration::from_millis(100);
 
-/// Frames closer than this follow each other at once.
+/// Frames at a smaller distance follow each other at once.
 const AT_ONCE: Duration = Duration::from_micros(1);
 
 fn wait_after(stimulus: &Stimulus) -> Duration {
     match stimulus.then {
         Then::Settle => SETTLE,
         Then::AtOnce => AT_ONCE,
-        // Told apart from a settled frame by its length.
+        // One more microsecond distinguishes this pause from that of a settled frame.
         Then::Pause(time) if time == SETTLE => Duration(time.nanos() + 1_000),
         Then::Pause(time) => time,
     }
 }
 
-/// The sequence of the frames of a log: what [`candump`] has written is read as it was.
+/// The sequence of the frames of a log. Reading a log of [`candump`] gives the original sequence.
 pub fn sequence(frames: &[(Timestamp, Frame)]) -> Sequence {
     let next = frames.iter().skip(1).map(|(time, _)| Some(*time)).chain([None]);
     let stimuli = frames.iter().zip(next).map(|(&(time, frame), next)| {
@@ -74,7 +74,7 @@ pub fn sequence(frames: &[(Timestamp, Frame)]) -> Sequence {
     Sequence { start: Start::Configured, stimuli: stimuli.collect() }
 }
 
-/// `601#4000100000000000`, `701#R1`, `00000000#8105`.
+/// The frame in compact notation: `601#4000100000000000`, `701#R1`, `00000000#8105`.
 fn compact(frame: &Frame) -> String {
     let id = match frame.id().is_extended() {
         true => format!("{:08X}", frame.id().raw()),
@@ -125,12 +125,12 @@ mod tests {
     }
 
     proptest! {
-        /// What is written is read as it was: the log stands for the sequence.
+        /// A log contains the whole sequence: reading a written log gives the same sequence.
         #[test]
         fn logs_are_replayed_as_they_were(steps in proptest::collection::vec((frame(), then()), 1..20)) {
             let mut stimuli: Vec<Stimulus> =
                 steps.into_iter().map(|(frame, then)| Stimulus { frame, then }).collect();
-            // After the last frame the device always gets its time.
+            // The device always gets its time after the last frame.
             if let Some(last) = stimuli.last_mut() {
                 last.then = Then::Settle;
             }

@@ -1,6 +1,7 @@
-//! What is handed over of a violation: a log that can be replayed, and a Rust test.
+//! The reproducers of a violation: a log that can be replayed, and a Rust test.
 //!
-//! A file of regressions is a text of such logs, one after the other; a line that begins with [`HEAD`] begins each:
+//! A regression file contains several such logs, one after the other. Each begins with a line that begins with
+//! [`HEAD`]:
 //!
 //! ```text
 //! # canvass fuzz: PROP-02 toggle bit, seed 7, canvass 0.1.0
@@ -8,7 +9,7 @@
 //! (0000000000.100000) can0 601#1000000000000000
 //! ```
 //!
-//! What `canplayer` and the readers of candump logs make of it is the frames.
+//! `canplayer` and readers of candump logs read only the frames of it.
 
 mod candump;
 mod rust_test;
@@ -26,19 +27,19 @@ use canvass_bus::BusError;
 use canvass_device::address::BusAddress;
 use canvass_traces::{Capture, Damage, Direction, Frame, OpenError, ReadOptions, Source, Timestamp};
 
-/// The beginning of the line before each log of a file of regressions.
+/// The beginning of the line before each log of a regression file.
 pub const HEAD: &str = "# canvass fuzz:";
 
 /// Why a file can't be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// It is no capture.
+    /// The file is no capture.
     #[error("expected a capture or a reproducer of canvass fuzz: {0}")]
     Open(#[from] OpenError),
-    /// A part of it can't be read.
+    /// A part of the file can't be read.
     #[error("the reproducer can't be read to its end: {0}")]
     Damage(String),
-    /// It holds no frame that goes to the device.
+    /// The file holds no frame that goes to the device.
     #[error("the capture holds no frame that could be sent to node {0}: is that the node?")]
     Empty(NodeId),
     /// The device can't be fuzzed.
@@ -55,15 +56,15 @@ impl From<Damage> for ReplayError {
     }
 }
 
-/// The violation as it goes into a file of regressions.
+/// The violation as a log of a regression file.
 pub fn regression(found: &Found, seed: u64) -> String {
     let (property, rule) = (found.violation.property, found.violation.rule);
     let version = env!("CARGO_PKG_VERSION");
     format!("{HEAD} {property} {rule}, seed {seed}, canvass {version}\n{}", candump(&found.sequence))
 }
 
-/// The sequences of a file: reproducers of violations, or a capture of any format. Of a capture those frames are taken
-/// that were sent to that node, not those that came from it.
+/// The sequences of a file: reproducers of violations, or a capture in any format. Of a capture only the frames that
+/// were sent to the node are taken, not the frames of the node itself.
 ///
 /// # Errors
 /// [`ReplayError`] if it is not such a file.
@@ -82,7 +83,7 @@ pub fn read(bytes: &[u8], node: NodeId) -> Result<Vec<Sequence>, ReplayError> {
         }
     }
     let has_frames = |log: &&String| log.lines().any(|line| !line.trim().is_empty() && !line.starts_with('#'));
-    // A violation that shows without any frame has an empty log.
+    // A violation that shows without any frame has an empty log, which is left out.
     logs.iter().filter(has_frames).map(|log| one(log.as_bytes(), node)).collect()
 }
 
@@ -109,15 +110,15 @@ fn one(bytes: &[u8], node: NodeId) -> Result<Sequence, ReplayError> {
     Ok(sequence)
 }
 
-/// Whether a data frame comes from that node, by the predefined connection set.
+/// Whether a data frame comes from the node, by the predefined connection set.
 fn is_from(frame: &Frame, node: NodeId) -> bool {
     let Some(id) = frame.cob_id().filter(|_| !frame.is_remote()) else { return false };
     let own = id & 0x7F == u16::from(node.raw());
     id == 0x7E4 || own && matches!(id & 0x780, 0x080 | 0x180 | 0x280 | 0x380 | 0x480 | 0x580 | 0x700)
 }
 
-/// Replays a reproducer on a bus, as `canvass fuzz --replay` does; the violation that it shows first, if any. `device` is
-/// what is known of a device on a live bus; a simulated one is known.
+/// Replays a reproducer on a bus, as `canvass fuzz --replay` does. Returns the first violation, if there is one.
+/// `device` is the knowledge of a device on a live bus; a simulated device is known.
 ///
 /// # Errors
 /// [`ReplayError`] if the log can't be read or the device can't be reached.
@@ -163,7 +164,7 @@ mod tests {
     use crate::stimulus::Stimulus;
     use canvass_traces::{CanId, Duration};
 
-    /// What `canvass test --record` or candump have written is replayed without the device's own frames.
+    /// A capture written by `canvass test --record` or candump is replayed without the device's own frames.
     #[test]
     fn of_a_capture_the_requests_are_taken() {
         let log = "(1.000000) can0 701#00\n(1.100000) can0 601#4000100000000000\n(1.101000) can0 581#4300100000000000\n\
@@ -175,7 +176,7 @@ mod tests {
         assert!(read(b"\x00\x01nonsense", NodeId::MIN).is_err());
     }
 
-    /// What a violation needs after its last frame comes back from its log.
+    /// The wait after the last frame is restored from the log.
     #[test]
     fn the_wait_behind_the_last_frame_is_kept() {
         let frame = Frame::new(CanId::standard_masked(0x601), &[0x40]).unwrap();

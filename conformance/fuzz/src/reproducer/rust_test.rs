@@ -5,8 +5,8 @@ use crate::campaign::Found;
 use canvass_analyzer::NodeId;
 use std::fmt::Write;
 
-/// A file for the `tests` folder of a crate that depends on `canvass-conformance`: it fails as long as the device shows
-/// the violation. The bus is that of the run, or what the environment variable `CANVASS_BUS` says.
+/// A file for the `tests` folder of a crate that depends on `canvass-conformance`. The test fails as long as the device
+/// shows the violation. It uses the bus of the run, or the one in the environment variable `CANVASS_BUS`.
 pub fn rust_test(found: &Found, bus: &str, node: NodeId, seed: u64) -> String {
     let violation = &found.violation;
     let (property, rule) = (violation.property, violation.rule);
@@ -45,7 +45,7 @@ fn {name}() {{
     )
 }
 
-/// `PROP-02 initiate upload` as `prop_02_initiate_upload`.
+/// A text as an identifier: `PROP-02 initiate upload` becomes `prop_02_initiate_upload`.
 fn identifier(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }

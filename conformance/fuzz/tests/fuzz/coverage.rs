@@ -1,4 +1,4 @@
-//! What the generation reaches.
+//! The coverage that the generators reach.
 
 use canvass_analyzer::NodeId;
 use canvass_device::Faults;
@@ -8,7 +8,7 @@ use canvass_fuzzer::detection::fuzz;
 use canvass_fuzzer::{Knowledge, Target};
 use canvass_suite::touch::Touch;
 
-/// A minute of an optimised build is a thousand times more.
+/// A minute of an optimised build runs a thousand times more exchanges than this test.
 #[test]
 fn nearly_all_pairs_of_state_and_command_are_reached() {
     let model = Model::by_id("reference-301").unwrap();

@@ -1,4 +1,4 @@
-//! Every fault that the fuzzer claims to find.
+//! The fuzzer finds every fault that it claims to find.
 
 use canvass_device::Fault;
 use canvass_fuzzer::detection::{Limit, detect};
@@ -7,17 +7,18 @@ use std::time::Duration;
 
 const SEED: u64 = 1;
 
-/// Ten seconds of one core in an optimised build are millions of exchanges, which `canvass selftest --fuzz` gives each
-/// fault. In a test a fault gets few of them, and as much time as the slowest machine needs for these.
+/// The limit of the search for a fault in this test: few exchanges, and enough time for them on the slowest machine.
+/// `canvass selftest --fuzz` gives each fault ten seconds of one core, which are millions of exchanges in an optimised
+/// build.
 const LIMIT: Limit = Limit { exchanges: 12_000, time: Duration::from_secs(120) };
 
 /// Minimum percentage of the faults that must be found within [`LIMIT`].
 const SOON: usize = 70;
 
-/// Frames of the longest minimal sequence.
+/// Maximum number of frames of a shortened sequence.
 const LONGEST: usize = 8;
 
-/// Each fault is found as it is, or with a permission, or has a reason why it is not; and as many are found as the page says.
+/// Each fault is found without or with a permission, or has a reason why it is not. The numbers are those of the page.
 #[test]
 fn every_fault_is_claimed_or_has_a_reason() {
     for fault in Fault::ALL {
@@ -36,7 +37,7 @@ fn every_fault_is_claimed_or_has_a_reason() {
     assert!(page.contains(&format!("`--fuzz`: {claimed} of {claimed} faults")), "docs/testing.md: {claimed}");
 }
 
-/// Of the faults those of this share; several tests run at the same time.
+/// Tests one share of the faults. Several tests run at the same time.
 fn share(number: usize, of: usize) {
     let (mut lengths, mut late) = (Vec::new(), Vec::new());
     for (n, &fault) in Fault::ALL.iter().filter(|fault| fault.unfuzzed().is_none()).enumerate() {

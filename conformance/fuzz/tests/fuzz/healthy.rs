@@ -1,4 +1,4 @@
-//! No false alarm: `soak models 5000000` does the same at length.
+//! The fuzzer raises no false alarm. `soak models 5000000` tests the same at length.
 
 use canvass_device::Faults;
 use canvass_device::models::Model;
@@ -12,7 +12,7 @@ const EXCHANGES: u64 = 6_000;
 fn healthy_models_violate_nothing() {
     for (seed, model) in (0_u64..).zip(Model::all()) {
         for (n, target) in Target::ALL.into_iter().enumerate() {
-            // Some of what has to be allowed, and nothing of it.
+            // All touches are allowed for every other target, and none for the others.
             let allow = Touch::ALL.into_iter().filter(|_| (n as u64 + seed).is_multiple_of(2)).collect();
             let exchanges = if target == Target::All { EXCHANGES } else { EXCHANGES / 4 };
             let outcome = fuzz(model, Faults::NONE, target, &allow, seed, &mut |done| done < exchanges).unwrap();

@@ -1,5 +1,5 @@
-//! Buses that are interrupted at moments that nobody chose, in virtual time: no device is blamed for it, and what was found is
-//! kept when the bus does not come back.
+//! Buses that are interrupted at random moments, in virtual time. The device is not blamed for an interruption, and the
+//! results are kept when the bus does not come back.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, BusError, Health, SimulatedBus};
@@ -13,18 +13,18 @@ use std::collections::{BTreeSet, VecDeque};
 
 const NODE: NodeId = NodeId::MIN;
 
-/// The way to a bus, which is interrupted again and again, or for good from a moment on.
+/// The connection to a bus that is interrupted again and again, or from a moment on for good.
 struct Interrupted {
     bus: SimulatedBus,
-    /// Of the interruption under way, or of the next.
+    /// The beginning of the current or next interruption.
     begins: Timestamp,
     ends: Timestamp,
-    /// Interruptions that are over.
+    /// Number of interruptions that are over.
     past: u64,
-    /// Frames that were handed over and got lost: the tester takes them for sent.
+    /// Frames that were handed over and got lost. The tester believes that they were sent.
     lost: VecDeque<Record>,
     chance: u64,
-    /// From then on it does not come back.
+    /// The moment from which on the bus does not come back.
     gone: Timestamp,
 }
 
@@ -39,7 +39,7 @@ impl Interrupted {
         way
     }
 
-    /// The same, interrupted only once, and for good.
+    /// A bus that is interrupted only once, and for good.
     fn gone_at(device: Device, gone: Timestamp) -> Self {
         Self { begins: gone, ends: Timestamp::MAX, gone, ..Self::new(device, 0) }
     }
@@ -51,13 +51,13 @@ impl Interrupted {
         self.chance % below
     }
 
-    /// The next interruption, some time after that moment.
+    /// Plans the next interruption, some time after `after`.
     fn plan(&mut self, after: Timestamp) {
         self.begins = after + Duration::from_millis(100 + self.random(3_000));
         self.ends = self.begins + Duration::from_micros(500 + self.random(2_000_000));
     }
 
-    /// Whether the way is interrupted at that moment. Time does not go back.
+    /// Whether the connection is interrupted at the time `at`. Time must not go back.
     fn is_away(&mut self, at: Timestamp) -> bool {
         while at >= self.ends {
             self.past += 1;
@@ -73,7 +73,7 @@ impl Bus for Interrupted {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        /// What was handed over just before the way breaks does not arrive.
+        /// A frame that is handed over just before an interruption does not reach the bus.
         const UNDER_WAY: Duration = Duration::from_micros(400);
         while self.is_away(self.bus.now()) {
             if self.bus.now() >= self.gone {
@@ -114,7 +114,7 @@ impl Bus for Interrupted {
     }
 }
 
-/// The second request for a segment of 2010h:00 repeats the toggle bit that comes after it.
+/// A sequence whose second request for a segment of 2010h:00 repeats the toggle bit.
 fn toggle_repeated() -> Sequence {
     let request = |bytes| Stimulus::settle(Frame::full(CanId::standard_masked(0x601), bytes));
     let stimuli = [[0x40, 0x10, 0x20, 0, 0, 0, 0, 0], [0x70, 0, 0, 0, 0, 0, 0, 0]].map(request);
@@ -125,7 +125,7 @@ fn fuzz(bus: &mut Interrupted, target: Target, go_on: &mut dyn FnMut(Progress<'_
     fuzz_after(Vec::new(), bus, target, go_on)
 }
 
-/// The same after sequences that are tried first.
+/// Fuzzes after the given sequences.
 fn fuzz_after(
     regressions: Vec<Sequence>,
     bus: &mut Interrupted,
@@ -176,7 +176,7 @@ fn a_fault_is_found_and_confirmed_between_interruptions() {
     }
 }
 
-/// Whenever the bus is lost, also while a violation is repeated or made shorter.
+/// Results are kept whenever the bus is lost, also while a violation is repeated or made shorter.
 #[test]
 fn what_was_found_is_kept() {
     let (mut kept, mut cut_off) = (0, 0);

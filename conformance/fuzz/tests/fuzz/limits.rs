@@ -1,4 +1,4 @@
-//! Nothing is sent that nobody has allowed.
+//! The fuzzer sends nothing that the user has not allowed.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
@@ -11,7 +11,7 @@ use canvass_fuzzer::{Knowledge, Target, limits};
 use canvass_traces::{Frame, Record, Timestamp};
 use std::collections::BTreeSet;
 
-/// A bus that keeps what is sent.
+/// A bus that keeps the sent frames.
 struct Watched {
     bus: SimulatedBus,
     sent: Vec<Frame>,

@@ -1,5 +1,5 @@
-//! Devices that go on from sequence to sequence and have traits of their own: slow ones, such as keep their memory over a
-//! reset, and such as a reset kills. Their time is that of a simulated bus.
+//! Live devices with special traits: devices that are slow, that keep their memory over a reset, or that a reset kills.
+//! They run in the time of a simulated bus.
 
 use crate::perishable::Perishable;
 use canvass_analyzer::wire::sdo;
@@ -84,8 +84,8 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
     }
 }
 
-/// CiA 305 is silent on parts of another address between those of the own one: `305/switch-selective/interleaved` only records
-/// what a slave does then.
+/// CiA 305 does not mention parts of another address between those of the own one. The case
+/// `305/switch-selective/interleaved` only records what a slave does then.
 #[test]
 fn a_slave_that_goes_on_after_parts_of_another_address_violates_nothing() {
     let outcome = with(Fault::LssSelectiveMismatchIgnored, Target::Lss, 1_000);
@@ -113,7 +113,7 @@ impl Machine for Counted {
     }
 }
 
-/// A run of the SDO target on a device with those faults, and how many resets it took.
+/// Runs the SDO target on a device with the faults. Returns the outcome and the number of resets.
 fn counted(faults: Faults, sequences: u64) -> (Outcome, u64) {
     let resets = Arc::new(AtomicU64::new(0));
     let device = Counted(Device::new(model(), Some(NODE), faults, 0), Arc::clone(&resets));
@@ -121,23 +121,24 @@ fn counted(faults: Faults, sequences: u64) -> (Outcome, u64) {
     (outcome, resets.load(Ordering::Relaxed))
 }
 
-/// All but a few of what can be reached was reached.
+/// Asserts that nearly all reachable combinations were reached.
 fn assert_covered(outcome: &Outcome) {
     let (reached, all) = outcome.coverage.sdo_share(SdoReach { blocks: true, long_values: true });
     assert!(reached * 100 >= all * 95, "{reached} of {all}");
 }
 
-/// Most sequences begin where the one before has ended, and what is reached is as much as with a new device each time.
+/// Most sequences begin where the one before has ended. The coverage is as high as with a new device for each sequence.
 #[test]
 fn few_resets_are_needed() {
     let (outcome, resets) = counted(Faults::NONE, 1_500);
     assert!(outcome.violations.is_empty(), "{:#?}", told(&outcome));
-    // Sequences of this target have resets of their own too, about one in ten.
+    // About one in ten sequences of this target contains a reset of its own.
     assert!(resets * 3 < outcome.sequences, "{resets} resets for {} sequences", outcome.sequences);
     assert_covered(&outcome);
 }
 
-/// A violation that was reported before ends no sequence and needs no reset, so that what follows it is reached.
+/// A violation that was reported before ends no sequence and needs no reset, so that the rest of the sequence is
+/// reached.
 #[test]
 fn a_device_that_breaks_most_sequences_is_covered_too() {
     let faults = [
@@ -157,14 +158,14 @@ fn a_device_that_breaks_most_sequences_is_covered_too() {
     assert_covered(&outcome);
 }
 
-/// The last that the device gets, also when the time of the run is over: what was not stored is as it was.
+/// A run resets the device at its end even if its time is over, so that values that were not stored are restored.
 #[test]
 fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
     struct Last(Device, Arc<AtomicU64>);
     impl Machine for Last {
         fn handle(&mut self, now: Timestamp, frame: &Frame) {
             let is_reset = frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()];
-            // To begin an upload, and its segments.
+            // The requests that begin an upload or read its segments.
             let is_sdo_read = frame.cob_id() == Some(0x601) && matches!(frame.data(), [0x40 | 0x60 | 0x70, ..]);
             if is_reset || !is_sdo_read {
                 self.1.store(u64::from(is_reset), Ordering::Relaxed);
@@ -187,7 +188,7 @@ fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
     let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
     let plan = plan(Target::Pdo);
     let cancelled = Arc::clone(&plan.time.cancelled);
-    // The run ends by itself then: nothing more is sent, and nothing counted.
+    // The run ends by itself here: no further frame is sent or counted.
     let mut cut_short = |progress: canvass_fuzzer::campaign::Progress<'_>| {
         cancelled.store(progress.sequences >= 20, Ordering::Relaxed);
         true
@@ -196,18 +197,18 @@ fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
     assert!(outcome.sequences == 20 && was_reset.load(Ordering::Relaxed) == 1, "{}", outcome.sequences);
 }
 
-/// Speaks to the device as its user does.
+/// Makes a transfer in the name of the device's user.
 fn tell(bus: &mut SimulatedBus, what: (Transfer, sdo::Request)) -> sdo_client::Outcome {
     let mut exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
     exchange.transfer(NODE, what, canvass_traces::Duration::from_secs(1)).unwrap()
 }
 
-/// 2030h:0F was stored with another value than the description has: that is what the run leaves.
+/// The user has stored another value in 2030h:0F than the description has. The run must leave the stored value.
 #[test]
 fn stored_values_of_eight_bytes_are_left_as_they_were() {
     let (number, stored) = (Multiplexer::new(0x2030, 0xF), [8, 7, 6, 5, 4, 3, 2, 1]);
     let mut bus = SimulatedBus::new(250_000);
-    // A reset brings nothing back: what differs was written back, and not with the value of the description.
+    // A reset restores nothing. The values written back are those stored, not those of the description.
     let keeps = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
     bus.attach(Box::new(Device::new(model(), Some(NODE), keeps, 0)));
     while bus.receive(Timestamp(1_000_000_000)).unwrap().is_some() {}
@@ -222,7 +223,7 @@ fn stored_values_of_eight_bytes_are_left_as_they_were() {
     assert_eq!(tell(&mut bus, Transfer::upload(number)), sdo_client::Outcome::Uploaded(stored.to_vec()));
 }
 
-/// Keeps the first number that is written to 2030h, and takes no further one for that object.
+/// A device that keeps the first number that is written to 2030h, and refuses further writes to this object.
 struct Stuck {
     device: Device,
     at: Option<Multiplexer>,
@@ -234,7 +235,7 @@ impl Machine for Stuck {
             let at = Multiplexer::from_bytes([low, high, sub]);
             // UNSIGNED8, UNSIGNED16 and UNSIGNED32.
             let is_number = matches!((command, sub), (0x2F, 5) | (0x2B, 6) | (0x23, 7)) && at.index.0 == 0x2030;
-            // Begin of a download, normal or in blocks.
+            // Initiate download or initiate block download.
             if self.at == Some(at) && matches!(command >> 5, 1 | 6) {
                 return;
             }
@@ -264,7 +265,7 @@ fn what_can_not_be_brought_back_is_told_at_the_end() {
     assert!(matches!(left[..], [Kept { at, value: 1.., power_on: 0 }] if at.index.0 == 0x2030), "{left:?}");
 }
 
-/// Resets that bring nothing back are reported; what comes after them is judged by the values that are there.
+/// Resets that restore nothing are reported. Later sequences are judged by the actual values.
 #[test]
 fn memory_that_is_kept_over_resets_is_written_back() {
     let faults = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
@@ -273,7 +274,7 @@ fn memory_that_is_kept_over_resets_is_written_back() {
     assert!(outcome.violations.iter().any(|found| restored(&found)), "{:#?}", told(&outcome));
     assert!(outcome.violations.iter().all(|found| found.state.is_empty()), "all of it could be written back");
     for found in outcome.violations.iter().filter(|found| found.confirmed) {
-        // It says that it comes back from power-on.
+        // A confirmed violation has to come back from power-on.
         let mut bus = SimulatedBus::new(250_000);
         bus.attach(Box::new(Device::new(model(), Some(NODE), faults, 0)));
         let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
@@ -285,10 +286,10 @@ fn memory_that_is_kept_over_resets_is_written_back() {
     }
 }
 
-/// What a reset does to the device: it needs another one, or nothing brings it back.
+/// A device that dies and comes back only after several resets, or never.
 struct Mortal {
     machine: Perishable,
-    /// Frames of SDO until it is dead.
+    /// Number of SDO frames until the device is dead.
     left: u32,
     /// Number of resets that bring the device back.
     needs: u32,
@@ -324,7 +325,7 @@ impl Machine for Mortal {
 
 fn mortal(needs: u32) -> Outcome {
     let machine = Perishable::new(Device::new(model(), Some(NODE), Faults::NONE, 0));
-    // It is read at length before the first sequence.
+    // The fuzzer reads many objects before the first sequence.
     fuzz(Box::new(Mortal { machine, left: 600, needs }), model(), Target::Sdo, 300)
 }
 
@@ -346,7 +347,7 @@ fn a_device_that_needs_another_reset_is_a_violation_too_and_the_run_goes_on() {
     assert!(!found.evidence.is_empty(), "{:#?}", told(&outcome));
 }
 
-/// The device is operational from an earlier sequence on; the last one alone shows nothing from power-on.
+/// An earlier sequence has made the device operational, and the last one alone shows nothing from power-on.
 #[test]
 fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
     for seed in 1..=6 {
@@ -357,7 +358,7 @@ fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
         let plan = Plan { seed, stop_at_first: true, shrink_budget: 100, ..plan(Target::Nmt) };
         let outcome = campaign(&mut bus, knowledge, &plan, &mut |progress| progress.sequences < 300).unwrap();
         let found = &outcome.violations[0];
-        // It shows in error control, or in that it answers.
+        // The violation shows in error control, or in an answer that must not come.
         let is_it = matches!(found.violation.property, Property::NmtState | Property::Silent);
         assert!(is_it && found.confirmed, "{seed}: {found:#?}");
         assert!(found.sequence.stimuli.len() <= 8, "{seed}: {found:#?}");
@@ -365,7 +366,7 @@ fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
     }
 }
 
-/// What a device with many faults violates takes no more than its share of the time, and is short at the end.
+/// Shortening the many violations of a device takes no more than its share of the time, and all are short at the end.
 #[test]
 fn violations_are_made_shorter_beside_the_run() {
     let all = [Fault::SdoUnknownCommandSilent, Fault::SdoToggleWrongCode, Fault::SdoLengthUnchecked];
@@ -378,10 +379,10 @@ fn violations_are_made_shorter_beside_the_run() {
     assert!(shortening.nanos() * 2 < all.nanos(), "{shortening} of {all}");
 }
 
-/// Each reset takes its time, in which nothing is heard.
+/// A device whose reset takes a while, in which it receives nothing.
 struct Deaf {
     device: Device,
-    /// The reset that is under way, and when it is done.
+    /// The reset in progress, and the time of its end.
     reset: Option<(Timestamp, Frame)>,
 }
 
@@ -409,7 +410,7 @@ impl Machine for Deaf {
     }
 }
 
-/// The boot-up message of an earlier reset is not taken for that of the next one, in which requests are lost.
+/// The boot-up message of an earlier reset is not taken for the one of the next reset, during which requests are lost.
 #[test]
 fn a_reset_that_is_under_way_is_waited_for() {
     let device = Device::new(model(), Some(NODE), Fault::SdoToggleWrongCode, 0);
@@ -434,7 +435,7 @@ fn a_run_whose_time_ends_while_the_device_starts_does_not_call_it_dead() {
     }
 }
 
-/// What LSS leaves open, and what nobody knows of the SDO server, is waited for once.
+/// The fuzzer waits only once if CiA 305 leaves an answer open, or if the state of the SDO server is unknown.
 #[test]
 fn little_time_goes_into_silence() {
     for target in [Target::All, Target::Sdo] {

@@ -1,4 +1,4 @@
-//! The fuzzer: it finds what it says it finds, nothing on healthy devices, and says honestly what it can't repeat.
+//! The fuzzer finds the claimed faults and nothing on healthy devices, and reports what it can't repeat as such.
 #![cfg(test)]
 
 mod coverage;

@@ -1,4 +1,4 @@
-//! A device that can die: it then takes nothing, and nothing comes from it.
+//! A device that can die: it then neither accepts nor sends a frame.
 
 use canvass_bus::Machine;
 use canvass_device::Device;

@@ -1,4 +1,4 @@
-//! The Rust test of a violation is one: `conformance/fuzz/tests/reproduced.rs` is what the fuzzer has made, and passes on
+//! The Rust test of a violation works: `conformance/fuzz/tests/reproduced.rs` is written by the fuzzer and passes on
 //! the device without the fault.
 
 use canvass_analyzer::NodeId;
@@ -11,12 +11,12 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reproduced.rs");
 const FAULT: Fault = Fault::SdoToggleUnchecked;
 const SEED: u64 = 7;
 
-/// With `CANVASS_UPDATE=1` the file is written anew.
+/// With `CANVASS_UPDATE=1` the test writes the file.
 #[test]
 fn the_generated_test_is_current_and_shows_the_fault() {
     let limit = Limit { exchanges: 100_000, time: Duration::from_secs(60) };
     let found = detect(FAULT, SEED, limit).unwrap().found.unwrap().found;
-    // As for the user who has fixed the firmware: the bus has no fault any more.
+    // The bus has no fault any more, as if the user had fixed the firmware.
     let text = rust_test(&found, "sim:reference-301", NodeId::new(10).unwrap(), SEED);
     if std::env::var_os("CANVASS_UPDATE").is_some() {
         std::fs::write(FILE, &text).unwrap();

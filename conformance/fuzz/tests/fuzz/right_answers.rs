@@ -1,5 +1,5 @@
-//! What the oracle and the cases once judged differently, or more strictly than CiA 301: the answers that pass, and those
-//! that must not.
+//! Answers that the oracle and the cases once judged differently, or more strictly than CiA 301: which must pass, and
+//! which must not.
 
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;
@@ -20,7 +20,7 @@ const SHORT: &str = "\
 (0000000000.200000) can0 60A#D9FFFF0000000000
 ";
 
-/// The same with three bytes.
+/// A block download to 1017h:00 that announces two bytes, has three, and ends with a wrong CRC.
 const LONG: &str = "\
 (0000000000.000000) can0 60A#C617100002000000
 (0000000000.100000) can0 60A#8101020300000000
@@ -40,7 +40,7 @@ fn a_wrong_crc_and_a_wrong_length_at_once_are_refused_for_either_reason() {
     }
 }
 
-/// Sub-index 4 of 1800h does not exist, whatever a description says: so says the case `301/pdo/reserved-entry`, too.
+/// Sub-index 4 of 1800h does not exist, even if a description contains it. The case `301/pdo/reserved-entry` agrees.
 #[test]
 fn a_reserved_entry_that_is_described_is_none() {
     let (before, after) = EDS.split_once("[1800sub5]").unwrap();

@@ -1,4 +1,4 @@
-//! Devices on a bus that goes on: what is seen once, what dies, what panics.
+//! Live devices whose fault shows only once, that die, or that panic.
 
 use crate::perishable::Perishable;
 use canvass_analyzer::NodeId;
@@ -16,21 +16,21 @@ use std::collections::BTreeSet;
 
 const NODE: NodeId = NodeId::MIN;
 
-/// How a device fails at its n-th request to read 1000h after power-on.
+/// The failure of a device at its n-th request to read 1000h after power-on.
 #[derive(Clone, Copy, PartialEq)]
 enum Failing {
-    /// The answer is lost, once and never again.
+    /// One answer is lost, and never another.
     Once,
-    /// It does nothing any more, whatever comes.
+    /// The device does nothing any more.
     Dies,
-    /// Its program panics.
+    /// The device's program panics.
     Panics,
 }
 
 struct Odd {
     machine: Perishable,
     failing: Failing,
-    /// Reads of 1000h until it fails.
+    /// Number of reads of 1000h until the failure.
     left: u32,
 }
 
@@ -88,7 +88,7 @@ fn knowledge() -> Knowledge {
     Knowledge::new(NODE, Some(model.description()), Some(model.sheet()))
 }
 
-/// The device on a bus that goes on; it is reset before each sequence.
+/// Fuzzes a live device with a reset before each sequence.
 fn on_a_bus(failing: Failing, left: u32) -> Outcome {
     let mut bus = SimulatedBus::new(250_000);
     bus.attach(Box::new(Odd::new(failing, left)));
@@ -123,7 +123,7 @@ fn a_panic_is_the_death_of_the_device() {
     assert!(!last.evidence.is_empty());
 }
 
-/// A device that is made anew for each sequence panics each time, so that the sequence can be made small.
+/// A device that is made anew for each sequence panics each time, so that its sequence can be shrunk.
 #[test]
 fn a_panic_of_a_device_made_anew_is_shrunk() {
     let make = Box::new(|_| Box::new(Odd::new(Failing::Panics, 1_000)) as Box<dyn Machine>);
@@ -132,7 +132,7 @@ fn a_panic_of_a_device_made_anew_is_shrunk() {
     assert!(outcome.violations.is_empty(), "it does not read 1000h so often: {:?}", outcome.violations);
 }
 
-/// On a bus that goes on a fault is repeated and shrunk as well.
+/// The fault of a live device is repeated and shrunk, too.
 #[test]
 fn a_fault_on_a_bus_is_confirmed_and_small() {
     let model = Model::by_id("reference-301").unwrap();

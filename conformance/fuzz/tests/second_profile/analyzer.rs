@@ -1,4 +1,4 @@
-//! Names, and the meaning of an EMCY code.
+//! The object names of the profile, and the meaning of an EMCY code.
 
 use super::{INPUTS, NUMBER, OUTPUTS, OVERLOAD, model, node};
 use canvass_analyzer::EmcyText;
@@ -55,7 +55,7 @@ fn objects_have_the_names_of_their_profile() {
     let name = |at: Multiplexer, profile| names::object_name(at, Some(profile)).map(|name| name.to_string());
     assert_eq!(name(INPUTS, NUMBER).as_deref(), Some("Read input 8-bit, Digital inputs 1"));
     assert_eq!(names::bit_name(INPUTS.index, 1, Some(NUMBER)), Some("input 2"));
-    // The same index is another object in another profile.
+    // The same index names another object in another profile.
     let other = names::profiles().find(|profile| profile.number() != NUMBER).unwrap().number();
     assert_ne!(name(INPUTS, other), name(INPUTS, NUMBER));
 }

@@ -1,4 +1,5 @@
-//! The application: the inputs show the outputs, to which they are wired; outputs that are all on carry too much current.
+//! The application of the profile's device. The inputs are wired to the outputs and show their values. If all outputs
+//! are on, the current is too high.
 
 use super::{INPUTS, NUMBER, OUTPUTS, OVERLOAD, STUCK, model, node};
 use canvass_analyzer::Multiplexer;
@@ -51,7 +52,7 @@ impl Application for Outputs {
     }
 }
 
-/// What the device sends in a second after power-on and after each frame.
+/// The frames that the device sends within a second after power-on and after each request.
 fn answers(requests: &[&str]) -> Vec<String> {
     let mut bus = SimulatedBus::new(250_000);
     bus.attach(Box::new(Device::new(model("io"), Some(node()), Faults::NONE, 0)));
@@ -75,7 +76,7 @@ fn inputs_follow_outputs_and_errors_are_reported() {
     const START: &str = "000#0109";
     const PRE_OPERATIONAL: &str = "000#8009";
     const READ_INPUTS: &str = "609#4000600100000000";
-    // The outputs are set by RPDO; the inputs are read, and sent with the TPDO at each start.
+    // An RPDO sets the outputs. The inputs are read by SDO, and a TPDO sends them at each start.
     let sent = answers(&[START, "209#05", READ_INPUTS, PRE_OPERATIONAL, START, "209#FF", "209#00"]);
     let expected =
         ["709#00", "189#00", "589#4F00600105000000", "189#05", "089#2023030000000000", "089#0000000000000000"];

@@ -1,4 +1,4 @@
-//! A property, and a dialogue in which it shows to be broken.
+//! A property of the profile, and a dialogue that shows its violation.
 
 use super::{INPUTS, NUMBER, OUTPUTS, STUCK, model, node};
 use canvass_analyzer::Multiplexer;
@@ -15,7 +15,7 @@ struct DigitalIo;
 
 inventory::submit! { Registered(&DigitalIo) }
 
-/// Whatever was written to the outputs.
+/// The inputs follow the outputs, whatever was written to these.
 static WIRED: ProfileProperty = ProfileProperty {
     id: "PROP-17",
     title: "inputs show the outputs that they are wired to",
@@ -56,7 +56,7 @@ impl Profile for DigitalIo {
     }
 }
 
-/// The ids of the properties that a run finds broken.
+/// The ids of the violated properties that a run finds.
 fn broken(name: &str) -> BTreeSet<&'static str> {
     let plan = Plan {
         targets: Target::Sdo.into(),

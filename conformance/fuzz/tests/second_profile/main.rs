@@ -1,6 +1,6 @@
-//! A second device profile, which changes no file of the core: CiA 401 with eight digital inputs that are wired to eight
-//! digital outputs. It has what a profile has in each crate: names and the meaning of an EMCY code, the application of a
-//! simulated device, a case, a property.
+//! A second device profile, added without changing a file of the core: CiA 401 with eight digital inputs that are wired
+//! to eight digital outputs. In each crate it has the parts of a profile: object names and the meaning of an EMCY code,
+//! the application of a simulated device, a case, and a property.
 #![cfg(test)]
 
 mod analyzer;
@@ -19,14 +19,14 @@ const INPUTS: Multiplexer = Multiplexer::new(0x6000, 1);
 const OUTPUTS: Multiplexer = Multiplexer::new(0x6200, 1);
 /// The error code of outputs that carry too much current.
 const OVERLOAD: u16 = 0x2320;
-/// A device with this name has inputs that do not follow its outputs.
+/// The name of a device whose inputs don't follow its outputs.
 const STUCK: &str = "stuck";
 
 fn node() -> NodeId {
     NodeId::new(9).unwrap()
 }
 
-/// The device, by its description alone.
+/// The device with this name, made from its description alone.
 fn model(name: &str) -> &'static Model {
     let model = Model::generic(name, include_bytes!("digital-io.eds")).unwrap();
     Box::leak(Box::new(model))

@@ -1,4 +1,4 @@
-//! A case.
+//! A case of the profile.
 
 use super::{INPUTS, NUMBER, OUTPUTS, STUCK, model, node};
 use canvass_analyzer::Multiplexer;

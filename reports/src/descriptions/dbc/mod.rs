@@ -1,6 +1,6 @@
-//! The PDOs of a node as a CAN database (DBC), which tools for CAN without CANopen read.
+//! The PDOs of a node as a CAN database (DBC) for CAN tools without CANopen.
 //!
-//! A frame decoded by it gives the values that [`crate::signals`] gives.
+//! Frames decoded with the database have the same values as in [`crate::signals`].
 
 mod names;
 mod text;
@@ -12,45 +12,45 @@ use names::Names;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A CAN database, and what of the description is not in it.
+/// A CAN database, and the parts of the description that it leaves out.
 #[derive(Clone, Debug)]
 pub struct Database {
-    /// The file. Its character set is Windows-1252, as tools expect.
+    /// The bytes of the file. The character set is Windows-1252, as tools expect.
     pub bytes: Vec<u8>,
-    /// The PDOs that are not in it, with the reason.
+    /// The PDOs that are left out, each with the reason.
     pub left_out: Vec<String>,
-    /// How many PDOs are in it.
+    /// Number of PDOs in the database.
     pub messages: usize,
 }
 
-/// A PDO.
+/// A PDO in the database.
 struct Message {
     pdo: PdoNumber,
     name: String,
     cob_id: CobId,
-    /// In bytes.
+    /// The length of the PDO in bytes.
     length: usize,
     comment: String,
     signals: Vec<Signal>,
 }
 
-/// A value in it.
+/// A value within a PDO.
 struct Signal {
     name: String,
-    /// The first bit: bits are counted as CANopen does, the lowest of the first byte is 0.
+    /// The number of the first bit, counted as in CANopen: the lowest bit of the first byte is 0.
     offset: usize,
     bits: u8,
     kind: Number,
     unit: Option<Unit>,
-    /// The lowest and the highest physical value; nothing where they are not told.
+    /// The lowest and the highest physical value, if the description has them.
     limits: Option<(f64, f64)>,
     comment: String,
 }
 
-/// The longest PDO of classical CAN, in bytes.
+/// Maximum length of a PDO of classical CAN in bytes.
 const LONGEST: usize = 8;
 
-/// The PDOs that a device has at that node-ID after a start with nothing stored.
+/// The PDOs of a device with this node-ID after a start with nothing stored.
 pub fn database(device: KnownDevice, id: NodeId) -> Database {
     let node_name = names::of_node(&device.description, id);
     let device = Arc::new(device);
@@ -104,7 +104,7 @@ fn message(
     Ok(Message { pdo, name, cob_id, length, comment, signals })
 }
 
-/// `TPDO 1 (1800h, 1A00h), transmission type 255, event timer 100 ms`.
+/// The comment of a PDO: `TPDO 1 (1800h, 1A00h), transmission type 255, event timer 100 ms`.
 fn comment(pdo: PdoNumber, parameter: &dyn Fn(u8) -> Option<u32>) -> String {
     let mut comment = format!("{pdo} ({:04X}h, {:04X}h)", pdo.communication_index(), pdo.mapping_index());
     if let Some(kind) = parameter(2) {
@@ -119,12 +119,12 @@ fn comment(pdo: PdoNumber, parameter: &dyn Fn(u8) -> Option<u32>) -> String {
 fn signal(description: &DeviceDescription, mapped: &Mapped, value: &SignalValue<'_>, names: &mut Names) -> Signal {
     let plain = value.name().map(|name| name.to_string()).unwrap_or_default();
     let named = match plain.split_once(", ") {
-        // The entry says its object's name again, and names are short here.
+        // Names are short here, so the name of the object is not repeated in the name of its entry.
         Some((object, entry)) if entry.starts_with(object) => entry.to_owned(),
         _ if plain.is_empty() => format!("Object_{:04X}_{:02X}", mapped.object.index.0, mapped.object.sub.0),
         _ => plain.clone(),
     };
-    // A signal has one unit: the one that the configuration of the device decides says more than steps.
+    // A signal has one unit. The unit that the device's configuration decides says more than the unit "steps".
     let unit = value.scaled().map(|(_, unit)| unit.clone()).or_else(|| value.value()?.1.map(Cow::into_owned));
     Signal {
         name: names.free(&named),
@@ -137,7 +137,7 @@ fn signal(description: &DeviceDescription, mapped: &Mapped, value: &SignalValue<
     }
 }
 
-/// Both limits of the description, as physical values.
+/// Both limits of the description as physical values.
 fn limits(description: &DeviceDescription, object: Multiplexer, unit: Option<&Unit>) -> Option<(f64, f64)> {
     let entry = description.dictionary.entry(object).ok()?;
     let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();

@@ -1,15 +1,15 @@
-//! Names that are identifiers of C, as a DBC asks for: letters, digits and `_`, at most 32, and each once.
+//! Names that are C identifiers, as a DBC requires: letters, digits and `_`, at most 32 characters, and each used once.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use std::collections::HashSet;
 
-/// The most characters that tools take.
+/// Maximum length of a name that tools accept.
 const LONGEST: usize = 32;
-/// What is left of a node's name, so that its PDOs' names have room.
+/// Maximum length of a node's name, which leaves room in the names of its PDOs.
 const LONGEST_NODE: usize = 20;
 
-/// Words of the format.
+/// Reserved words of the format.
 const RESERVED: &[&str] = &[
     "VERSION",
     "NS_",
@@ -36,12 +36,12 @@ const RESERVED: &[&str] = &[
     "Vector__XXX",
 ];
 
-/// Names that are taken.
+/// Names that are already used.
 #[derive(Default)]
 pub(super) struct Names(HashSet<String>);
 
 impl Names {
-    /// The text as an identifier that is not taken yet.
+    /// The text as an identifier that is not used yet.
     pub fn free(&mut self, text: &str) -> String {
         let plain = identifier(text);
         let numbered = (2u32..).map(|number| {
@@ -49,7 +49,7 @@ impl Names {
             let stem: String = plain.chars().take(LONGEST - ending.len()).collect();
             stem + &ending
         });
-        // A free one comes in time: a PDO has at most 64 signals.
+        // One of the numbers is free, because a PDO has at most 64 signals.
         let free =
             std::iter::once(plain.clone()).chain(numbered).find(|name| !self.0.contains(name)).unwrap_or_default();
         self.0.insert(free.clone());
@@ -75,7 +75,7 @@ pub(super) fn identifier(text: &str) -> String {
     if RESERVED.contains(&name.as_str()) { format!("{name}_") } else { name }
 }
 
-/// `Sendix_F5868_63`: what the node is called, else its product, and its node-ID.
+/// The name of a node: its configured name, otherwise its product name, with the node-ID: `Sendix_F5868_63`.
 pub(super) fn of_node(description: &DeviceDescription, id: NodeId) -> String {
     let configured = description.commissioning.as_ref().map(|it| it.node_name.as_str()).unwrap_or_default();
     let names = [configured, &description.device.product_name, "Node"];

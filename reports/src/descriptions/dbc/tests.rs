@@ -24,7 +24,7 @@ fn pdos_stand_as_they_are_mapped() {
     assert_eq!(database.messages, text.matches("\nBO_ ").count());
 }
 
-/// What an RPDO, a real number, a gap, a name of nothing and a 29-bit identifier become.
+/// The DBC entries of an RPDO, a real number, a gap, a name without letters and a 29-bit identifier.
 #[test]
 fn unusual_pdos_are_written_too() {
     let object = |index: &str, name: &str, kind: &str, access: &str| {
@@ -71,7 +71,7 @@ fn unusual_pdos_are_written_too() {
 }
 
 proptest! {
-    /// Whatever stands in a file, the lines of the database stay what they are.
+    /// No text of a description can change the lines of the database.
     #[test]
     fn texts_of_files_do_not_act(name in "\\PC{0,40}", product in "[\u{0}-\u{20}\"\\\\;a-z\u{FC}]{0,20}") {
         let text = EDS.replace("ParameterName=Position value", &format!("ParameterName={name}"))

@@ -1,12 +1,12 @@
-//! The text of a DBC.
+//! The text of a DBC file.
 
 use super::{Message, Signal};
 use canvass_analyzer::{Number, PdoNumber};
 use std::fmt::Write;
 
-/// The sender or receiver where it is not this node.
+/// The sender or receiver that stands for all other nodes.
 const NOBODY: &str = "Vector__XXX";
-/// Marks an identifier of 29 bits.
+/// The bit that marks an identifier of 29 bits.
 const EXTENDED: u32 = 1 << 31;
 
 pub(super) fn render(node: &str, messages: &[Message]) -> Vec<u8> {
@@ -49,7 +49,7 @@ fn signal(text: &mut String, signal: &Signal, receiver: &str) {
     let (low, high) = signal.limits.unwrap_or((0.0, 0.0));
     let unit = signal.unit.as_ref().map(|unit| string(&unit.symbol)).unwrap_or_default();
     let Signal { name, offset: first, bits, .. } = signal;
-    // @1: the lowest bit first, as CANopen has it.
+    // "@1" means the lowest bit first, as in CANopen.
     let _ =
         writeln!(text, " SG_ {name} : {first}|{bits}@1{sign} ({factor},{offset}) [{low}|{high}] \"{unit}\" {receiver}");
 }
@@ -62,7 +62,7 @@ const fn frame_id(message: &Message) -> u32 {
     message.cob_id.can_id() | if message.cob_id.is_extended() { EXTENDED } else { 0 }
 }
 
-/// A text between quotes, in one line. What comes from a file may hold anything.
+/// A quoted text on one line. A text from a file may contain any characters.
 fn string(text: &str) -> String {
     let plain = text.chars().map(|character| match character {
         '"' => '\'',
@@ -73,7 +73,7 @@ fn string(text: &str) -> String {
     plain.collect()
 }
 
-/// The character set of Windows, as far as it is Latin-1.
+/// A text in the character set Windows-1252, as far as this equals Latin-1.
 fn windows_1252(text: &str) -> Vec<u8> {
     let byte = |character: char| match u32::from(character) {
         code @ (0..=0x7F | 0xA0..=0xFF) => code as u8,

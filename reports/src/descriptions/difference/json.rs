@@ -58,7 +58,7 @@ fn name_of_pdo(pdo: PdoNumber) -> String {
     pdo.to_string()
 }
 
-/// What a description says, as JSON.
+/// The content of a description's fact as JSON.
 pub(in crate::descriptions) fn content(fact: &Fact) -> Value {
     match fact {
         Fact::Text(text) => json!(text),
@@ -76,7 +76,7 @@ pub(in crate::descriptions) fn content(fact: &Fact) -> Value {
     }
 }
 
-/// A number where it is one, else a text: a formula as CiA 306 writes it.
+/// A number, or a text such as a formula in the notation of CiA 306.
 fn value(setting: &Setting) -> Value {
     match setting {
         Setting::NodeIdPlus(offset) => json!(format!("$NODEID+{offset:#X}")),

@@ -1,23 +1,23 @@
-//! What differs between two device descriptions, in every form in which it is wanted.
+//! The differences between two device descriptions, in all output forms.
 
 pub(super) mod json;
 mod report;
 
 use canvass_analyzer::dictionary::difference::{ChangeKind, Class, Difference, Fact};
 
-/// What differs between two files.
+/// The differences between two files.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// The name of the old file, as the user gave it.
     pub old: String,
-    /// The name of the new one.
+    /// The name of the new file, as the user gave it.
     pub new: String,
-    /// What differs, in the order of the description.
+    /// The differences, in the order of the description.
     pub differences: Vec<Difference>,
 }
 
 impl Compared {
-    /// Whether there is a difference of that class, or of a graver one.
+    /// Whether there is a difference of this class or a graver one.
     pub fn has(&self, least: Class) -> bool {
         self.differences.iter().any(|difference| difference.kind.class >= least)
     }
@@ -26,7 +26,7 @@ impl Compared {
         self.differences.iter().filter(|difference| difference.kind.class == class).count()
     }
 
-    /// `2 breaking, no notable, 1 harmless`.
+    /// The number of differences by class: `2 breaking, no notable, 1 harmless`.
     fn counts(&self) -> String {
         let counts = Class::ALL.map(|class| match self.count(class) {
             0 => format!("no {class}"),
@@ -35,7 +35,7 @@ impl Compared {
         counts.join(", ")
     }
 
-    /// The differences by kind, the gravest first and otherwise as they come.
+    /// The differences by kind, the gravest first. Kinds of the same class keep their order.
     fn by_kind(&self) -> Vec<(&'static ChangeKind, Vec<&Difference>)> {
         let mut kinds: Vec<(&'static ChangeKind, Vec<&Difference>)> = Vec::new();
         for difference in &self.differences {
@@ -49,12 +49,12 @@ impl Compared {
     }
 }
 
-/// `6004h:00 Position value`.
+/// The object of a difference: `6004h:00 Position value`.
 fn subject(difference: &Difference) -> String {
     format!("{} {}", difference.subject, difference.name).trim_end().to_owned()
 }
 
-/// What a description says.
+/// The content of a description's fact in words.
 fn fact(fact: Option<&Fact>) -> String {
     fact.map_or_else(|| "nothing".to_owned(), ToString::to_string)
 }

@@ -1,4 +1,4 @@
-//! What differs between two descriptions, as a report: each kind of change with where it is and what follows from it.
+//! The differences between two descriptions as a report: each kind of change with its places and consequences.
 
 use super::{Compared, fact, json, subject};
 use crate::document::{Block, Depth, Document, Finding, Report, Row, Section, Table, Tone};

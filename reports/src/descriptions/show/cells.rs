@@ -1,4 +1,4 @@
-//! What is shown of an entry, each on one line and safe to show.
+//! The shown properties of an entry, each on one line and safe to show.
 
 use super::{Shown, at};
 use crate::escape::printable;
@@ -9,16 +9,16 @@ use canvass_analyzer::dictionary::{Entry, Object, Setting};
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType};
 use canvass_analyzer::{CobId, Multiplexer};
 
-/// One entry.
+/// The texts of one entry.
 pub(super) struct Cells {
     pub name: String,
     pub data_type: String,
     pub access: &'static str,
-    /// In which PDOs it can be.
+    /// The kinds of PDOs into which the entry can be mapped.
     pub mapping: &'static str,
     pub default: String,
     pub limits: String,
-    /// What a DCF or XDC sets.
+    /// The value that a DCF or XDC sets.
     pub configured: String,
 }
 
@@ -69,20 +69,20 @@ fn setting(shown: &Shown, at: Multiplexer, entry: &Entry, setting: &Setting) -> 
     printable(&fact.to_string()).into_owned()
 }
 
-/// The object that an entry of a mapping names.
+/// The object that a mapping entry names.
 fn mapped(at: Multiplexer, setting: &Setting) -> Option<MappingEntry> {
     let is_mapping = canvass_analyzer::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0;
     let raw = setting.fixed()?.to_raw().filter(|&raw| is_mapping && raw > 0)?;
     u32::try_from(raw).ok().map(MappingEntry)
 }
 
-/// `CiA 301 7.5.2.21: Identity object, Vendor-ID`; empty where no standard defines it.
+/// The name in the standard: `CiA 301 7.5.2.21: Identity object, Vendor-ID`. Empty if no standard defines the entry.
 pub(super) fn standard(shown: &Shown, at: Multiplexer) -> String {
     let name = shown.standard(at);
     name.map_or_else(String::new, |name| format!("{}: {name}", name.object.clause().brief()))
 }
 
-/// `32 bits, CAN-ID $NODEID+180h, no remote frames`.
+/// The properties of a PDO: `32 bits, CAN-ID $NODEID+180h, no remote frames`.
 pub(super) fn about(shown: &Shown, layout: &PdoLayout<'_>) -> String {
     let content = match &layout.fields {
         None => "mapping not described".to_owned(),
@@ -100,7 +100,7 @@ pub(super) fn about(shown: &Shown, layout: &PdoLayout<'_>) -> String {
     format!("{content}, CAN-ID {node}{:X}h{off}{rtr}", cob_id.can_id())
 }
 
-/// `transmission type 254 (on events of the manufacturer)`; empty if it is not told.
+/// The transmission type: `transmission type 254 (on events of the manufacturer)`. Empty if it is not described.
 pub(super) fn transmission_type(layout: &PdoLayout<'_>) -> String {
     layout.transmission_type.map_or_else(String::new, |number| {
         format!("transmission type {number} ({})", transmission(TransmissionType(number)))
@@ -119,7 +119,7 @@ fn transmission(kind: TransmissionType) -> &'static str {
     }
 }
 
-/// `6004h:00 Position value, UNSIGNED32`.
+/// A field of a PDO: `6004h:00 Position value, UNSIGNED32`.
 pub(super) fn field(field: &PdoField<'_>) -> String {
     let object = field.mapped.object();
     let text = match field.entry {
@@ -130,7 +130,7 @@ pub(super) fn field(field: &PdoField<'_>) -> String {
     printable(&text).into_owned()
 }
 
-/// `bit 3`, `bits 0 to 31`.
+/// The place of a field: `bit 3`, `bits 0 to 31`.
 pub(super) fn bits(field: &PdoField<'_>) -> String {
     match field.mapped.bits() {
         0 => "no bits".to_owned(),

@@ -1,4 +1,4 @@
-//! A page of its own: searched as one types, printed as it is.
+//! A self-contained page with a search as you type. It can also be printed.
 
 use super::cells::{self, Cells};
 use super::{AREAS, Shown, at, picture, version};
@@ -88,7 +88,7 @@ fn table(shown: &Shown, area: &str, objects: &[&Object]) -> Markup {
     }
 }
 
-/// An object is a body of its own, so that the filter shows or hides it whole.
+/// The rows of an object. Each object is a table body, so that the filter shows or hides it as a whole.
 fn rows(shown: &Shown, object: &Object) -> Markup {
     let single = object.code.is_single();
     html! {
@@ -160,9 +160,9 @@ fn pdo(shown: &Shown, layout: &PdoLayout<'_>) -> Markup {
     }
 }
 
-/// Bytes as columns, bit 0 of each first; as wide as its place.
+/// A drawing of the bytes as columns, bit 0 of each first. It is as wide as its place.
 fn drawing(fields: &[PdoField<'_>]) -> Markup {
-    /// The width of a bit.
+    /// The width of a bit in the drawing.
     const BIT: u32 = 10;
     let bytes = fields.last().map_or(0, PdoField::end).div_ceil(8);
     let width = bytes * 8 * BIT;

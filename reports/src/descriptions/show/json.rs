@@ -66,7 +66,7 @@ fn one_entry(shown: &Shown, object: &Object, entry: &Entry) -> Value {
     })
 }
 
-/// What a standard calls it, and where.
+/// The name and the clause of an object in a standard.
 fn in_standard(name: &ObjectName) -> Value {
     let clause = name.object.clause();
     json!({

@@ -1,4 +1,4 @@
-//! The appendix of a manual.
+//! The description as an appendix of a manual.
 
 use super::cells::{self, Cells};
 use super::{AREAS, Shown, picture};

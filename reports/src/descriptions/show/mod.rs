@@ -1,4 +1,4 @@
-//! A device description to read: its objects as a table, one object in detail, its PDOs bit by bit.
+//! A device description for reading: its objects as a table, one object in detail, its PDOs bit by bit.
 
 mod cells;
 mod html;
@@ -13,30 +13,30 @@ use canvass_analyzer::dictionary::{DeviceDescription, FileInfo, Object};
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use std::io::{self, Write};
 
-/// A description that is shown.
+/// A description to show.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// The file, as the user named it.
+    /// The name of the file, as the user gave it.
     pub file: String,
-    /// What it says.
+    /// The content of the file.
     pub description: DeviceDescription,
-    /// The node-ID that formulas are shown for; without it, as formulas.
+    /// The node-ID for which formulas are computed. `None`: the formulas themselves are shown.
     pub node: Option<NodeId>,
-    /// The object that alone is shown, in detail.
+    /// The only object to show, in detail.
     pub only: Option<Index>,
 }
 
-/// How a terminal is written to.
+/// The capabilities of the terminal.
 #[derive(Clone, Copy, Debug)]
 pub struct Style {
-    /// With colours.
+    /// Whether colours are used.
     pub colors: bool,
-    /// The columns that there are.
+    /// The width in columns.
     pub width: u16,
 }
 
 impl Shown {
-    /// For people: a table, or one object in detail.
+    /// The text for people: a table, or one object in detail.
     pub fn text(&self, style: Style) -> String {
         text::render(self, style)
     }
@@ -46,15 +46,15 @@ impl Shown {
         json::document(self)
     }
 
-    /// The appendix of a manual.
+    /// The description as an appendix of a manual.
     pub fn markdown(&self) -> String {
         markdown::document(self)
     }
 
-    /// A page of its own, to search and to print.
+    /// A self-contained page to search and to print.
     ///
     /// # Errors
-    /// What `out` gives.
+    /// The errors of `out`.
     pub fn html(&self, out: &mut dyn Write) -> io::Result<()> {
         html::render(self, out)
     }
@@ -74,19 +74,19 @@ impl Shown {
         all.filter(|layout| self.only.is_none_or(|only| concerns(layout, only))).collect()
     }
 
-    /// What a standard says of an entry.
+    /// The name of an entry in a standard.
     fn standard(&self, at: Multiplexer) -> Option<ObjectName> {
         object_name(at, self.description.device_profile())
     }
 
-    /// What is called so in the file, or else how the file is called.
+    /// The product name in the file, or otherwise the name of the file.
     fn title(&self) -> &str {
         let name = self.description.device.product_name.trim();
         if name.is_empty() { &self.file } else { name }
     }
 }
 
-/// The parts of the object dictionary, by their first and last index.
+/// The areas of the object dictionary by their first and last index.
 const AREAS: [(u16, u16, &str); 4] = [
     (0x0000, 0x1FFF, "Communication profile"),
     (0x2000, 0x5FFF, "Manufacturer"),
@@ -94,7 +94,7 @@ const AREAS: [(u16, u16, &str); 4] = [
     (0xA000, 0xFFFF, "Network variables and others"),
 ];
 
-/// `1.2` of FileVersion=1 and FileRevision=2.
+/// The version of the file: `1.2` for FileVersion=1 and FileRevision=2.
 fn version(file: &FileInfo) -> String {
     let parts = [file.version.as_str(), file.revision.as_str()];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(".")

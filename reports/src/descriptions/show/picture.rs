@@ -1,19 +1,19 @@
-//! A PDO as a picture in 80 columns: a character for each bit, a letter for each field.
+//! A picture of a PDO in 80 columns: a character for each bit, a letter for each field.
 
 use canvass_analyzer::dictionary::layout::PdoField;
 
-/// As many fields as bits can be in a PDO.
+/// The letters of the fields. A PDO has at most as many fields as bits.
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789#@";
 
-/// The bits that a PDO can have.
+/// Maximum number of bits in a PDO.
 const BITS: u32 = 64;
 
-/// The letter of the field of that number.
+/// The letter of a field by its number.
 pub(super) fn letter(number: usize) -> char {
     LETTERS.get(number).map_or('?', |&letter| char::from(letter))
 }
 
-/// Two lines: the bytes, and the bits below them, bit 0 of each byte first.
+/// Two lines: the numbers of the bytes, and below them the bits, bit 0 of each byte first.
 pub(super) fn lines(fields: &[PdoField<'_>]) -> [String; 2] {
     let end = fields.last().map_or(0, PdoField::end).min(BITS);
     let bytes = end.div_ceil(8);

@@ -1,4 +1,4 @@
-//! What is shown of a description, in each form.
+//! The shown description in each form.
 
 use super::{Shown, Style, picture};
 use canvass_analyzer::dictionary::DeviceDescription;
@@ -96,7 +96,7 @@ fn json_has_numbers_as_numbers() {
 }
 
 proptest! {
-    /// Each bit of the picture is that of its field, and no line is wider than a page.
+    /// Each bit of the picture belongs to its field, and no line is wider than a page.
     #[test]
     fn a_picture_has_each_bit_in_its_place(lengths in proptest::collection::vec(0u8..=64, 0..64)) {
         let mut offset = 0;

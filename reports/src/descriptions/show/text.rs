@@ -1,4 +1,4 @@
-//! For people.
+//! The description as text for people.
 
 use super::cells::{self, Cells};
 use super::{Shown, Style, at, picture, version};
@@ -88,7 +88,7 @@ fn detail(shown: &Shown, object: &Object, text: &mut String) {
     }
 }
 
-/// What is known of an entry; empty where there is nothing to say.
+/// The facts of an entry. The text is empty if a fact is not known.
 fn facts(shown: &Shown, object: &Object, entry: &Entry) -> [(&'static str, String); 9] {
     let cells = Cells::of(shown, object, entry);
     let bytes = entry.data_type.bits().map_or_else(String::new, |bits| match bits {
@@ -117,7 +117,7 @@ fn facts(shown: &Shown, object: &Object, entry: &Entry) -> [(&'static str, Strin
 }
 
 fn pdos(layouts: &[PdoLayout<'_>], shown: &Shown, style: Style, text: &mut String) {
-    // No wider than a page, whatever the terminal is.
+    // The picture is no wider than a page, even on a wider terminal.
     let width = usize::from(style.width).min(80);
     for layout in layouts {
         let _ = writeln!(text, "\n{}: {}", layout.pdo, cells::about(shown, layout));

@@ -62,7 +62,7 @@ fn difference(verification: &Verification, mismatch: &Mismatch) -> Value {
     })
 }
 
-/// A value where there is one, else the words.
+/// A value, or the words if there is none.
 fn value(shown: &Side) -> Value {
     let setting = |value: &Option<canvass_analyzer::dictionary::Value>| {
         value.clone().map(|value| content(&Fact::Setting(Setting::Fixed(value))))

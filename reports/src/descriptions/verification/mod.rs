@@ -1,4 +1,4 @@
-//! In what a device differs from its description, in every form in which it is wanted.
+//! The differences between a device and its description, in all output forms.
 
 mod json;
 mod report;
@@ -7,34 +7,34 @@ use crate::page_text::none_or_counted;
 use canvass_analyzer::dictionary::survey::compare::{Mismatch, Weight};
 use canvass_analyzer::{Index, NodeId};
 
-/// A device that was compared with its description.
+/// The result of comparing a device with its description.
 #[derive(Clone, Debug)]
 pub struct Verification {
-    /// The description, as the user named it.
+    /// The name of the description, as the user gave it.
     pub file: String,
-    /// The bus, as the user named it.
+    /// The address of the bus, as the user gave it.
     pub bus: String,
-    /// The device.
+    /// The node-ID of the device.
     pub node: NodeId,
-    /// Whether nobody has configured the device: values other than the defaults are differences then.
+    /// Whether the device is still as delivered. Then a value other than the default is a difference.
     pub as_delivered: bool,
-    /// How many entries were read.
+    /// Number of entries that were read.
     pub read: usize,
-    /// How many of them the device has.
+    /// Number of these entries that the device has.
     pub existing: usize,
-    /// From where on no more indexes were looked at, as the device does not answer for those that it does not have.
+    /// The first index that was not read any more, because the device does not answer for missing objects.
     pub given_up: Option<Index>,
-    /// What was found, by index.
+    /// The mismatches, by index.
     pub mismatches: Vec<Mismatch>,
 }
 
 impl Verification {
-    /// What shows that description or device is wrong.
+    /// The mismatches that show an error of the description or the device.
     pub fn differences(&self) -> impl Iterator<Item = &Mismatch> {
         self.mismatches.iter().filter(|mismatch| self.counts(mismatch))
     }
 
-    /// What configuration or state of the device may explain.
+    /// The mismatches that configuration or state of the device may explain.
     pub fn explicable(&self) -> impl Iterator<Item = &Mismatch> {
         self.mismatches.iter().filter(|mismatch| !self.counts(mismatch))
     }
@@ -47,7 +47,7 @@ impl Verification {
         }
     }
 
-    /// `214 entries read, 2 differences, 1 value that may be configuration or state`.
+    /// The numbers in words: `214 entries read, 2 differences, 1 value that may be configuration or state`.
     fn summary(&self) -> String {
         let (differences, possible) = (self.differences().count(), self.explicable().count());
         let entries = if self.read == 1 { "1 entry".to_owned() } else { format!("{} entries", self.read) };
@@ -60,7 +60,7 @@ impl Verification {
         format!("{entries} read, {differences}{possible}")
     }
 
-    /// What is to be known of the area that was looked at; empty if it was all.
+    /// The remark that a part of the dictionary was not read. Empty if all was read.
     fn incomplete(&self) -> String {
         match self.given_up {
             None => String::new(),
@@ -72,12 +72,12 @@ impl Verification {
     }
 }
 
-/// `6004h:00 Position value`.
+/// The object of a mismatch: `6004h:00 Position value`.
 fn subject(mismatch: &Mismatch) -> String {
     format!("{} {}", mismatch.subject, mismatch.name).trim_end().to_owned()
 }
 
-/// What is added to a difference that may be none.
+/// The remark on a mismatch that need not be an error.
 const fn remark(weight: Weight) -> &'static str {
     match weight {
         Weight::Differs => "",

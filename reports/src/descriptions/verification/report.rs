@@ -1,4 +1,4 @@
-//! In what a device differs from its description, as a report.
+//! The differences between a device and its description as a report.
 
 use super::{Verification, json, remark, subject};
 use crate::document::{Block, Cell, Depth, Document, Report, Row, Section, Table, Tone};
@@ -37,7 +37,7 @@ fn incomplete(verification: &Verification) -> Option<Block> {
     Some(verification.incomplete()).filter(|told| !told.is_empty()).map(Block::Text)
 }
 
-/// A table, then what each kind of difference means.
+/// One table, followed by the meaning of each kind of difference.
 fn on_a_screen(verification: &Verification) -> Vec<Section> {
     let counted = verification.differences().map(|mismatch| row(mismatch, Tone::Bad));
     let others = verification.explicable().map(|mismatch| row(mismatch, Tone::Doubt));
@@ -50,7 +50,7 @@ fn on_a_screen(verification: &Verification) -> Vec<Section> {
     found.into_iter().chain(incomplete(verification).map(|block| section("", vec![block]))).collect()
 }
 
-/// A table for each weight, with what each difference means.
+/// A table for each weight, with the meaning of each difference.
 fn in_full(verification: &Verification) -> Vec<Section> {
     let differences: Vec<&Mismatch> = verification.differences().collect();
     let others: Vec<&Mismatch> = verification.explicable().collect();

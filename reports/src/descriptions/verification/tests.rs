@@ -1,4 +1,4 @@
-//! What is printed of a device that differs from its description.
+//! The report on a device that differs from its description.
 
 use super::Verification;
 use crate::document::{Form, Report, Style};

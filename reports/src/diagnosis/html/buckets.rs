@@ -1,35 +1,35 @@
-//! Something over time, in a bounded number of buckets: when they don't suffice, each two become one.
+//! Values over time in a bounded number of buckets. When the buckets don't suffice, each two neighbours are merged.
 
 use canvass_traces::{Duration, Timestamp};
 
-/// What two neighbouring buckets become.
+/// The merge of two neighbouring buckets.
 pub trait Merge {
-    /// Takes in the later one.
+    /// Merges the later bucket into this one.
     fn merge(&mut self, later: Self);
 }
 
-/// At most `MOST` buckets of equal width, from a start on.
+/// At most `MOST` buckets of equal width, from a start time on.
 #[derive(Debug)]
 pub struct Buckets<T, const MOST: usize> {
     start: Timestamp,
     width: Duration,
-    /// At most `MOST`.
+    /// Maximum number of buckets, which is `MOST` or less.
     most: usize,
     slots: Vec<Option<T>>,
 }
 
 impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
-    /// Empty ones. They begin at `start`, each `width` (more than 0) wide.
+    /// Empty buckets. They begin at `start`, and each is `width` (more than 0) wide.
     pub const fn new(start: Timestamp, width: Duration) -> Self {
         Self { start, width, most: MOST, slots: Vec::new() }
     }
 
-    /// The buckets, limited to `most` of them, at least one.
+    /// Limits the number of buckets to `most`, and to at least one.
     pub fn limited_to(self, most: usize) -> Self {
         Self { most: most.clamp(1, MOST), ..self }
     }
 
-    /// Adds something that was seen at a time. A time before the start counts for the first bucket.
+    /// Adds a value with its time. A value before the start is added to the first bucket.
     pub fn add(&mut self, now: Timestamp, value: T) {
         let elapsed = now.since(self.start).nanos();
         let mut at = elapsed / self.width.nanos();
@@ -64,13 +64,13 @@ impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
         self.width = self.width.times(2);
     }
 
-    /// What was seen, in the order of time.
+    /// The values in the order of time.
     pub fn iter(&self) -> impl Iterator<Item = &T> {
         self.slots.iter().flatten()
     }
 }
 
-/// The least and the greatest of several samples, each with its time.
+/// The lowest and the highest of several samples, each with its time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Extremes {
     least: (Timestamp, f64),
@@ -78,12 +78,12 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Of one sample.
+    /// The extremes of a single sample.
     pub const fn of(time: Timestamp, value: f64) -> Self {
         Self { least: (time, value), most: (time, value) }
     }
 
-    /// One or two samples, in the order of time.
+    /// The extremes as one or two samples, in the order of time.
     pub fn samples(&self) -> impl Iterator<Item = (Timestamp, f64)> {
         let (first, second) =
             if self.least.0 <= self.most.0 { (self.least, self.most) } else { (self.most, self.least) };
@@ -96,7 +96,7 @@ impl Merge for Extremes {
         if later.least.1 < self.least.1 {
             self.least = later.least;
         }
-        // Of equal ones the last, so that a line reaches as far as the samples do.
+        // The last of equal samples is kept, so that a line reaches to the last sample.
         if later.most.1 >= self.most.1 {
             self.most = later.most;
         }

@@ -1,4 +1,4 @@
-//! What the page needs beside the findings and figures: frames, and values over time.
+//! The data of the page that findings and figures don't contain: frames, and values over time.
 
 use super::buckets::{Buckets, Merge};
 use super::excerpt::Excerpt;
@@ -12,7 +12,7 @@ use canvass_traces::{ChannelId, Channels, Duration, Record, Timestamp};
 use std::collections::BTreeMap;
 use std::io;
 
-/// Collects it while a capture is read, once, in memory that does not grow with the capture.
+/// Collects the data of the page while a capture is read, once, in bounded memory.
 pub struct Collector {
     pub(super) excerpt: Excerpt,
     pub(super) sampler: Sampler,
@@ -24,14 +24,14 @@ pub struct Collector {
 const CLOSELY: usize = 508;
 const ROUGHLY: usize = 32;
 
-/// EMCY of one node within a time.
+/// The EMCY messages of one node within a bucket.
 #[derive(Clone, Copy, Debug)]
 pub struct Emergencies {
-    /// When the first was sent.
+    /// The time of the first message.
     pub time: Timestamp,
-    /// Its code, or that of the first one that is an error.
+    /// The error code of the first message that reports an error, or of the first message if none does.
     pub code: EmcyCode,
-    /// How many.
+    /// Number of messages.
     pub count: u64,
 }
 
@@ -56,10 +56,10 @@ impl Default for Collector {
 }
 
 impl Collector {
-    /// Takes a frame, as the diagnosis has just looked at it.
+    /// Takes a frame after the diagnosis has taken it.
     ///
     /// # Errors
-    /// None that this collector makes: what takes values may write them to a file.
+    /// None of this collector. Other collectors may write values to a file.
     pub fn frame(&mut self, record: &Record, channels: &Channels, observed: &Observed<'_>) -> io::Result<()> {
         self.excerpt.frame(record, observed);
         for event in observed.bus.events() {
@@ -67,7 +67,7 @@ impl Collector {
                 && let Some(code) = emergency.emcy.code()
             {
                 let time = record.timestamp;
-                // Nobody looks at thousands of nodes as closely as at some.
+                // A user looks less closely at each of thousands of nodes.
                 let most = if self.emergencies.len() < CLOSELY { usize::MAX } else { ROUGHLY };
                 let new = || Buckets::new(time, Duration::from_millis(10)).limited_to(most);
                 let buckets = self.emergencies.entry((record.channel, *node)).or_insert_with(new);

@@ -1,4 +1,4 @@
-//! What the page's scripts draw, in as few characters as a page of a million frames needs.
+//! The data that the page's scripts draw, in few characters even for a page with a million frames.
 
 use super::MOST_FINDINGS;
 use super::collector::Collector;
@@ -15,10 +15,10 @@ use canvass_traces::{ChannelId, Timestamp, hex};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 
-/// All of it. Times are microseconds since the first frame, channels are places in the list of names.
+/// All data. Times are in microseconds since the first frame, and channels are positions in the list of names.
 #[derive(Serialize)]
 pub struct Data<'a> {
-    /// From the first to the last frame.
+    /// The time from the first to the last frame.
     span: i64,
     channels: Vec<String>,
     services: Vec<&'static str>,
@@ -27,9 +27,9 @@ pub struct Data<'a> {
     signals: Vec<Signal>,
     findings: Vec<Finding>,
     frames: Vec<Frame>,
-    /// The meanings of frames, each once.
+    /// All different meanings of frames.
     texts: Vec<String>,
-    /// The numbers (from 1) of the findings that a frame proves, by its place in the list.
+    /// The numbers (from 1) of the findings that a frame proves, by the frame's position in the list.
     proofs: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -52,7 +52,7 @@ struct Node {
 #[derive(Serialize)]
 struct Bus {
     channel: usize,
-    /// What a number of the lists means: percent of the bit rate, or kbit/s.
+    /// The unit of the numbers in the lists: percent of the bit rate, or kbit/s.
     unit: &'static str,
     start: i64,
     width: i64,
@@ -67,7 +67,7 @@ struct Signal {
     node: u8,
     label: String,
     unit: String,
-    /// Each as the distance to the one before.
+    /// The times of the values, each as the difference from the one before.
     t: Vec<i64>,
     v: Vec<f64>,
 }
@@ -80,15 +80,16 @@ struct Finding {
     channel: Option<usize>,
     t: i64,
     count: u64,
-    /// The number (from 1) of the finding from which it follows.
+    /// The number (from 1) of the finding from which this one follows.
     of: Option<usize>,
 }
 
-/// Number among all frames (0: not known), nanoseconds, line or packet, channel, node, service, CAN-ID, data, meaning.
+/// A frame: its number among all frames (0: not known), nanoseconds, line or packet, channel, node, service, CAN-ID,
+/// data, meaning.
 type Frame = (u64, i64, u64, usize, Option<u8>, i8, String, String, usize);
 
 impl<'a> Data<'a> {
-    /// Of a diagnosis, with the frames that are shown.
+    /// The data of a diagnosis, with the frames that are shown.
     pub fn new(
         diagnosed: &'a Diagnosed<'a>,
         collected: &'a Collector,
@@ -115,7 +116,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Gives channels their places.
+/// A list of channel names, which gives each channel its position.
 struct Names<'a> {
     diagnosed: &'a Diagnosed<'a>,
     ids: Vec<ChannelId>,
@@ -134,7 +135,7 @@ impl Names<'_> {
         self.ids.iter().map(|id| printable(&self.diagnosed.channel(*id)).into_owned()).collect()
     }
 
-    /// Nanoseconds since the start, which a stepping clock may leave behind.
+    /// Nanoseconds since the start. The number is negative if the clock stepped back.
     fn nanos(&self, time: Timestamp) -> i64 {
         let nanos = i128::from(time.nanos()) - i128::from(self.start.nanos());
         nanos.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64
@@ -145,7 +146,7 @@ impl Names<'_> {
     }
 }
 
-/// Gives texts their places.
+/// A list of texts, which gives each text its position.
 #[derive(Default)]
 struct Texts {
     list: Vec<String>,
@@ -168,7 +169,7 @@ fn span(diagnosed: &Diagnosed<'_>, names: &Names<'_>) -> i64 {
     diagnosed.results.buses.iter().map(|(_, bus)| names.micros(bus.last)).max().unwrap_or(0)
 }
 
-/// The nodes of all channels, each made when it is written: what they have said of their states may be much.
+/// The nodes of all channels. Each is made only when it is written, as the states of a node may be many.
 struct Nodes<'a> {
     collected: &'a Collector,
     names: Names<'a>,
@@ -216,7 +217,7 @@ fn buses(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Bus> {
             let value = if within > 0.0 { bits as f64 * 100.0 / full / within } else { 0.0 };
             (value * 100.0).round() / 100.0
         };
-        // The last one ends with the capture.
+        // The last bucket ends with the capture.
         let within = |at: usize| {
             let width = load.width().nanos() as f64 / 1e9;
             let rest = bus.last.since(start).nanos() as f64 / 1e9 - last as f64 * width;

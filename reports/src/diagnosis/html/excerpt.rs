@@ -1,4 +1,5 @@
-//! The frames that the page shows: all of a small capture, else those around findings, and the first and last ones.
+//! The frames that the page shows: all frames of a small capture, otherwise the frames around findings and the first
+//! and last frames.
 
 use canvass_analyzer::findings::{Exhibit, Observed, Reported};
 use canvass_analyzer::{Meaning, NodeId, Service};
@@ -21,29 +22,30 @@ const MOST_OF_RULE: u32 = 30;
 const BYTES: usize = 64;
 const CHARACTERS: usize = 400;
 
-/// Collects them, in bounded memory.
+/// Collects the frames to show, in bounded memory.
 #[derive(Default)]
 pub struct Excerpt {
     seen: u64,
     /// The latest frames.
     ring: VecDeque<Shown>,
     opening: Vec<Shown>,
-    /// By their number, with how many places they are around.
+    /// The kept frames by their number, each with the number of places that need it.
     kept: BTreeMap<u64, (Shown, u32)>,
     places: HashMap<Key, Spot>,
     by_rule: HashMap<&'static str, u32>,
-    /// When places are complete, in the order of time; those that have moved since are out of date.
+    /// The frame numbers after which places are complete, in the order of time. An entry is out of date if its place
+    /// has moved since.
     due: VecDeque<(u64, Key)>,
 }
 
-/// A finding, when it was first seen or when it was worst.
+/// The place of a finding: its first occurrence or its worst one.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     finding: usize,
     first: bool,
 }
 
-/// Around which frame, and the frames that are kept for that already.
+/// The frame of a place, and the range of frames that are already kept for it.
 #[derive(Clone, Copy, Default)]
 struct Spot {
     at: u64,
@@ -55,7 +57,7 @@ struct Spot {
 pub struct Shown {
     /// Number of the frame in the capture, from 1; 0 if unknown.
     pub number: u64,
-    /// When it was seen.
+    /// The time of the frame.
     pub time: Timestamp,
     /// The channel on which the frame was seen.
     pub channel: ChannelId,
@@ -63,9 +65,9 @@ pub struct Shown {
     pub place: Place,
     /// The frame, or its head.
     pub frame: Frame,
-    /// Its payload, if it does not fit into the head: the begin of it.
+    /// The beginning of a payload that does not fit into the head.
     pub long: Vec<u8>,
-    /// How long the payload is.
+    /// The length of the payload in bytes.
     pub len: usize,
     pub service: Option<Service>,
     /// The node that the frame is about.
@@ -109,7 +111,7 @@ impl Shown {
     }
 
     fn shorten(&mut self) {
-        // No text has more characters than bytes, and few have so many.
+        // A text never has more characters than bytes, so the slow count is rarely needed.
         if self.text.len() > CHARACTERS
             && let Some((at, _)) = self.text.char_indices().nth(CHARACTERS)
         {
@@ -118,18 +120,18 @@ impl Shown {
         }
     }
 
-    /// The payload, or the begin of a long one.
+    /// The payload, or the beginning of a long one.
     pub fn data(&self) -> &[u8] {
         if self.len > 8 { &self.long } else { self.frame.data() }
     }
 
-    /// Whether it is the frame of an exhibit.
+    /// The key by which the frame of an exhibit is recognised.
     fn key(&self) -> FrameKey {
         (self.time, self.channel, self.place.number, self.place.offset)
     }
 }
 
-/// What tells frames of several captures apart.
+/// The properties that distinguish frames of several captures.
 pub type FrameKey = (Timestamp, ChannelId, u64, u64);
 
 /// The frame of an exhibit, if it has one.
@@ -139,7 +141,7 @@ pub fn key_of(exhibit: &Exhibit) -> Option<FrameKey> {
 }
 
 impl Excerpt {
-    /// How many frames there were.
+    /// Number of frames in the capture.
     pub const fn seen(&self) -> u64 {
         self.seen
     }
@@ -164,7 +166,7 @@ impl Excerpt {
         }
     }
 
-    /// Something was found with the latest frame.
+    /// Sets a place to the latest frame, which is part of a finding.
     fn reported(&mut self, Reported { finding, rule }: Reported) {
         let key = Key { finding, first: !self.places.contains_key(&Key { finding, first: true }) };
         if !self.places.contains_key(&key) {
@@ -178,11 +180,11 @@ impl Excerpt {
         self.due.push_back((self.seen + BEHIND, key));
     }
 
-    /// Keeps the frames around a place, which is complete or where the capture ends, in stead of those before.
+    /// Keeps the frames around a place instead of those kept for it before. The place is complete, or the capture ends.
     fn keep(&mut self, key: Key, at_end: bool) {
         let Some(spot) = self.places.get_mut(&key) else { return };
         if !at_end && spot.at + BEHIND > self.seen {
-            // It was worse again: more frames follow.
+            // The place has moved to a worse occurrence, so that more frames follow.
             return;
         }
         let (first, last) = (spot.at.saturating_sub(BEFORE), spot.at + BEHIND);
@@ -200,7 +202,7 @@ impl Excerpt {
         }
     }
 
-    /// One place less that a frame is around.
+    /// Releases a frame from one of its places.
     fn release(&mut self, number: u64) {
         if let Some((_, uses)) = self.kept.get_mut(&number) {
             *uses -= 1;
@@ -210,7 +212,7 @@ impl Excerpt {
         }
     }
 
-    /// All frames that are shown, in their order; with those exhibits that are none of them.
+    /// All frames to show, in their order. Frames of exhibits are added if they are not among them.
     pub fn finish<'e>(mut self, exhibits: impl Iterator<Item = &'e Exhibit>) -> Vec<Shown> {
         while let Some((_, key)) = self.due.pop_front() {
             self.keep(key, true);
@@ -235,7 +237,7 @@ impl Excerpt {
     }
 }
 
-/// Puts frames where they belong by their times; the others stay in their order, whatever their clock did.
+/// Inserts the others among the frames by their times. The frames keep their order, even if their clock stepped back.
 fn merge(frames: &mut Vec<Shown>, mut others: Vec<Shown>) {
     others.sort_by_key(|shown| (shown.time, shown.place.number));
     let mut others = others.into_iter().peekable();
@@ -250,7 +252,7 @@ fn merge(frames: &mut Vec<Shown>, mut others: Vec<Shown>) {
     *frames = merged;
 }
 
-/// Where each frame stands in the list.
+/// The position of each frame in the list.
 pub fn places(frames: &[Shown]) -> HashMap<FrameKey, usize> {
     frames.iter().enumerate().map(|(at, shown)| (shown.key(), at)).collect()
 }
@@ -261,7 +263,7 @@ mod tests {
     use canvass_analyzer::findings::{Diagnosis, Results, Thresholds};
     use canvass_traces::parse_frame;
 
-    /// The frames that are shown of a bus with a heartbeat every millisecond, and what was found on it.
+    /// The shown frames of a bus with a heartbeat every millisecond, and the results of the diagnosis.
     fn shown(frames: u64, also: &dyn Fn(u64) -> Option<&'static str>) -> (Vec<Shown>, Results) {
         let (mut diagnosis, mut excerpt) = (Diagnosis::new(Thresholds::default()), Excerpt::default());
         for n in 1..=frames {

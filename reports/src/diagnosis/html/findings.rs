@@ -7,12 +7,12 @@ use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use maud::{Markup, html};
 use std::collections::HashMap;
 
-/// A finding as a place on the page, by its number from 0.
+/// The anchor of a finding by its number from 0.
 pub fn anchor(at: usize) -> String {
     format!("finding-{}", at + 1)
 }
 
-/// A severity with a sign, so that colour is never all that tells.
+/// A severity with a sign, which distinguishes severities without colours.
 pub fn badge(severity: Severity, count: usize) -> Markup {
     let (sign, name) = match severity {
         Severity::Error => ("✕", "Error"),
@@ -22,7 +22,7 @@ pub fn badge(severity: Severity, count: usize) -> Markup {
     html! { span.badge.(severity.name()) { span aria-hidden="true" { (sign) " " } (name) @if count != 1 { "s" } } }
 }
 
-/// All findings that are shown, the worst first.
+/// All shown findings, the worst first.
 pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> Markup {
     let all = &diagnosed.results.findings;
     html! {
@@ -47,13 +47,13 @@ pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> 
     }
 }
 
-/// The findings at the heads of the stories, each with its place.
+/// The findings at the heads of the stories, each with its position.
 pub fn heads<'a>(diagnosed: &'a Diagnosed<'_>) -> impl Iterator<Item = (usize, &'a Finding)> {
     let first = diagnosed.results.stories.iter().filter_map(|story| story.head.first());
     first.filter_map(|at| Some((*at, diagnosed.results.findings.get(*at)?)))
 }
 
-/// All findings in the order of their stories: the place, and that of the finding from which it follows.
+/// All findings in the order of their stories: the position, and the position of the finding from which it follows.
 fn in_stories<'a>(diagnosed: &'a Diagnosed<'_>) -> impl Iterator<Item = (usize, &'a Finding, Option<usize>)> {
     let heads_and_rest = diagnosed.results.stories.iter().flat_map(|story| {
         let head = story.head.iter().map(|at| (*at, None));
@@ -103,7 +103,7 @@ fn article(
     }
 }
 
-/// Microseconds since the start.
+/// The time in microseconds since the start.
 fn micros(diagnosed: &Diagnosed<'_>, time: canvass_traces::Timestamp) -> u64 {
     diagnosed.start().map_or(0, |start| time.since(start).nanos() / 1_000)
 }
@@ -142,7 +142,7 @@ fn row(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit, places: &HashMap<FrameKey, 
     }
 }
 
-/// A frame of CAN XL may have 2048 bytes.
+/// Shortens the text of a frame, because a frame of CAN XL may have 2048 bytes.
 fn shortened(frame: String) -> String {
     const MOST: usize = 160;
     match frame.char_indices().nth(MOST) {

@@ -1,4 +1,4 @@
-//! How quickly SDO servers answered.
+//! Histograms of the response times of SDO servers.
 
 use super::text;
 use crate::diagnosis::Diagnosed;
@@ -10,7 +10,7 @@ use maud::{Markup, html};
 
 /// Number of columns for each power of two.
 const PER_OCTAVE: f64 = 4.0;
-/// From 1 µs on; up to 2^26 µs, more than a minute.
+/// Number of powers of two. The histogram goes from 1 µs to 2^26 µs, which is more than a minute.
 const OCTAVES: usize = 26;
 const COLUMNS: usize = OCTAVES * PER_OCTAVE as usize;
 /// Minimum number of shown columns.
@@ -21,7 +21,7 @@ const HEIGHT: f64 = 110.0;
 /// Maximum number of nodes with a histogram of their own.
 const MOST_NODES: usize = 24;
 
-/// The section: a histogram for each node that was asked.
+/// The section with a histogram for each node that was asked.
 pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
     let several = diagnosed.results.buses.len() > 1;
     let nodes = diagnosed
@@ -29,7 +29,7 @@ pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
         .buses
         .iter()
         .flat_map(|(channel, bus)| bus.nodes.iter().map(move |(id, node)| (*channel, *id, &node.responses)));
-    // Without times in the capture, all are zero.
+    // In a capture without time stamps all times are zero.
     let asked: Vec<_> = nodes.filter(|(.., times)| times.max() > Some(Duration::ZERO)).collect();
     let range = columns_of(asked.iter().map(|asked| asked.2));
     html! {
@@ -51,20 +51,20 @@ pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
     }
 }
 
-/// The column of a time.
+/// The column of a response time.
 fn column(time: Duration) -> usize {
     let micros = time.nanos() as f64 / 1e3;
     ((micros.max(1.0).log2() * PER_OCTAVE) as usize).min(COLUMNS - 1)
 }
 
-/// The first and last columns that hold something, with room on both sides.
+/// The range of columns with values, with room on both sides.
 fn columns_of<'a>(all: impl Iterator<Item = &'a Histogram>) -> (usize, usize) {
     let (first, last) = all.fold((COLUMNS, 0), |(first, last), times| {
         let of = |time: Option<Duration>| time.map_or(0, column);
         (first.min(of(times.min())), last.max(of(times.max())))
     });
     let (first, end) = (first.saturating_sub(2), (last + 3).min(COLUMNS));
-    // Three decades at least, so that a single column does not fill the drawing.
+    // The range has three decades at least, so that a single column does not fill the drawing.
     let missing = LEAST.saturating_sub(end.saturating_sub(first));
     (first.saturating_sub(missing / 2), (end + missing - missing / 2).min(COLUMNS))
 }
@@ -91,7 +91,7 @@ fn figure(id: NodeId, on: &str, times: &Histogram, (first, end): (usize, usize))
                     }
                 }
                 @for (at, &count) in counts.iter().enumerate().take(end).skip(first).filter(|column| *column.1 > 0) {
-                    // One of a million must still be seen.
+                    // A single value among a million must still be visible.
                     @let height = (count as f64 / most as f64 * (HEIGHT - 6.0)).max(2.0);
                     rect.bar x=(px((at - first) as f64 * width + 1.0)) y=(px(HEIGHT - height)) width=(px((width - 2.0).max(1.0))) height=(px(height)) rx="1.5" {
                         title { (count) " up to " (rounded(upper(at))) }
@@ -103,7 +103,7 @@ fn figure(id: NodeId, on: &str, times: &Histogram, (first, end): (usize, usize))
     }
 }
 
-/// The longest time of a column.
+/// The longest response time of a column.
 fn upper(column: usize) -> Duration {
     Duration((((column + 1) as f64 / PER_OCTAVE).exp2() * 1e3) as u64)
 }

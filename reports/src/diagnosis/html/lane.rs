@@ -1,7 +1,7 @@
-//! What the row of a node in the timeline shows: what the node has said of its state, and when it said nothing.
+//! The row of a node in the timeline: the states that the node has shown, and its silences.
 //!
-//! An NMT command is not what a node says. A reset is shown as such until the node shows a state again; a node that drops
-//! out is silent, whatever it is commanded in the meantime.
+//! An NMT command does not show the state of a node. A reset is drawn until the node shows a state again. A node that
+//! drops out is silent, whatever it is commanded in the meantime.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::Finding;
@@ -10,14 +10,14 @@ use canvass_analyzer::statistics::{NodeStatistics, StateChange};
 use canvass_analyzer::wire::error_control::State;
 use canvass_traces::{ChannelId, Timestamp};
 
-/// The rule that tells when a node drops out.
+/// The rule that finds nodes that drop out.
 const LOST: &str = "nodes/lost";
-/// A node that sends nothing though it should.
+/// The state of a node that sends nothing though it should.
 pub const SILENT: &str = "silent";
-/// A node that was reset, and has not shown a state since.
+/// The state of a node that was reset and has not shown a state since.
 pub const RESET: &str = "reset";
 
-/// A state from a time to another.
+/// A state within a range of time.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Span {
     pub from: Timestamp,
@@ -26,17 +26,17 @@ pub struct Span {
     pub state: String,
 }
 
-/// When a node has dropped out.
+/// The silences of a node.
 #[derive(Debug, Default)]
 pub struct Silences {
-    /// From the last frame to the next one, in the order of time.
+    /// The times from the last frame before a silence to the first one after it, in the order of time.
     windows: Vec<(Timestamp, Timestamp)>,
-    /// How many more there were, whose times are not known.
+    /// Number of further silences whose times are not known.
     pub left_out: u64,
 }
 
 impl Silences {
-    /// Those of one node, as they were found.
+    /// The silences of one node in the findings.
     pub fn of(findings: &[Finding], channel: ChannelId, node: NodeId) -> Self {
         let own = |finding: &&Finding| {
             finding.rule.id == LOST && finding.channel == Some(channel) && finding.node == Some(node)
@@ -51,7 +51,7 @@ impl Silences {
     }
 }
 
-/// The name of a state by what is known of it.
+/// The name of a state, or [`RESET`] after a reset command.
 pub fn name(change: &StateChange) -> String {
     match (change.state, change.cause) {
         (State::BOOT_UP, Cause::Command) => RESET.to_owned(),
@@ -59,7 +59,7 @@ pub fn name(change: &StateChange) -> String {
     }
 }
 
-/// The states of a node, with its silences instead of what it was told then.
+/// The states of a node. A silence replaces the states that were commanded meanwhile.
 pub fn spans(node: &NodeStatistics, silences: &Silences) -> Vec<Span> {
     let mut spans = Vec::new();
     for (at, change) in node.states.iter().enumerate() {
@@ -84,7 +84,7 @@ fn push(spans: &mut Vec<Span>, from: Timestamp, to: Timestamp, state: &str) {
     }
 }
 
-/// The same state twice, one after the other, is one.
+/// Joins neighbouring spans of the same state.
 fn joined(spans: Vec<Span>) -> Vec<Span> {
     let mut joined: Vec<Span> = Vec::new();
     for span in spans {
@@ -120,7 +120,7 @@ mod tests {
         (from, to, state.to_owned())
     }
 
-    /// What a master tells a node that is not there changes nothing of what is seen.
+    /// A command to a node that is not there does not change the shown state.
     #[test]
     fn a_silent_node_is_silent_whatever_it_is_told() {
         let states = vec![
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(shown(states(), 12, &[(12, 30)]), [there(12), row(12, 30, SILENT)]);
     }
 
-    /// Between a reset and what follows, the node has said nothing; a boot-up message is said by nobody but the node.
+    /// After a reset command the node has not shown a state; only the node itself can send a boot-up message.
     #[test]
     fn a_reset_is_no_boot_up() {
         let states = vec![

@@ -1,7 +1,7 @@
 //! The diagnosis as one self-contained HTML page.
 //!
-//! What was seen goes into the page as it is summed up: findings with their evidence and figures as markup, frames and
-//! values over time as data for our own scripts, which show it as text and lines and never as markup.
+//! The page contains a summary of the captures. Findings with their evidence and figures are markup. Frames and values
+//! over time are data for our own scripts, which show it as text and lines and never as markup.
 
 mod buckets;
 mod collector;
@@ -49,13 +49,13 @@ const SECTIONS: [(&str, &str); 9] = [
     ("about", "About this report"),
 ];
 
-/// Maximum number of shown findings; nobody reads more.
+/// Maximum number of shown findings. Nobody reads more.
 const MOST_FINDINGS: usize = 1000;
 
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn Write) -> io::Result<()> {
     let seen = collected.excerpt.seen();
     let evidence = diagnosed.results.findings.iter().take(MOST_FINDINGS).flat_map(|finding| &finding.evidence);
@@ -84,7 +84,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn
     })
 }
 
-/// What goes above something that is drawn over time: all of them show the same time.
+/// The controls above a plot over time. All plots show the same time.
 fn controls(what: &str) -> Markup {
     html! {
         div.controls role="group" aria-label={ "Time shown in " (what) } {
@@ -188,12 +188,12 @@ fn frame_list(frames: &[Shown], seen: u64) -> Markup {
     }
 }
 
-/// How a place in the list of frames is linked to.
+/// The link to a position in the list of frames.
 fn frame_link(at: usize) -> String {
     format!("#frame-{at}")
 }
 
-/// A time span as a person reads it.
+/// A text that is safe to show.
 fn text(value: &str) -> String {
     printable(value).into_owned()
 }

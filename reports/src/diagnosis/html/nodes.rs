@@ -1,4 +1,4 @@
-//! Each node in figures.
+//! The figures of each node.
 
 use super::{lane, text};
 use crate::diagnosis::Diagnosed;
@@ -17,10 +17,11 @@ const STATES: usize = 40;
 /// Maximum number of listed cases of CiA's test tool.
 const CASES: usize = 500;
 
-/// Writes a table of all nodes, and each in full: on many channels they are thousands.
+/// Writes a table of all nodes, then each node in full. It writes piece by piece, as there may be thousands of nodes on
+/// many channels.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn write(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     put(out, html! { (PreEscaped("<section aria-labelledby=\"nodes\">")) h2 #nodes { "Nodes" } })?;
     match overview(diagnosed, true).split_first() {
@@ -177,7 +178,7 @@ fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
     }
 }
 
-/// The cases of a conformance test, as they are marked.
+/// The cases of a conformance test whose marks were found in the capture.
 fn test_run(diagnosed: &Diagnosed<'_>, run: &TestRun) -> Markup {
     let all = run.cases.len() as u64 + run.omitted;
     html! {

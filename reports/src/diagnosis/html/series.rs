@@ -1,4 +1,4 @@
-//! The values of PDOs over time, as plots need them: few enough points, and every peak.
+//! The values of PDOs over time for plots, with few points and every peak.
 
 use super::buckets::{Buckets, Extremes};
 use crate::signals::{Columns, SampleRow, Sheet};
@@ -7,26 +7,26 @@ use std::io;
 
 /// Number of buckets, with up to two points each.
 pub const BUCKETS: usize = 2048;
-/// The narrowest.
+/// The width of the narrowest buckets.
 const FINEST: Duration = Duration::from_millis(1);
 
-/// Collects them, in bounded memory.
+/// Collects the values in bounded memory.
 #[derive(Default)]
 pub struct Series {
     start: Option<Timestamp>,
-    /// In the order of the columns.
+    /// The buckets in the order of the columns.
     columns: Vec<Buckets<Extremes, BUCKETS>>,
 }
 
 impl Series {
-    /// How many columns are kept: more would fit into no page.
+    /// Maximum number of kept columns. More would not fit into a page.
     pub const MOST: usize = 64;
 
     /// The points of a column, in the order of time.
     pub fn points(&self, column: usize) -> Vec<(Timestamp, f64)> {
         let samples = self.columns.get(column).into_iter().flat_map(Buckets::iter);
         let mut points: Vec<_> = samples.flat_map(Extremes::samples).collect();
-        // The clock may have stepped back before the start.
+        // The clock may have stepped back to before the start.
         points.sort_by_key(|point| point.0);
         points
     }

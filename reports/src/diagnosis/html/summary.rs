@@ -1,4 +1,4 @@
-//! What was read, and how bad it is.
+//! The summary of a page: the captures, and the worst findings.
 
 use super::{MOST_FINDINGS, findings, text};
 use crate::diagnosis::Diagnosed;
@@ -13,7 +13,7 @@ use maud::{Markup, html};
 /// Maximum number of findings in the summary.
 const FOREMOST: usize = 12;
 
-/// The captures' names, or how many there are.
+/// The names of the captures, or their number.
 pub fn names(diagnosed: &Diagnosed<'_>) -> String {
     match diagnosed.captures {
         [] => "capture".to_owned(),
@@ -39,7 +39,7 @@ pub fn head(diagnosed: &Diagnosed<'_>, name: &str) -> Markup {
     }
 }
 
-/// The figures of the buses, the findings by severity, and the foremost of them.
+/// The figures of the buses, the findings by severity, and the worst of the findings.
 pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
     let found = &diagnosed.results.findings;
     html! {
@@ -99,12 +99,12 @@ fn facts(diagnosed: &Diagnosed<'_>, name: &str, bus: &BusStatistics) -> Markup {
 }
 
 fn date(bus: &BusStatistics) -> String {
-    // 64 bits of nanoseconds end in the year 2554: every time has a date.
+    // 64 bits of nanoseconds reach to the year 2554, so every time has a date.
     let second = jiff::Timestamp::from_second((bus.first.nanos() / 1_000_000_000).cast_signed());
     second.map_or_else(|_| String::new(), |time| time.strftime("%Y-%m-%d %H:%M:%S").to_string())
 }
 
-/// What there is to say of the captures beside their frames.
+/// The facts of the captures besides their frames.
 fn captures(diagnosed: &Diagnosed<'_>) -> Markup {
     html! {
         @if !diagnosed.captures.is_empty() {

@@ -1,24 +1,24 @@
-//! What a server has to answer to a request.
+//! The answer that a server owes to a request.
 
 use super::super::codes::{self, CodeSet};
 use super::block;
 use canvass_analyzer::Multiplexer;
 
-/// What is awaited.
+/// The allowed answers to a request.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Awaited {
-    /// Nothing: every frame would be one too many.
+    /// No answer: every frame is wrong.
     Nothing,
-    /// Something legal, or silence.
+    /// Any legal answer, or none.
     Anything,
-    /// An abort with one of these codes, naming that object where the request named one.
+    /// An abort with one of these codes, and with the object that the request named, if it named one.
     Abort { codes: CodeSet, at: Option<Multiplexer>, why: &'static str },
-    /// A toggle bit that does not alternate: the segment is ignored, or the transfer aborted (CiA 301, 7.2.4.3.2 and
+    /// The toggle bit did not alternate: the server ignores the segment or aborts the transfer (CiA 301, 7.2.4.3.2 and
     /// 7.2.4.3.5).
     AbortOrIgnored,
     /// The value of an object.
     Read(Reading),
-    /// The value in blocks; a normal upload up to that many bytes.
+    /// The value of an object in blocks, or by a normal upload up to the threshold.
     BlockRead { reading: Reading, block_size: u8, threshold: u8, crc: bool },
     /// The confirmation of an expedited download.
     Write { at: Multiplexer, writing: Writing },
@@ -30,48 +30,48 @@ pub(super) enum Awaited {
     ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
     /// An upload segment.
     Segment { toggle: bool },
-    /// The confirmation of a block with that last good sequence number. Before the end of a block it may come where a
-    /// segment was missing.
+    /// The confirmation of a block whose last good sequence number is `sequence`. If a segment was missing, it may come
+    /// before the end of the block.
     ConfirmBlock { sequence: u8, required: bool, last: bool },
     /// The confirmation of the end of a block download.
     ConfirmEnd { at: Multiplexer, writing: Writing },
     /// The segments of a block.
     Block,
-    /// The end of a block upload. `odd_size`: the confirmation of the last block asked for a next one of a size that
-    /// does not exist, which may be refused.
+    /// The end of a block upload. `odd_size`: the confirmation of the last block named a next block size that does not
+    /// exist, which the server may refuse.
     EndOfBlocks { upload: block::Upload, odd_size: bool },
 }
 
-/// What may be said to a request to read.
+/// The allowed answers to a request to read.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Reading {
     pub at: Multiplexer,
-    /// The number of the object in the dictionary.
+    /// The position of the object in the dictionary.
     pub entry: Option<usize>,
-    /// An abort is due, with one of these.
+    /// The server has to abort, with one of these codes.
     pub must: CodeSet,
-    /// An abort is possible, with one of these.
+    /// The server may abort, with one of these codes.
     pub may: CodeSet,
 }
 
-/// What may be said to a value that is written.
+/// The allowed answers to a write.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Writing {
     pub entry: Option<usize>,
-    /// The value, where it fits eight bytes.
+    /// The value, if it fits into eight bytes.
     pub raw: Option<u64>,
-    /// An abort is due, with one of these.
+    /// The server has to abort, with one of these codes.
     pub must: CodeSet,
-    /// An abort is possible, with one of these.
+    /// The server may abort, with one of these codes.
     pub may: CodeSet,
-    /// Why it is due.
+    /// The reason for the required abort.
     pub why: &'static str,
-    /// The rule of the PDO configuration that demands it.
+    /// A rule of the PDO configuration requires the abort.
     pub pdo_rule: bool,
 }
 
 impl Awaited {
-    /// Whether silence would be wrong.
+    /// Whether the server has to answer.
     pub const fn is_required(&self) -> bool {
         match self {
             Self::Nothing | Self::Anything | Self::AbortOrIgnored => false,
@@ -85,7 +85,7 @@ impl Awaited {
         matches!(self, Self::Anything | Self::AbortOrIgnored)
     }
 
-    /// The id of what is awaited.
+    /// The rule that a wrong or missing answer violates.
     pub const fn rule(&self) -> &'static str {
         match self {
             Self::Nothing => "unsolicited response",
@@ -106,7 +106,7 @@ impl Awaited {
         }
     }
 
-    /// What the server has to do, in words.
+    /// The required answer in words.
     pub fn text(&self) -> String {
         match self {
             Self::Nothing => "no SDO response: none was asked for".to_owned(),

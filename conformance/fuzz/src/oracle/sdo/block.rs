@@ -1,4 +1,4 @@
-//! Block transfers after their begin.
+//! Block transfers after their initiation.
 
 use super::super::codes::{self, CodeSet};
 use super::super::expected_values::ExpectedValues;
@@ -9,20 +9,20 @@ use crate::Knowledge;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{BlockSegment, crc16};
 
-/// A block upload under way.
+/// A block upload in progress.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Upload {
     pub at: Multiplexer,
     pub entry: Option<usize>,
     pub announced: Option<u32>,
     pub crc: bool,
-    /// Segments in this block.
+    /// Number of segments in this block.
     pub size: u8,
     /// The last sequence number that was sent in this block.
     pub sequence: u8,
-    /// The last segment of all was sent.
+    /// The last segment of the transfer was sent.
     pub complete: bool,
-    /// How many bytes earlier blocks have brought.
+    /// Number of bytes in earlier blocks.
     pub settled: u32,
 }
 
@@ -34,13 +34,13 @@ impl Upload {
 }
 
 impl Server {
-    /// A segment of a block download.
+    /// Checks a segment of a block download.
     pub(super) fn block_segment(&mut self, segment: BlockSegment, knowledge: &Knowledge) -> Awaited {
         let TransferState::BlockDownload { at, entry, announced, size, sequence, crc, gap } = self.state else {
             return Awaited::Anything;
         };
         if segment.sequence == 0 || segment.sequence > size {
-            // A number that does not exist in this block: the server may refuse it or wait.
+            // The sequence number does not exist in this block: the server may refuse the segment or wait.
             self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
@@ -52,7 +52,7 @@ impl Server {
         let fixed = knowledge.entry(at).and_then(|known| known.size).map(|size| size as u32);
         let limit = announced.into_iter().chain(fixed).min();
         if limit.is_some_and(|limit| self.data.len() as u32 >= limit.saturating_add(7)) {
-            // More than was announced: it may be refused now, or at the end of the transfer.
+            // More bytes than announced: the server may refuse them now or at the end of the transfer.
             self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
@@ -66,7 +66,7 @@ impl Server {
         match (gap, is_end) {
             (false, false) => Awaited::Nothing,
             (_, true) => Awaited::ConfirmBlock { sequence, required: true, last: false },
-            // A gap can be reported at once, after as many segments as the block has, or at its end.
+            // The server may report a gap at once, after the number of segments in the block, or at the block's end.
             (true, false) => Awaited::ConfirmBlock { sequence, required: false, last: false },
         }
     }
@@ -89,7 +89,7 @@ impl Server {
         let is_announced = announced.is_none_or(|announced| announced as usize == len);
         let is_right_length = is_announced && knowledge.entry(at).is_none_or(|known| known.size.is_some());
         if checked && crc16(0, &self.data) != crc {
-            // What else is wrong may be reported as well.
+            // The server may report another error of the value instead.
             let others = if is_right_length { writing.must } else { writing.must.or(lengths) };
             (writing.must, writing.why) = (codes::CRC.or(others), "the checksum is wrong");
         } else if !is_announced {
@@ -126,7 +126,7 @@ impl Server {
             return Awaited::Abort { codes, at: None, why: "a segment is confirmed that was never sent" };
         }
         if upload.complete && sequence == upload.sequence {
-            // The size of a next block has no meaning any more.
+            // After the last block the next block size has no meaning.
             self.state = TransferState::BlockUploadEnd;
             return Awaited::EndOfBlocks { upload, odd_size: !(1..=127).contains(&block_size) };
         }

@@ -1,4 +1,4 @@
-//! Requests that begin a transfer. They end the one before.
+//! Requests that begin a transfer. They end the transfer before.
 
 use super::super::codes::{self, CodeSet};
 use super::super::expected_values::ExpectedValues;
@@ -36,12 +36,12 @@ impl Server {
             }
         }
         if !(1..=127).contains(&block_size) && threshold > 0 {
-            // A server that takes the other protocol for a short value has no use for the block size.
+            // A server that uses the normal upload for a short value ignores the block size.
             self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         if !(1..=127).contains(&block_size) {
-            // Which of two reasons a server finds first is its own affair.
+            // The server decides which of two errors it reports.
             let codes = codes::BLOCK_SIZE.or(reading.must).or(reading.may).or(not_supported(knowledge));
             return refused(at, codes, "a block size outside 1 to 127");
         }
@@ -73,7 +73,7 @@ impl Server {
                 Awaited::BeginDownload { at, writing, announced: Some(size) }
             }
             Payload::SegmentedUnsized => {
-                // Four reserved bytes: a request that fills them may be refused.
+                // A server may refuse a request whose four reserved bytes are not 0.
                 let mut writing = in_segments(announced(at, None, knowledge), knowledge);
                 if frame.bytes()[4..] != [0; 4] {
                     writing.may = writing.may.or(codes::COMMAND);
@@ -108,7 +108,7 @@ fn refused(at: Multiplexer, codes: CodeSet, why: &'static str) -> Awaited {
     Awaited::Abort { codes, at: Some(at), why }
 }
 
-/// A server whose objects all have four bytes or fewer need not know segments.
+/// A server need not support segments if all its objects have four bytes or fewer.
 fn in_segments(mut writing: Writing, knowledge: &Knowledge) -> Writing {
     if knowledge.entries().iter().all(|known| known.size.is_some_and(|size| size <= 4)) {
         writing.may = writing.may.or(codes::COMMAND);
@@ -117,30 +117,30 @@ fn in_segments(mut writing: Writing, knowledge: &Knowledge) -> Writing {
     writing
 }
 
-/// What a server without block transfers says, where it is not known whether it is one.
+/// The code of a server without block transfers, if it is not known whether it supports them.
 fn not_supported(knowledge: &Knowledge) -> CodeSet {
     if knowledge.services.block_transfer.is_none() { codes::COMMAND } else { CodeSet::NONE }
 }
 
-/// A server without block transfers may say so before it looks for the object.
+/// A server without block transfers may report this before it looks for the object.
 fn with_command(must: CodeSet) -> CodeSet {
     if must.is_empty() { must } else { must.or(codes::COMMAND) }
 }
 
-/// What may be said to a request to read that object.
+/// The allowed answers to a request to read the object.
 fn reading(at: Multiplexer, knowledge: &Knowledge) -> Reading {
     let entry = knowledge.position(at);
     let known = entry.and_then(|entry| knowledge.entries().get(entry));
     let (must, may) = match known {
         Some(known) if !known.readable => (codes::WRITE_ONLY, CodeSet::NONE),
-        // Behind the last error the history has no value.
+        // The error history has no value after its last error.
         Some(known) if known.at.index.0 == object::PREDEFINED_ERROR_FIELD => {
             (CodeSet::NONE, codes::NO_DATA.or(codes::NO_SUB_INDEX))
         }
-        // Values of variable length, such as a DOMAIN, can be missing.
+        // A value of variable length, such as a DOMAIN, can be missing.
         Some(known) if known.size.is_none() => (CodeSet::NONE, codes::NO_DATA),
         Some(_) => (CodeSet::NONE, CodeSet::NONE),
-        // The structure of an object, which no description names.
+        // Sub-index FFh is the structure of an object, which no description names.
         None if at.sub.0 == 0xFF && knowledge.has_index(at) => (CodeSet::NONE, codes::NO_SUB_INDEX),
         None => (missing(at, knowledge), anything_if_unknown(knowledge)),
     };
@@ -155,7 +155,7 @@ fn missing(at: Multiplexer, knowledge: &Knowledge) -> CodeSet {
     }
 }
 
-/// Without a description every object may exist or not.
+/// The codes for reading an object of a device without description: it may be missing or not readable.
 fn anything_if_unknown(knowledge: &Knowledge) -> CodeSet {
     if knowledge.is_described() {
         return CodeSet::NONE;
@@ -179,10 +179,10 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
         writing.why = "the object is read-only";
     }
     match (known.size, size) {
-        // A wrong length may be refused at once or when it has come.
+        // The server may refuse a wrong length at once or when the data has come.
         (Some(fixed), Some(size)) if size as usize > fixed => writing.may = writing.may.or(codes::TOO_LONG),
         (Some(fixed), Some(size)) if (size as usize) < fixed => writing.may = writing.may.or(codes::TOO_SHORT),
-        // How long a string or a domain has to be is the application's matter, and no description says it.
+        // The application decides which lengths of a string or DOMAIN are right; no description tells.
         (None, _) => writing.may = writing.may.or(codes::TOO_SHORT),
         _ => {}
     }
@@ -192,7 +192,7 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
     writing
 }
 
-/// Which of several reasons a server finds first is its own affair.
+/// The codes for a wrong length. The server decides which of several errors it reports.
 fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     match (known.size, size) {
         (Some(fixed), Some(size)) if size > fixed => codes::TOO_LONG,
@@ -201,8 +201,8 @@ fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     }
 }
 
-/// What a server may say at the end to a length that is neither that of the object nor the announced one. How long a string
-/// or a domain has to be no description says.
+/// The codes at the end of a transfer whose length is neither that of the object nor the announced one. No description
+/// tells which lengths of a string or DOMAIN are right.
 pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) -> CodeSet {
     match known {
         Some(known) if known.size.is_none() => codes::TOO_LONG.or(codes::TOO_SHORT),
@@ -211,7 +211,7 @@ pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) 
     }
 }
 
-/// What may be said to that value.
+/// The allowed answers to writing the value.
 pub(super) fn writing(
     at: Multiplexer,
     value: &[u8],

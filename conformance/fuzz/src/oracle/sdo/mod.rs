@@ -1,7 +1,7 @@
-//! The SDO server as CiA 301 demands it, seen from outside: which answers are right in which state.
+//! A model of the SDO server of CiA 301, seen from outside: the correct answers in each state.
 //!
-//! A request is first turned into what is awaited ([`Awaited`]); the answer is then compared with it. States are those
-//! of the transfer; a state carries only what it knows.
+//! A request is first turned into the allowed answers ([`Awaited`]), and the actual answer is then compared with them.
+//! The states are those of the transfer, and each carries only its own data.
 
 mod awaited;
 mod block;
@@ -22,41 +22,42 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// A transfer whose client says nothing for that time may be over (CiA 301, 7.2.4.3.17, abort 0504 0000h); the server need
-/// not say so.
+/// Time after which a server may end a transfer whose client is silent (CiA 301, 7.2.4.3.17, abort 0504 0000h). The
+/// server need not report it.
 const LASTING: Duration = Duration::from_millis(400);
 
-/// The longest value whose bytes are followed; of longer ones only the length is judged.
+/// Maximum length of a value whose bytes are compared. Of a longer one only the length is judged.
 const LONGEST: usize = 1 << 16;
 
-/// The server.
+/// The model of the server.
 #[derive(Clone, Debug)]
 pub(crate) struct Server {
     state: TransferState,
     awaited: Awaited,
     /// When the awaited answer is overdue.
     due: Timestamp,
-    /// A second request was sent before the first was answered: what comes now can belong to either.
+    /// A second request came before the answer to the first, so that the next answer can belong to either.
     overlapped: bool,
-    /// Nobody has waited since the last request for an answer that need not come.
+    /// Silence was not awaited since the last request, whose answer is optional.
     unsettled: bool,
     grace: Timestamp,
-    /// From then on a request comes when the last change of state has been done long since.
+    /// From this time on, a request belongs to the new NMT state, as its last change is long over.
     settled: Timestamp,
-    /// When the client or the server said something last.
+    /// The time of the last message of the client or the server.
     last: Timestamp,
-    /// When the last request came that was not due to be served.
+    /// The time of the last request that the server must not serve.
     unserved: Option<Timestamp>,
     /// The bytes of the running transfer.
     data: Vec<u8>,
-    /// For coverage: where the request found the server.
+    /// The state of the server at the last request, for the coverage.
     asked_in: Option<SdoState>,
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
-    /// Reserved bits of the last request's command were set: it may be taken for one that does not exist.
+    /// The command of the last request had reserved bits set, so that the server may take it for an unknown command.
     odd: bool,
-    /// When the client ended a transfer last: the server may have given it up at that moment, and says so a little later.
+    /// The time at which the client last ended a transfer. The server may have given it up at the same moment and
+    /// report this a little later.
     ended: Option<Timestamp>,
 }
 
@@ -64,7 +65,7 @@ pub(crate) struct Server {
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum TransferState {
     Idle,
-    /// The server takes segments.
+    /// The server accepts segments.
     Download {
         at: Multiplexer,
         entry: Option<usize>,
@@ -78,7 +79,7 @@ enum TransferState {
         toggle: bool,
         announced: Option<u32>,
     },
-    /// The server takes the segments of a block.
+    /// The server accepts the segments of a block.
     BlockDownload {
         at: Multiplexer,
         entry: Option<usize>,
@@ -86,17 +87,18 @@ enum TransferState {
         size: u8,
         sequence: u8,
         crc: bool,
-        /// A segment of this block was missing or came twice: the server may confirm what it has before the block's end.
+        /// A segment of this block was missing or came twice. The server may confirm the segments before it ahead of
+        /// the block's end.
         gap: bool,
     },
-    /// The last segment has come; the end of the transfer follows.
+    /// The last segment has come. The client has to end the transfer.
     BlockDownloadEnd {
         at: Multiplexer,
         entry: Option<usize>,
         announced: Option<u32>,
         crc: bool,
     },
-    /// The server waits for the start.
+    /// The server waits for the start of the block upload.
     BlockUploadReady {
         at: Multiplexer,
         entry: Option<usize>,
@@ -104,16 +106,16 @@ enum TransferState {
         size: u8,
         crc: bool,
     },
-    /// The server sends a block, or waits for its confirmation once it has sent the last segment of it.
+    /// The server sends a block, or has sent its last segment and waits for the confirmation.
     BlockUpload(block::Upload),
-    /// The server has announced the end.
+    /// The server has announced the end of the transfer.
     BlockUploadEnd,
-    /// Not known: after a request that the standard does not describe.
+    /// Unknown, after a request that the standard does not describe.
     Unsure,
 }
 
 impl TransferState {
-    /// Whether a block transfer is under way whose next message is no segment.
+    /// Whether a block transfer is in progress whose next message is no segment.
     const fn is_block(self) -> bool {
         matches!(
             self,
@@ -121,7 +123,7 @@ impl TransferState {
         )
     }
 
-    /// For the statistics; `None`: nobody knows, and nothing is counted.
+    /// The state for the coverage. `None` if the state is not known, so that nothing is counted.
     const fn class(self) -> Option<SdoState> {
         Some(match self {
             Self::Unsure => return None,
@@ -158,7 +160,7 @@ impl Server {
         }
     }
 
-    /// The server was started anew.
+    /// The server begins anew.
     pub fn reset(&mut self) {
         self.state = TransferState::Idle;
         self.awaited = Awaited::Nothing;
@@ -170,8 +172,8 @@ impl Server {
         self.data.clear();
     }
 
-    /// The device has shown another state than it was thought to be in: it has booted. A request of the moment before
-    /// may have come when its boot-up message waited for the bus, and be served.
+    /// The device was thought to be booting, but shows that it has booted. It may serve a request from just before,
+    /// which came while its boot-up message waited for the bus.
     pub fn booted(&mut self, now: Timestamp, grace: Duration) {
         if self.unserved.take().is_some_and(|asked| now < asked + grace) {
             self.state = TransferState::Unsure;
@@ -179,15 +181,15 @@ impl Server {
         }
     }
 
-    /// Another NMT state. Responses that were on their way already may still come for `grace`, unless nothing was asked for
-    /// `quiet`: what is asked then is asked in the new state.
+    /// The NMT state has changed. Responses that were on their way may still come for `grace`, unless no request came
+    /// for `quiet`. Later requests belong to the new state.
     pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
         match served {
             Served::No => {
                 self.reset();
                 (self.grace, self.settled) = (now + grace, now + quiet);
             }
-            // What was under way may go on.
+            // A transfer under way may go on.
             Served::Unsure => {
                 self.reset();
                 (self.state, self.awaited) = (TransferState::Unsure, Awaited::Anything);
@@ -199,7 +201,7 @@ impl Server {
         }
     }
 
-    /// The state, for the statistics.
+    /// The state for the coverage.
     pub fn class(&self) -> Option<SdoState> {
         self.state.class()
     }
@@ -210,12 +212,12 @@ impl Server {
         }
     }
 
-    /// When the awaited answer is overdue.
+    /// The time at which the awaited answer is overdue.
     pub fn due(&self) -> Option<Timestamp> {
         (self.due < Timestamp::MAX).then_some(self.due)
     }
 
-    /// A request of the client. `true`: what it does can't be followed.
+    /// Applies a request of the client. `true`: the models can't follow its effect.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -246,7 +248,7 @@ impl Server {
                 return stores(frame, knowledge);
             }
         }
-        // The answer to a store may take seconds, however long silence lasts.
+        // The answer to a store command may take seconds, longer than the required silence.
         let was_storing = self.written_object().is_some_and(|at| is_store(at, knowledge));
         let may_come = matches!(self.awaited, Awaited::ConfirmBlock { required: false, .. });
         let unsettled = std::mem::replace(&mut self.unsettled, true);
@@ -257,7 +259,7 @@ impl Server {
             self.ended = Some(now);
         }
         if self.overlapped {
-            // Whether the first request is answered, or given up for the second, is left to the server.
+            // The server decides whether it answers the first request or drops it for the second.
             self.state = TransferState::Unsure;
             awaited = Awaited::Anything;
         }
@@ -268,7 +270,7 @@ impl Server {
         awaited == Awaited::Anything && (stores(frame, knowledge) || was_storing)
     }
 
-    /// The object whose writing awaits its confirmation.
+    /// The object whose write is not confirmed yet.
     const fn written_object(&self) -> Option<Multiplexer> {
         match self.awaited {
             Awaited::Write { at, .. }
@@ -288,22 +290,22 @@ impl Server {
         matches!(self.state, TransferState::Unsure | TransferState::BlockDownload { .. })
     }
 
-    /// What has to be answered now.
+    /// The rule of the answer that the server owes now, if it owes one.
     pub fn awaits(&self) -> Option<&'static str> {
         self.awaited.is_required().then(|| self.awaited.rule())
     }
 
-    /// Whether a value is on its way that may be read already.
+    /// Whether a transfer is in progress whose value may already have been read.
     pub fn is_busy(&self) -> bool {
         self.awaited != Awaited::Nothing || self.state != TransferState::Idle
     }
 
-    /// Whether segments of a block come one after the other.
+    /// Whether the server is sending the segments of a block.
     pub fn is_sending_blocks(&self) -> bool {
         matches!(self.state, TransferState::BlockUpload(_) | TransferState::Unsure)
     }
 
-    /// Whether a value is on its way that may be written already.
+    /// Whether a value without confirmation may already have been written.
     pub fn is_writing(&self) -> bool {
         self.overlapped
             || matches!(
@@ -315,7 +317,7 @@ impl Server {
             )
     }
 
-    /// Whether one of these objects may be written already, though nothing has confirmed it.
+    /// Whether one of the objects may already have been written without confirmation.
     pub fn may_move(&self, objects: &[Multiplexer]) -> bool {
         match self.awaited {
             _ if self.overlapped => !objects.is_empty(),
@@ -324,7 +326,7 @@ impl Server {
         }
     }
 
-    /// Whether nobody knows what comes next, nor whether a transfer is under way.
+    /// Whether it is not known which answer comes next, nor whether a transfer is in progress.
     pub fn is_lost(&self) -> bool {
         matches!(self.state, TransferState::Unsure | TransferState::Idle) && self.is_open()
     }
@@ -334,7 +336,7 @@ impl Server {
         self.overlapped || self.awaited.is_open()
     }
 
-    /// Nothing has come for a while: no answer to an earlier request is under way.
+    /// Silence has lasted long enough, so no earlier request will be answered.
     pub const fn quiet(&mut self) {
         self.overlapped = false;
         self.unsettled = false;
@@ -343,10 +345,10 @@ impl Server {
         }
     }
 
-    /// What the server has to answer, and in which state the request leaves it meanwhile.
+    /// Determines the allowed answers to a request, and the state of the server after it.
     fn judge_request(&mut self, frame: &Frame, knowledge: &Knowledge, expected_values: &mut ExpectedValues) -> Awaited {
         if frame.len() != 8 {
-            // The standard knows only messages of eight bytes; what a server makes of others is its own affair.
+            // The standard defines messages of eight bytes only, so the effect of another length is unknown.
             self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
@@ -357,7 +359,7 @@ impl Server {
             return self.block_segment(segment, knowledge);
         }
         if let [0x81..=0x9F, ..] = frame.data() {
-            // An abort whose reserved bits are set: whether it is one, the standard leaves open.
+            // The standard leaves open whether an abort with reserved bits set is one.
             self.give_up(expected_values);
             self.state = TransferState::Unsure;
             return Awaited::Anything;
@@ -369,12 +371,13 @@ impl Server {
             expected_values.resume();
         }
         if self.state == TransferState::Unsure && frame.bytes()[0] != 0x80 {
-            // It may be taken for the segment of a block download that nobody knows of. The answer tells.
+            // The server may take the frame for a segment of a block download that the model does not know of. The
+            // answer tells.
             return Awaited::Anything;
         }
         if self.state.is_block() && initiates(&request) {
-            // Only the last segment and an abort end a block transfer (CiA 301, 7.2.4.3.8 and 7.2.4.3.12): a new transfer may
-            // begin, or be refused.
+            // Only the last segment and an abort end a block transfer (CiA 301, 7.2.4.3.8 and 7.2.4.3.12). The server
+            // may begin a new transfer or refuse it.
             self.give_up(expected_values);
             self.state = TransferState::Unsure;
             return Awaited::Anything;
@@ -408,13 +411,13 @@ impl Server {
         }
     }
 
-    /// The transfer ends in an abort.
+    /// The server has to abort the transfer.
     fn refuse(&mut self, codes: CodeSet, why: &'static str, expected_values: &mut ExpectedValues) -> Awaited {
         self.give_up(expected_values);
         Awaited::Abort { codes, at: None, why }
     }
 
-    /// The transfer ends; a download has no effect.
+    /// Ends the transfer. An unfinished download has no effect.
     fn give_up(&mut self, expected_values: &mut ExpectedValues) {
         if let TransferState::Download { entry, .. }
         | TransferState::BlockDownload { entry, .. }
@@ -425,10 +428,10 @@ impl Server {
         self.state = TransferState::Idle;
     }
 
-    /// An answer is overdue.
+    /// Checks whether an answer is overdue.
     ///
     /// # Errors
-    /// [`Violation`]: silence where an answer is due.
+    /// [`Violation`] if an answer is due and has not come.
     pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
         if now < self.due {
             return Ok(());
@@ -440,7 +443,7 @@ impl Server {
     }
 }
 
-/// Whether bits of the command are set that the standard has 0 in that request.
+/// Whether reserved bits of the command are set.
 fn has_reserved_bits(frame: &Frame, request: &Request) -> bool {
     let mut plain = [0; 8];
     request.emit(&mut plain);
@@ -459,14 +462,14 @@ const fn initiates(request: &Request) -> bool {
     )
 }
 
-/// Whether the request, or the transfer that it begins, may store: the device may be silent for long then.
+/// Whether the request, or the transfer that it begins, may store parameters. The device may be silent for long then.
 fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
     let [command, low, high, sub, ..] = frame.bytes();
     let at = Multiplexer::from_bytes([low, high, sub]);
     is_store(at, knowledge) && matches!(command >> 5, 1 | 6)
 }
 
-/// Whether writing that object stores.
+/// Whether writing the object stores parameters.
 fn is_store(at: Multiplexer, knowledge: &Knowledge) -> bool {
     matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
         || knowledge.services.bus_save_object == Some(at)

@@ -1,4 +1,4 @@
-//! Holds what the server sends against what is awaited.
+//! Compares the frames of the server with the allowed answers.
 
 use super::super::codes::{self, CodeSet};
 use super::super::expected_values::ExpectedValues;
@@ -14,7 +14,8 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, BlockSegment, Payload, Response, Segment, crc16};
 use canvass_traces::{Frame, Timestamp, hex};
 
-/// What an answer shows to be wrong: the property, what was expected instead of the awaited text, what came.
+/// The violation in an answer: the property, the expected value if it differs from the awaited text, and the actual
+/// one.
 struct Wrong {
     property: Property,
     expected: Option<String>,
@@ -31,12 +32,12 @@ fn instead(property: Property, expected: impl Into<String>, actual: impl Into<St
     Wrong { property, expected: Some(expected.into()), actual: actual.into() }
 }
 
-/// An answer that does not belong to what was asked.
+/// The violation of an answer that does not fit the request.
 fn illegal(frame: &Frame) -> Wrong {
     wrong(Property::LegalSdo, shown(frame))
 }
 
-/// Where the right answer has not come, only an abort may have.
+/// Returns the abort in a response. Any other response is a violation here.
 fn only_abort(response: Response, frame: &Frame) -> Result<Abort, Wrong> {
     match response {
         Response::Abort(abort) => Ok(abort),
@@ -45,7 +46,7 @@ fn only_abort(response: Response, frame: &Frame) -> Result<Abort, Wrong> {
 }
 
 impl Server {
-    /// A frame of the server. `true`: it leads where the models can't follow.
+    /// Checks a frame of the server. `true`: the models can't follow its effect.
     ///
     /// # Errors
     /// [`Violation`] if the server must not send it now.
@@ -99,7 +100,7 @@ impl Server {
             return Ok(());
         }
         let awaited = self.take_awaited();
-        // What may be the segment of a block can have any bytes.
+        // A segment of a block can contain any bytes.
         if awaited != Awaited::Anything {
             check_reserved(frame, response)?;
         }
@@ -107,7 +108,7 @@ impl Server {
         self.judge_response(awaited, response, frame, knowledge, expected_values)
     }
 
-    /// One answer for each request.
+    /// Takes the allowed answers, as each request has only one answer.
     fn take_awaited(&mut self) -> Awaited {
         let awaited = self.awaited;
         if awaited != Awaited::Anything {
@@ -155,7 +156,7 @@ impl Server {
                 other => refused_write(only_abort(other, frame)?, at, writing, expected_values),
             },
             Awaited::BeginDownload { at, writing, announced } => match response {
-                // What can't be written may be refused at once or at the end; it must be refused.
+                // An object that can't be written has to be refused, at once or at the end.
                 Response::InitiateDownload { multiplexer } => {
                     self.state = TransferState::Download { at, entry: writing.entry, toggle: false, announced };
                     check_multiplexer(multiplexer, at)
@@ -198,7 +199,7 @@ impl Server {
         }
     }
 
-    /// Whether the server says that it has waited too long, where it may: a transfer runs, and nothing else is due.
+    /// Whether the server reports a time-out where it may: a transfer is in progress, and no answer is due.
     fn is_given_up(&self, awaited: Awaited, response: Response) -> bool {
         let may_be_silent = matches!(
             awaited,
@@ -208,21 +209,21 @@ impl Server {
         is_time_out && may_be_silent && self.state != TransferState::Idle
     }
 
-    /// Whether the server has waited too long for what came of a transfer that the client has ended a moment ago: what is
-    /// awaited now is still to come.
+    /// Whether the server reports a time-out of a transfer that the client has just ended. The awaited answer is still
+    /// to come then.
     fn is_of_ended(&self, now: Timestamp, response: Response, knowledge: &Knowledge) -> bool {
         let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
         is_time_out && self.ended.is_some_and(|ended| now.since(ended) <= knowledge.patience.answer)
     }
 
-    /// Whether the server says that it does not know the command of an odd request: such a request exists as little as one
-    /// of an unknown command, which names no object.
+    /// Whether the server reports an unknown command to a request with reserved bits set. Like any request of an
+    /// unknown command, it names no object.
     fn is_unknown(&self, awaited: Awaited, response: Response) -> bool {
         let is_refused = matches!(response, Response::Abort(abort) if codes::COMMAND.has(abort.code));
         is_refused && self.odd && (awaited.is_required() || awaited == Awaited::AbortOrIgnored)
     }
 
-    /// Nothing but an abort, with one of these codes, may come now: nobody knows what became of what was sent.
+    /// Checks an answer that has to be an abort with one of the codes. The state of the data sent before is unknown.
     fn given_up(
         &mut self,
         response: Response,
@@ -235,14 +236,14 @@ impl Server {
         check_abort(abort, codes, None)
     }
 
-    /// Nothing but an abort, with one of these codes, may come now: it ends the transfer.
+    /// Checks an answer that has to be an abort with one of the codes. The abort ends the transfer.
     fn ended(&mut self, response: Response, codes: CodeSet, frame: &Frame) -> Judged {
         let abort = only_abort(response, frame)?;
         self.state = TransferState::Idle;
         check_abort(abort, codes, None)
     }
 
-    /// `asked`: the segments of a block, and whether the client knows the CRC.
+    /// Checks the answer to "initiate block upload". `asked`: the block size, and whether the client supports the CRC.
     fn block_upload_begins(
         &mut self,
         reading: Reading,
@@ -262,7 +263,8 @@ impl Server {
         Ok(())
     }
 
-    /// `asked`: the size that was announced, and whether the client knows the CRC.
+    /// Checks the answer to "initiate block download". `asked`: the announced size, and whether the client supports the
+    /// CRC.
     fn block_download_begins(
         &mut self,
         at: Multiplexer,
@@ -283,7 +285,8 @@ impl Server {
         Ok(())
     }
 
-    /// An answer that nobody can foretell says at least where the server is now, if it can't be the segment of a block.
+    /// Learns the state of the server from an answer that could not be predicted, unless it can be a segment of a
+    /// block.
     fn anything_came(&mut self, response: Response, frame: &Frame, expected_values: &mut ExpectedValues) -> Judged {
         self.state = match response {
             Response::Abort(_) if frame.bytes()[0] == 0x80 => TransferState::Idle,
@@ -393,7 +396,7 @@ impl Server {
                 confirm(writing, frame, knowledge, expected_values)
             }
             (Response::Abort(abort), None) => {
-                // A wrong length, or what can't be written, may be refused before the end.
+                // The server may refuse a wrong length, or an object that can't be written, before the end.
                 self.give_up(expected_values);
                 let early = codes::TOO_LONG.or(codes::TOO_SHORT).or(codes::REFUSED).or(codes::READ_ONLY);
                 check_abort(abort, early.or(codes::NO_OBJECT).or(codes::NO_SUB_INDEX), None)
@@ -456,7 +459,7 @@ impl Server {
             let expected = format!("{} bytes, as announced", upload.announced.unwrap_or(0));
             return Err(instead(Property::LegalSdo, expected, format!("{len} bytes")));
         }
-        // Without one the field is 0 (CiA 301, 7.2.4.3.15).
+        // Without CRC the field is 0 (CiA 301, 7.2.4.3.15).
         let right = if upload.crc { crc16(0, &self.data) } else { 0 };
         if crc != right {
             return Err(instead(Property::LegalSdo, format!("the checksum {right:04X}h"), format!("{crc:04X}h")));
@@ -467,7 +470,7 @@ impl Server {
     }
 }
 
-/// `43 00 10 00 96 01 01 00`, or the abort in words.
+/// The frame as text: `43 00 10 00 96 01 01 00`, or an abort in words.
 fn shown(frame: &Frame) -> String {
     let bytes = hex::spaced(frame.data());
     match Response::read(frame.data()) {
@@ -482,7 +485,7 @@ fn unsolicited(frame: &Frame) -> Wrong {
     instead(Property::OneAnswer, "no response: none is outstanding", shown(frame))
 }
 
-/// Reserved bytes and bits are 0. Bytes of a value that don't count may hold anything.
+/// Checks that reserved bytes and bits are 0. Unused bytes of a value may hold anything.
 fn check_reserved(frame: &Frame, response: Response) -> Judged {
     let mut expected = [0; 8];
     response.emit(&mut expected);
@@ -537,7 +540,7 @@ fn refused_write(abort: Abort, at: Multiplexer, writing: Writing, expected_value
     refused_late(abort, at, writing, expected_values)
 }
 
-/// At the end of a transfer too the abort names the object.
+/// Checks an abort at the end of a transfer, which has to name the object, too.
 fn refused_late(abort: Abort, at: Multiplexer, writing: Writing, expected_values: &mut ExpectedValues) -> Judged {
     expected_values.aborted = writing.entry;
     check_abort(abort, if writing.must.is_empty() { writing.may } else { writing.must }, Some(at))
@@ -569,7 +572,7 @@ fn check_size(size: Option<u32>, reading: Reading, knowledge: &Knowledge) -> Jud
     size.map_or(Ok(()), |size| check_length(size as usize, reading, knowledge))
 }
 
-/// Up to the threshold a server may answer with a normal upload (CiA 301); a threshold of 0 forbids it.
+/// Checks that a normal upload is not longer than the threshold (CiA 301). A threshold of 0 forbids it.
 fn check_threshold(payload: &Payload, threshold: u8, frame: &Frame) -> Judged {
     let size = match payload {
         Payload::Expedited(value) => Some(value.data().len() as u32),

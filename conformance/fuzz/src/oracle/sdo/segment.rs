@@ -1,4 +1,4 @@
-//! Segmented transfers after their begin.
+//! Segmented transfers after their initiation.
 
 use super::super::codes::{self, CodeSet};
 use super::super::expected_values::ExpectedValues;
@@ -33,7 +33,7 @@ impl Server {
         let (received, announced) = (self.data.len(), announced.map(|size| size as usize));
         let (codes, why) = against_announced(received, announced);
         if !codes.is_empty() {
-            // Which of several reasons a server finds first is its own affair.
+            // The server decides which of several errors it reports.
             let known = knowledge.entry(at);
             let of_received = all_length_codes(known, Some(received));
             let is_of_length = known.is_some_and(|known| known.writable) && !of_received.is_empty();
@@ -57,7 +57,7 @@ impl Server {
     }
 }
 
-/// What a server may say to that many bytes where others were announced.
+/// The codes for a number of bytes that differs from the announced one.
 fn against_announced(received: usize, announced: Option<usize>) -> (CodeSet, &'static str) {
     match announced {
         Some(size) if received > size => (codes::TOO_LONG, "more data than announced"),

@@ -1,4 +1,4 @@
-//! The position of an encoder: whatever scaling was accepted, it lies in the measuring range.
+//! The position of an encoder lies in the measuring range, whatever scaling the device has accepted.
 
 use crate::Knowledge;
 use crate::profile::{Broken, Dialogue};
@@ -7,7 +7,8 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::profiles::cia406::objects;
 use canvass_analyzer::wire::sdo::Request;
 
-/// For every scaling (6000h, 6001h, 6002h) and preset (6003h) that the device has accepted.
+/// The position lies in its range for every scaling (6000h, 6001h, 6002h) and preset (6003h) that the device has
+/// accepted.
 pub(super) static IN_RANGE: ProfileProperty = ProfileProperty {
     id: "PROP-15",
     title: "the position stays in its range",
@@ -18,7 +19,7 @@ pub(super) static IN_RANGE: ProfileProperty = ProfileProperty {
 const POSITION: Multiplexer = Multiplexer::new(objects::POSITION_VALUE, 0);
 const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(objects::OPERATING_PARAMETERS, 0);
 const RANGE: Multiplexer = Multiplexer::new(objects::TOTAL_MEASURING_RANGE, 0);
-/// Bit of 6000h: 6001h and 6002h scale the position.
+/// Bit of 6000h that makes 6001h and 6002h scale the position.
 const SCALING: u64 = 1 << 2;
 
 /// Checks a value: the position must be inside its range.
@@ -33,7 +34,7 @@ pub(super) fn judge(
     }
     let position = value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
     let scaled = expected(OPERATING_PARAMETERS)? & SCALING != 0;
-    // 0 stands for 2^32.
+    // 6002h = 0 stands for a range of 2^32.
     let range = expected(RANGE).filter(|&range| scaled && range > 0)?;
     (position >= range).then(|| Broken {
         property: &IN_RANGE,
@@ -42,7 +43,7 @@ pub(super) fn judge(
     })
 }
 
-/// Scaling and preset, then the position.
+/// Writes scaling and preset, then reads the position.
 pub(super) fn dialogue(script: &mut dyn Dialogue) -> bool {
     if script.knowledge().entry(POSITION).is_none() {
         return false;
