@@ -1,4 +1,4 @@
-//! SDO block transfers, and the raw messages of cases that break off in the middle of one.
+//! SDO block transfers, and the raw messages of cases that break off inside a block transfer.
 
 use super::Bench;
 use super::sdo::Attempt;
@@ -10,10 +10,10 @@ use canvass_bus::client::block_upload::{UploadManner, abort};
 use canvass_bus::client::{BlockDownload, BlockStep, BlockTransfer, BlockUpload, Message, Outcome};
 use canvass_traces::Frame;
 
-/// A block transfer never has more messages of the server than this: a value of a megabyte has 150 000.
+/// Maximum number of server messages in a block transfer: a value of a megabyte has 150 000.
 const MOST_MESSAGES: usize = 200_000;
 
-/// The command byte of an abort, which can't be that of a segment: their numbers begin with 1.
+/// The command byte of an abort. No segment has this byte: sequence numbers begin with 1.
 pub(super) const ABORT: u8 = 0x80;
 
 fn has_succeeded<T>((attempt, _): &(Attempt, T)) -> bool {
@@ -21,7 +21,7 @@ fn has_succeeded<T>((attempt, _): &(Attempt, T)) -> bool {
 }
 
 impl Bench<'_> {
-    /// Reads an object in blocks. The client remembers what the server did.
+    /// Uploads an object in blocks. The client records how the server behaved.
     ///
     /// # Errors
     /// As [`Bench::upload`].
@@ -37,7 +37,7 @@ impl Bench<'_> {
         })
     }
 
-    /// Writes an object in blocks. Its value before is put back after the case.
+    /// Downloads an object in blocks. The bench puts the earlier value back after the case.
     ///
     /// # Errors
     /// As [`Bench::upload`].
@@ -102,7 +102,7 @@ impl Bench<'_> {
         messages.iter().try_for_each(|message| self.send_message(*message))
     }
 
-    /// Sends eight bytes to the SDO server, whatever they mean.
+    /// Sends eight bytes to the SDO server, even if they form no valid message.
     ///
     /// # Errors
     /// As [`Bench::send`].
