@@ -6,8 +6,8 @@ use canvass_analyzer::wire::error_control::State;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Number of PDOs in one look after which a PDO that is absent from the other has stopped or begun. With fewer, a value
-/// may have changed.
+/// Minimum number of frames of a PDO in one look that prove, if the other look has none, that the PDO has stopped or
+/// begun. Fewer frames may come from a value that changed.
 const CERTAIN: u32 = 3;
 
 /// The behaviour of a device after a start, and after the following command to become operational.

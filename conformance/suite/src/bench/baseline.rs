@@ -135,15 +135,17 @@ pub(super) fn is_unseen(bench: &Bench<'_>, at: Multiplexer) -> bool {
     resets_to_defaults(bench) && !can_power_cycle(bench) && at.index.0 >= 0x6000
 }
 
-/// The start after which the device is left. Where reset node brings defaults, and not what is stored, only the supply helps.
+/// Starts the device for the last time. If reset node loads defaults instead of the stored values, only switching the
+/// supply loads these.
 ///
 /// # Errors
-/// Those of the start.
+/// The errors of [`Bench::reset`] and [`Bench::power_cycle`].
 pub(super) fn restart_at_last(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if resets_to_defaults(bench) { restart(bench) } else { bench.reset(Command::RESET_NODE) }
 }
 
-/// Whether reset node gives objects of the profile their defaults, as the manual of the device says; power-on does not.
+/// Whether reset node sets objects of the profile to their defaults, according to the manual of the device; power-on
+/// does not.
 fn resets_to_defaults(bench: &Bench<'_>) -> bool {
     bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile)
 }
@@ -152,7 +154,7 @@ fn can_power_cycle(bench: &Bench<'_>) -> bool {
     may_store(bench) && bench.options.power_cycle.is_some()
 }
 
-/// A start as at power-on: by the user's own command where there is one, else by reset node.
+/// Starts the device as at power-on: by the user's own command if there is one, otherwise by reset node.
 fn restart(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let was_switched = can_power_cycle(bench) && bench.power_cycle()?;
     if was_switched { Ok(()) } else { bench.reset(Command::RESET_NODE) }
