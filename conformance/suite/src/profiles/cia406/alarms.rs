@@ -107,8 +107,7 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let usual = bench.read(TEMPERATURE_LIMIT)?;
     bench.drain()?;
-    // Frames during a transfer are not returned, and the EMCY may come before the confirmation; so the evidence is
-    // searched.
+    // The EMCY may come before the confirmation of the write, where `listen` does not see it: the objects are judged.
     let first = bench.read_number(ERROR_REGISTER)?;
     bench.write(TEMPERATURE_LIMIT, &[FREEZING])?;
     bench.listen(SPAN)?;
