@@ -303,7 +303,7 @@ mod tests {
         for cut in FIRST_LINE.len() + 1..text.len() {
             assert!(Interrupted::read(&text[..cut]).is_ok(), "cut at {cut}");
         }
-        // The run was killed before its journal was renamed.
+        // An earlier run was killed before its journal had its final name.
         fs::write(folder.path().join("journal.canvass-new"), "canvass").unwrap();
         assert!(Journal::create(&path, &head(&[])).is_err(), "an earlier run's is kept");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");

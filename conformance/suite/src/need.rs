@@ -48,7 +48,8 @@ impl Need {
         self.moving
     }
 
-    /// Sets up before each case, and puts back after it, a feature that the device supports but lacks as delivered.
+    /// Makes the bench set up the feature before each case, and put the device back after it. The device supports the
+    /// feature, but lacks it as delivered.
     #[must_use]
     pub(crate) const fn provided_by(self, provide: Provide) -> Self {
         Self { provide: Some(provide), ..self }

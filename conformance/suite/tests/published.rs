@@ -11,7 +11,7 @@ use canvass_suite::catalogue;
 use canvass_suite::selftest::judge_target;
 use canvass_suite::verdict::Kind;
 
-/// Runs every case with everything allowed, and requires exactly these failures.
+/// Runs every case with everything allowed, and requires exactly these bad verdicts.
 fn check(eds: &[u8], expected: &[(&str, Kind)]) {
     let model: &'static Model = Box::leak(Box::new(Model::generic("published.eds", eds).unwrap()));
     let target = Target::of(model, model.default_node().unwrap());

@@ -36,8 +36,7 @@ struct Outcomes {
     cold: Dictionary,
 }
 
-/// The objects that can be written or never change, read by SDO, since canvass itself does not compare them for this
-/// test.
+/// The objects that can be written or never change, read by SDO: the test compares them independently of canvass.
 fn dictionary(bus: &mut SimulatedBus, node: NodeId, firmware: Firmware) -> Dictionary {
     let description = Model::by_id(MODEL).unwrap().description_with(firmware);
     let mut observe = |_: &Record| {};

@@ -11,7 +11,7 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::Frame;
 
 impl Bench<'_> {
-    /// What an object does when it is written; `None` if it is a setting or read-only.
+    /// The effect of writing an object; `None` if it is a setting or read-only.
     pub(crate) fn acting(&self, at: Multiplexer) -> Option<Acting> {
         self.target.manual.acting(at, self.target.description.as_ref())
     }

@@ -47,7 +47,7 @@ impl Bench<'_> {
     /// Requires that all answers of the case so far have eight bytes, and 0 in all reserved bits and bytes.
     ///
     /// # Errors
-    /// As [`Bench::check`].
+    /// The errors of [`Bench::check`].
     pub fn expect_tidy(&mut self) -> Judged {
         for breach in self.log.take_untidy() {
             self.check(Err(Box::new(breach)))?;

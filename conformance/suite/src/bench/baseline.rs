@@ -56,7 +56,7 @@ pub(crate) struct Baseline {
     pub unseen: Vec<Multiplexer>,
     /// The zero point after a start.
     pub stored_zero_point: Option<ZeroPoint>,
-    /// What the device does after a start.
+    /// The behaviour of the device after a start.
     pub behaviour: Option<Behaviour>,
     /// Whether the device was operational before the run, or becomes operational in it. If so, its behaviour in
     /// operational is compared too.

@@ -24,7 +24,7 @@ impl Bench<'_> {
     /// Uploads an object in blocks. The client records how the server behaved.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn block_upload(
         &mut self,
         multiplexer: Multiplexer,
@@ -40,7 +40,7 @@ impl Bench<'_> {
     /// Downloads an object in blocks. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn block_download(
         &mut self,
         multiplexer: Multiplexer,
@@ -105,7 +105,7 @@ impl Bench<'_> {
     /// Sends eight bytes to the SDO server, even if they form no valid message.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn send_message(&mut self, message: Message) -> Result<(), Stop> {
         let cob_id = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send_bytes(cob_id, &message).map(|_| ())

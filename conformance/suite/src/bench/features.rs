@@ -14,7 +14,7 @@ impl Bench<'_> {
     /// 0602 0000h or 0609 0011h, or if there is no answer.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if let Some(described) = self.described(multiplexer) {
             return Ok(described);
@@ -35,7 +35,8 @@ impl Bench<'_> {
     /// Whether the device has all of these objects.
     ///
     /// # Errors
-    /// As [`Bench::has`]; the breach if the device does not answer for an object: silence does not prove absence.
+    /// The errors of [`Bench::has`]; the breach if the device does not answer for an object: silence does not prove
+    /// absence.
     pub fn has_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         for &multiplexer in objects {
             let there = match self.described(multiplexer) {
@@ -58,7 +59,7 @@ impl Bench<'_> {
     /// Whether all of these objects can be written.
     ///
     /// # Errors
-    /// As [`Bench::has_all`].
+    /// The errors of [`Bench::has_all`].
     pub(crate) fn can_write_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         if let Err(why) = self.has_all(objects)? {
             return Ok(Err(why));
@@ -74,7 +75,7 @@ impl Bench<'_> {
     /// Whether the device has an object and its description does not call it read-only.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// The errors of [`Bench::has`].
     pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
             return Ok(false);
@@ -91,7 +92,7 @@ impl Bench<'_> {
     /// Whether life guarding can be configured, and no heartbeat that can't be ended rules it out.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// The errors of [`Bench::has`].
     pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Stop> {
         let is_settable =
             self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(object::LIFE_TIME_FACTOR, 0))?;

@@ -20,7 +20,7 @@ impl Bench<'_> {
     /// Sends up to eight bytes with an 11-bit CAN-ID.
     ///
     /// # Errors
-    /// As [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
+    /// The errors of [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
     pub fn send_bytes(&mut self, cob_id: u16, bytes: &[u8]) -> Result<Sent, Stop> {
         match Frame::new(CanId::standard_masked(u32::from(cob_id)), bytes) {
             Some(frame) => self.send(&frame),
@@ -44,7 +44,7 @@ impl Bench<'_> {
     /// Waits for `span` and returns the frames that the device under test sent meanwhile.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
         self.traffic.listen(span)
     }
@@ -59,7 +59,7 @@ impl Bench<'_> {
     /// request.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn drain(&mut self) -> Result<(), Stop> {
         self.traffic.drain()
     }

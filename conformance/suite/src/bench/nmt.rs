@@ -32,7 +32,7 @@ impl Bench<'_> {
     /// Sends an NMT command to the device under test.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(self.node().raw(), command)
     }
@@ -40,7 +40,7 @@ impl Bench<'_> {
     /// Sends an NMT command to all nodes.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command_all(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(0, command)
     }
@@ -48,7 +48,7 @@ impl Bench<'_> {
     /// Sends an NMT command with any node-ID byte, even a reserved one.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
         let concerned = node == 0 || node == self.node().raw();
         if concerned && command.is_reset() {
@@ -79,7 +79,7 @@ impl Bench<'_> {
     /// Waits for the boot-up message; `None` if it does not come in time.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Stop> {
         self.wait_for_boot_up_within(self.timing().boot_up)
     }
@@ -141,7 +141,7 @@ impl Bench<'_> {
     /// until the boot-up time has passed without one.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Stop> {
         self.drain()?;
         self.command(command)?;
@@ -209,7 +209,7 @@ impl Bench<'_> {
     /// Whether the SDO server answers at all.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn answers(&mut self) -> Result<bool, Stop> {
         Ok(!self.upload(Multiplexer::new(object::DEVICE_TYPE, 0))?.is_silent())
     }

@@ -79,7 +79,7 @@ impl Bench<'_> {
     /// The scratch objects that the device has, best first, with their current values.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found = Vec::new();
         for candidate in CANDIDATES.iter().chain(profile::all().flat_map(Profile::scratch)) {
@@ -182,7 +182,7 @@ impl Bench<'_> {
     /// the description.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
             if self.is_long(multiplexer, at_least)? {
@@ -197,7 +197,7 @@ impl Bench<'_> {
     /// them.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
         let mut found = Vec::new();
         for multiplexer in self.long_candidates() {
@@ -246,7 +246,7 @@ impl Bench<'_> {
     /// that the tester knows, or an object in the manufacturer's area that stores a value for the user.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Stop> {
         /// Known scratch objects in the manufacturer's area.
         const KNOWN: [Candidate; 1] = [candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2])];
@@ -300,7 +300,7 @@ impl Bench<'_> {
     /// An object with an empty text according to the description, if the device confirms this or does not answer.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
         let Some(description) = &self.target.description else { return Ok(None) };
         let node = self.node();
@@ -324,7 +324,7 @@ impl Bench<'_> {
     /// The device's name and versions, if it has them. The texts come from the device: they may hold anything.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn names(&mut self) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
         let mut found = Vec::new();
         for multiplexer in NAMES {

@@ -245,7 +245,7 @@ impl Bench<'_> {
     /// The inhibit time of a PDO; zero if it has none.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn pdo_inhibit_time(&mut self, pdo: Pdo) -> Result<Duration, Stop> {
         let units = match self.upload(pdo.parameter(3))?.outcome {
             canvass_bus::client::Outcome::Uploaded(value) => u64::from(number(&value)),
@@ -306,7 +306,7 @@ impl Bench<'_> {
     /// The frames with this CAN-ID within `span`.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
         const MOST: usize = 20_000;
         let mut heard = Vec::new();
@@ -347,7 +347,7 @@ impl Bench<'_> {
     /// The CAN-ID of SYNC according to 1005h; the predefined one if the device has no 1005h.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn sync_id(&mut self) -> Result<u16, Stop> {
         let object = Multiplexer::new(object::COB_ID_SYNC, 0);
         if !self.has(object)? {

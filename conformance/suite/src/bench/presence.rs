@@ -60,7 +60,7 @@ impl Bench<'_> {
     /// Whether the device is alone on the bus, or the user allows commands to other nodes.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn is_alone(&mut self) -> Result<Met, Stop> {
         if self.options.allow.contains(&Touch::OtherNodes) {
             return Ok(Ok(()));
@@ -89,7 +89,7 @@ impl Bench<'_> {
     /// nothing in them.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn look_for_others(&mut self) -> Result<(), Stop> {
         if std::mem::replace(&mut self.knowledge.others_known, true) {
             return Ok(());

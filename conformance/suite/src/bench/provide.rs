@@ -21,7 +21,7 @@ impl Bench<'_> {
     /// Makes sure that TPDO 1 is on and has a mapping. If it is not so as delivered, it is set up for this case.
     ///
     /// # Errors
-    /// As [`Bench::has_all`].
+    /// The errors of [`Bench::has_all`].
     pub(crate) fn provide_tpdo(&mut self) -> Result<Met, Stop> {
         if let Err(why) = self.has_all(&[TPDO_COB_ID, TPDO_MAPPED])? {
             return Ok(Err(why));

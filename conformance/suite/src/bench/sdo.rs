@@ -34,7 +34,7 @@ impl Bench<'_> {
     /// Writes an object in the shortest way. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn download(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Shortest)
@@ -43,7 +43,7 @@ impl Bench<'_> {
     /// Writes an object in segments, even if its value is short. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Segmented)
@@ -154,7 +154,7 @@ impl Bench<'_> {
     /// Sends one SDO message, in or out of place, and waits for one response.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn exchange(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.exchange_within(request, what.into(), self.timing().sdo_response)
     }
@@ -162,7 +162,7 @@ impl Bench<'_> {
     /// Sends one SDO message that must not be answered, and waits for the time of silence.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.exchange_within(request, what.into(), self.silence())
     }
@@ -206,7 +206,7 @@ impl Bench<'_> {
     /// Waits for a response without sending a request.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
         self.wait_for_response(self.silence())
     }
@@ -287,7 +287,7 @@ impl Bench<'_> {
     /// Sends one SDO message and does not wait.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn send_request(&mut self, request: &Request) -> Result<(), Stop> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())

@@ -54,7 +54,7 @@ impl Bench<'_> {
     /// The abilities of the device's heartbeat producer. Found out once.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub(crate) fn heartbeats(&mut self) -> Result<Heartbeats, Stop> {
         if let Some(known) = self.knowledge.heartbeats {
             return Ok(known);
@@ -118,7 +118,7 @@ impl Bench<'_> {
     /// only with a life time. A device that refuses keeps its own.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
         if self.can_write(GUARD_TIME)? && self.can_write(LIFE_TIME_FACTOR)? {
             self.download(GUARD_TIME, &10_000_u16.to_le_bytes())?;
@@ -141,7 +141,7 @@ impl Bench<'_> {
     /// The state that the device shows from now on; `None` if it shows none.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn state(&mut self) -> Result<Option<State>, Stop> {
         let found = self.shown_state()?;
         self.knowledge.was_operational |= found == Some(State::OPERATIONAL);
@@ -161,7 +161,7 @@ impl Bench<'_> {
     /// Requests the state by node guarding.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn guard(&mut self) -> Result<Option<State>, Stop> {
         self.ask_for_state()?;
         self.wait_for_state(self.timing().silence)
@@ -170,7 +170,7 @@ impl Bench<'_> {
     /// Sends the remote frame of node guarding, without waiting for the answer.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn ask_for_state(&mut self) -> Result<(), Stop> {
         self.drain()?;
         let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
@@ -233,7 +233,7 @@ impl Bench<'_> {
     /// Whether the device shows by itself that it is operational, which means that it was at work before the run.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn is_operational(&mut self) -> Result<bool, Stop> {
         if let Some(state) = self.heard_state(LONGEST_HEARTBEAT)? {
             return Ok(state == State::OPERATIONAL);

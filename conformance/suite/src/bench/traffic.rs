@@ -244,7 +244,7 @@ impl<'a> Traffic<'a> {
     /// Waits for `span` and returns the frames that the device under test sent meanwhile.
     ///
     /// # Errors
-    /// As [`Traffic::wait_for`].
+    /// The errors of [`Traffic::wait_for`].
     pub(crate) fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
         let node = self.node;
         let mut heard = Vec::new();
@@ -261,7 +261,7 @@ impl<'a> Traffic<'a> {
     /// request.
     ///
     /// # Errors
-    /// As [`Traffic::wait_for`].
+    /// The errors of [`Traffic::wait_for`].
     pub(crate) fn drain(&mut self) -> Result<(), Stop> {
         self.wait_for(Duration::ZERO, |_| None::<()>).map(|_| ())
     }

@@ -98,7 +98,7 @@ impl Addresses {
     }
 }
 
-/// Whether an index is that of an SDO client parameter.
+/// Whether an index belongs to an SDO client parameter.
 fn is_sdo_client(index: u16) -> bool {
     (object::SDO_CLIENT_PARAMETER..object::SDO_CLIENT_PARAMETER + 0x80).contains(&index)
 }

@@ -53,7 +53,7 @@ fn seen(bench: &mut Bench<'_>) -> usize {
     bench.evidence().frames().count()
 }
 
-/// How a scripted device takes writes.
+/// The reaction of a scripted device to writes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Takes {
     All,

@@ -1,4 +1,4 @@
-//! Which services work in which NMT state (CiA 301, 7.3.2.2).
+//! The services that work in each NMT state (CiA 301, 7.3.2.2).
 
 use crate::bench::Bench;
 use crate::bench::state::command_to;

@@ -38,7 +38,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     bench.stop_sync_period()?;
     if bench.read_number(TPDO.entry(0))? == 0 || !bench.pdo_cob_id(TPDO)?.is_valid() {
-        // As delivered the device sends no TPDO that would show it.
+        // As delivered the device sends no TPDO that would show which SYNC it uses.
         return Ok(());
     }
     let now = bench.sync_id()?;

@@ -105,7 +105,7 @@ fn every_length(
     bench.each(objects, |bench, (multiplexer, entry)| {
         let length = wrong(entry.data_type.bytes().unwrap_or(1));
         let attempt = bench.download(multiplexer, &vec![0; length])?;
-        // What is in use may refuse every write because of that.
+        // An object in use may refuse every write for this reason.
         let is_refused_as_used = may_be_in_use(multiplexer) && attempt.abort().is_some();
         if is_refused_as_used { Ok(()) } else { bench.check(attempt.refused(situation)) }
     })
