@@ -9,8 +9,8 @@ use canvass_analyzer::Service;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
-/// Removes the breaches that the lateness of the device may have caused, if its cheap answers were as late. It may also
-/// be why a precondition was not reached.
+/// Removes the breaches that the lateness of the device may have caused, if its cheap answers were as late. The
+/// lateness may also be why a precondition was not reached.
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     // An open case fails nobody; a device that has left is not late.
     let is_open = trial.case.level == Level::Open;
