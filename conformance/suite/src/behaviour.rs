@@ -1,44 +1,46 @@
-//! What a device does after a start: what no object shows. It is compared before and after a run.
+//! What a device does after a start and no object shows: its EMCYs, its state and its PDOs. A run compares this before
+//! and after.
 
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::error_control::State;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// A PDO that came this often in one look and never in the other has stopped, or begun: less may be a value that changed.
+/// Minimum number of frames of a PDO in one look that prove, if the other look has none, that the PDO has stopped or
+/// begun. Fewer frames may come from a value that changed.
 const CERTAIN: u32 = 3;
 
-/// A device after a start, and once more after the command to become operational.
+/// The behaviour of a device after a start, and after the following command to become operational.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Behaviour {
-    /// The errors that it reported as it started.
+    /// The errors that the device reported while it started.
     pub emergencies: BTreeSet<EmcyCode>,
-    /// The state that it entered by itself, where it showed one.
+    /// The state that the device entered by itself; `None` if it showed no state.
     pub state: Option<State>,
-    /// How often each PDO came while it was operational.
+    /// Number of frames of each PDO while the device was operational.
     pub pdos: BTreeMap<u16, u32>,
 }
 
-/// Something that it does otherwise than before.
+/// A difference in the behaviour of the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Changed {
-    /// It reports an error as it starts.
+    /// The device reports this error as it starts.
     Emergency(EmcyCode),
-    /// It enters another state by itself.
+    /// The device enters another state by itself.
     State {
-        /// That of before the run.
+        /// The state before the run.
         before: State,
-        /// That of now.
+        /// The state after the run.
         after: State,
     },
-    /// A PDO came in operational, and does not any more.
+    /// The device no longer sends a PDO that it sent in operational.
     PdoStopped(u16),
-    /// A PDO comes in operational, and did not before.
+    /// The device sends a PDO in operational that it did not send before.
     PdoBegan(u16),
 }
 
 impl Behaviour {
-    /// What is otherwise than before.
+    /// The differences between this behaviour and the one after the run.
     pub fn changed(&self, after: &Self) -> Vec<Changed> {
         let new = after.emergencies.difference(&self.emergencies).filter(|code| !code.is_reset());
         let emergencies = new.map(|code| Changed::Emergency(*code));
@@ -96,7 +98,7 @@ mod tests {
         assert!(told[2].contains("181h any more") && told[3].contains("381h, and did not"), "{told:?}");
     }
 
-    /// Errors that ended, states that did not show, and PDOs that come by chance, are no change.
+    /// An error that ended, a state that did not show and a PDO that comes by chance are no change.
     #[test]
     fn what_only_did_not_show_is_no_change() {
         let before = behaviour(&[0x8100], None, &[(0x181, 2)]);

@@ -1,4 +1,4 @@
-//! What a conformance case is: an item of the catalogue.
+//! A conformance case, an item of the catalogue.
 
 use crate::bench::Bench;
 use crate::clause::{Clause, Level};
@@ -11,25 +11,25 @@ use canvass_device::Fault;
 /// A case of the catalogue, registered by the `#[case]` attribute.
 #[derive(Debug)]
 pub struct Case {
-    /// Stable and textual: `301/sdo/download/read-only`.
+    /// The stable id in words: `301/sdo/download/read-only`.
     pub id: &'static str,
-    /// What the standard demands, in the words of its author: the doc comment of the case.
+    /// The requirement of the standard in the words of the case's author: the doc comment of the case.
     pub requirement: &'static str,
-    /// Where the standard demands it.
+    /// The clause of the standard that contains the requirement.
     pub clause: Clause,
-    /// How strictly it is demanded.
+    /// Whether the standard requires, recommends or leaves it open.
     pub level: Level,
     /// Features without which the case is not applicable.
     pub needs: &'static [&'static Need],
-    /// What the case does that the user must allow first.
+    /// Actions of the case that the user must allow first.
     pub touches: &'static [Touch],
-    /// Firmware faults, each of which makes the case fail.
+    /// Firmware faults. Each of them makes the case fail.
     pub catches: &'static [Fault],
-    /// The rows of the table of allowed answers that it asks; none where it judges no answers, but times and values.
+    /// The rows of the table of allowed answers that the case uses; empty if it judges times and values, not answers.
     pub answers: &'static [Situation],
     /// The number of a comparable case of CiA's conformance test tool.
     pub cct: Option<&'static str>,
-    /// Stimulus and verdict.
+    /// The function of the case: stimulus and verdict.
     pub run: fn(&mut Bench<'_>) -> Judged,
 }
 
@@ -41,12 +41,12 @@ impl Case {
         self.id.match_indices('/').nth(1).map_or(self.id, |(at, _)| self.id.get(..at).unwrap_or(self.id))
     }
 
-    /// Whether it looks at the device at all, and not at its description alone.
+    /// Whether the case uses the device, not only its description.
     pub fn asks_the_device(&self) -> bool {
         !matches!(self.family(), "306/file" | "306/objects")
     }
 
-    /// Whether the case may make the device operational. A run of others never does.
+    /// Whether the case may make the device operational. A run without such cases never does.
     pub fn may_start_the_device(&self) -> bool {
         let family = self.family();
         let stays_pre_operational =
@@ -59,12 +59,12 @@ impl Case {
         self.needs.iter().any(|need| need.is_of_moving())
     }
 
-    /// Whether the device may be lost in it, so that it runs after those that can't lose it.
+    /// Whether the case may lose the device. Such cases run last.
     pub fn can_lose_the_device(&self) -> bool {
         self.touches.iter().any(|touch| touch.can_lose_the_device())
     }
 
-    /// The first sentence of the requirement: a line for lists.
+    /// The first sentence of the requirement, for lists.
     pub fn summary(&self) -> &'static str {
         let paragraph = self.requirement.split("\n\n").next().unwrap_or(self.requirement);
         paragraph.split_inclusive(". ").next().unwrap_or(paragraph).trim_end()

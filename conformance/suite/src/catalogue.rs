@@ -1,23 +1,23 @@
-//! All cases, and how some of them are selected.
+//! All cases, and their selection.
 
 use crate::case::Case;
 use crate::glob;
 use std::fmt;
 use std::str::FromStr;
 
-/// All cases, by rising id.
+/// All cases in the order of their ids.
 pub fn cases() -> Vec<&'static Case> {
     let mut cases: Vec<&'static Case> = inventory::iter::<Case>.into_iter().collect();
     cases.sort_unstable_by_key(|case| case.id);
     cases
 }
 
-/// The case of that id.
+/// The case with this id.
 pub fn find(id: &str) -> Option<&'static Case> {
     inventory::iter::<Case>.into_iter().find(|case| case.id == id)
 }
 
-/// Sees that a pattern of a file is that of a case; else what is wrong with it.
+/// Checks that a pattern in a file matches a case; otherwise returns what is wrong with it.
 pub(crate) fn expect(pattern: &str) -> Result<(), String> {
     match cases().iter().any(|known| glob::matches(pattern, known.id)) {
         true => Ok(()),
@@ -28,20 +28,20 @@ pub(crate) fn expect(pattern: &str) -> Result<(), String> {
 /// One part of a selection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Selector {
-    /// The beginning of an id, whole words: `301/sdo`.
+    /// The beginning of an id in whole words: `301/sdo`.
     Prefix(String),
     /// An id with `*` for any characters: `301/*/read-only`.
     Glob(String),
-    /// The beginning of a section, whole numbers: `7.2.8` or `CiA 301 7.2.8`.
+    /// The beginning of a section in whole numbers: `7.2.8` or `CiA 301 7.2.8`.
     Section {
-        /// The standard, where it is named.
+        /// The standard, if it is named.
         standard: Option<String>,
         /// The section.
         section: String,
     },
 }
 
-/// What can't be a selector.
+/// A text that is no selector.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
     "\"{0}\" selects nothing: expected the beginning of an id (301/sdo), a pattern (301/*/read-only) or a section (7.2.8)"
@@ -71,7 +71,7 @@ impl FromStr for Selector {
     }
 }
 
-/// As it is typed.
+/// The selector as the user types it.
 impl fmt::Display for Selector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -84,14 +84,15 @@ impl fmt::Display for Selector {
 }
 
 impl Selector {
-    /// The cases below an id. Where there are none, those of ids that go on with a hyphen: `301/nmt/reset` selects
-    /// `301/nmt/reset-node/parameters`; `301/heartbeat`, below which there are cases, selects none of `301/heartbeat-consumer`.
+    /// Selects the cases below an id. If there are none, selects the ids that continue with a hyphen: `301/nmt/reset`
+    /// selects `301/nmt/reset-node/parameters`; `301/heartbeat`, below which there are cases, selects none of
+    /// `301/heartbeat-consumer`.
     fn of_id(id: &str) -> Self {
         let any = |separator| cases().iter().any(|case| is_prefix(id, case.id, separator));
         if !any('/') && any('-') { Self::Glob(format!("{id}-*")) } else { Self::Prefix(id.to_owned()) }
     }
 
-    /// Whether it selects the case.
+    /// Whether the selector selects the case.
     pub fn selects(&self, case: &Case) -> bool {
         match self {
             Self::Prefix(prefix) => is_prefix(prefix, case.id, '/'),
@@ -104,11 +105,11 @@ impl Selector {
     }
 }
 
-/// The cases that one of the selectors selects, in the order in which they run: by rising id, but those that can lose the
-/// device are the last, whatever was selected. All cases if there is no selector.
+/// The cases that a selector selects, in the order in which they run: by id, but cases that can lose the device are
+/// last. All cases if there is no selector.
 ///
 /// # Errors
-/// A selector that selects no case: most likely a typing error, and a test that was not run.
+/// A selector that selects no case: most likely a typing error that would leave a test out.
 pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
     let mut cases = cases();
     if let Some(idle) = selectors.iter().find(|selector| !cases.iter().any(|case| selector.selects(case))) {
@@ -121,17 +122,18 @@ pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
     Ok(cases)
 }
 
-/// What was probably meant by a selector that selects nothing: the family whose name begins most like it.
+/// The likely intention of a selector that selects nothing: the family whose name has the longest beginning in common
+/// with it.
 pub fn nearest(selector: &Selector) -> Option<&'static str> {
     let text = selector.to_string();
     let common = |family: &str| family.bytes().zip(text.bytes()).take_while(|(a, b)| a == b).count();
     let best =
         cases().into_iter().map(Case::family).max_by_key(|family| (common(family), std::cmp::Reverse(family.len())))?;
-    // The standard alone is no hint.
+    // A common standard alone is no hint.
     (common(best) > 4).then_some(best)
 }
 
-/// Whether `text` is `prefix` or goes on after it with a separator.
+/// Whether `text` equals `prefix` or continues after it with a separator.
 fn is_prefix(prefix: &str, text: &str, separator: char) -> bool {
     text.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with(separator))
 }

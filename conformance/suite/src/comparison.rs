@@ -1,4 +1,4 @@
-//! The object dictionary before a run and after it: what a device is left with.
+//! The object dictionary before and after a run: the state in which the run leaves the device.
 
 use crate::behaviour::Changed;
 use crate::zero_point::Moved;
@@ -8,32 +8,32 @@ use canvass_analyzer::dictionary::DataType;
 /// All objects that could be read, before the first case and after the last one.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comparison {
-    /// Whether the device answered after the run: if not, nothing can be said of its values.
+    /// Whether the device answered after the run. If not, its values are unknown.
     pub is_complete: bool,
-    /// How many objects could be read before or after.
+    /// Number of objects that could be read before or after the run.
     pub objects: usize,
-    /// Those that differ, by rising index.
+    /// The objects that differ, by rising index.
     pub changes: Vec<Change>,
-    /// The commands that give the device its values again, in the order in which it takes them.
+    /// The commands that give the device its earlier values again, in an order in which it accepts them.
     pub commands: Vec<String>,
-    /// Settings that a start brings with another value than before, by rising index: they are stored so.
+    /// Settings whose stored value differs from the one before the run, by rising index.
     pub stored: Vec<Change>,
-    /// Zero points that are not where they were: that in use, and that which a start brings.
+    /// Zero points that have moved: the one in use, and the one after a start.
     pub zero_points: Vec<Moved>,
-    /// What the device does otherwise than before after a start.
+    /// Differences in what the device does after a start.
     pub behaviour: Vec<Changed>,
 }
 
-/// An object whose value is another one than before.
+/// An object whose value has changed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Change {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// What the description calls it. Text of a file: may hold anything.
+    /// The name in the description. The text comes from a file: it may hold anything.
     pub name: Option<String>,
-    /// Its type, by the description or the standard.
+    /// The data type according to the description or the standard.
     pub data_type: Option<DataType>,
-    /// Whose value it is.
+    /// Who sets the value.
     pub nature: Nature,
     /// The value before the run; `None` if it could not be read.
     pub before: Option<Vec<u8>>,
@@ -41,19 +41,19 @@ pub struct Change {
     pub after: Option<Vec<u8>>,
 }
 
-/// Whose an object's value is.
+/// Who sets the value of an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Nature {
-    /// It is written over the bus: the run has to leave it as it was.
+    /// The value is written over the bus: the run must leave it as it was.
     Setting,
-    /// It never changes.
+    /// The value never changes.
     Constant,
-    /// The device sets it, whatever is tested: a position, an error register, a count.
+    /// The device sets the value in any test: a position, an error register, a count.
     Own,
 }
 
 impl Nature {
-    /// The word for it in JSON.
+    /// The name of the nature in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Setting => "setting",
@@ -64,24 +64,24 @@ impl Nature {
 }
 
 impl Change {
-    /// Whether the run has left something behind that it should not have.
+    /// Whether the run has left a change that it should have put back.
     pub fn is_left(&self) -> bool {
         self.nature != Nature::Own
     }
 }
 
 impl Comparison {
-    /// What the run has left changed.
+    /// The changes that the run has left.
     pub fn left(&self) -> impl Iterator<Item = &Change> {
         self.changes.iter().filter(|change| change.is_left())
     }
 
-    /// The values that the device sets itself, as far as they differ.
+    /// The changed values that the device sets itself.
     pub fn own(&self) -> impl Iterator<Item = &Change> {
         self.changes.iter().filter(|change| !change.is_left())
     }
 
-    /// Whether the device is known to be as it was.
+    /// Whether the device is known to be as before the run.
     pub fn is_as_found(&self) -> bool {
         self.is_complete
             && self.left().next().is_none()

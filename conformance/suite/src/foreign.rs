@@ -1,4 +1,5 @@
-//! What others send to the device under test or for it, and what a case may have found because of that: the one table of it.
+//! Messages that others send to the device under test or for it, and the breaches and passes that they may cause: one
+//! table for all cases.
 
 use crate::glob;
 use crate::verdict::Breach;
@@ -7,56 +8,56 @@ use canvass_bus::observation::{Observation, Subject};
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// What others send to the device under test or for it.
+/// A kind of messages that others send to the device under test or for it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum ForeignKind {
     /// Requests to its SDO server that change no object.
     SdoRead,
     /// Requests to its SDO server that write objects.
     SdoWrite,
-    /// NMT commands to it or to all nodes.
+    /// NMT commands to the device or to all nodes.
     Nmt,
     /// SYNC messages.
     Sync,
     /// TIME messages.
     Time,
-    /// PDOs that it receives.
+    /// PDOs that the device receives.
     Rpdo,
     /// Requests of an LSS or LMT master.
     LayerSetting,
-    /// Remote frames that guard it.
+    /// Remote frames that guard the device.
     Guarding,
-    /// Heartbeats of nodes that it watches.
+    /// Heartbeats of nodes that the device monitors.
     Heartbeat,
 }
 
 /// Messages of one sort that others sent.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct ForeignMessages {
-    /// What they are.
+    /// The kind of the messages.
     pub kind: ForeignKind,
-    /// Their CAN-ID.
+    /// The CAN-ID of the messages.
     pub can_id: u16,
-    /// How many.
+    /// Number of messages.
     pub count: u64,
 }
 
-/// What messages of one sort may change.
+/// The effects that messages of one kind may have on a case.
 struct Influence {
     kind: ForeignKind,
-    /// Breaches that they may cause.
+    /// Breaches that the messages may cause.
     breaches: &'static [Reach],
-    /// Cases whose pass they may cause, too: patterns over ids.
+    /// Cases whose pass the messages may cause, too: patterns over ids.
     passes: &'static [&'static str],
-    /// Whether they may keep a case from its precondition.
+    /// Whether the messages may prevent the precondition of a case.
     preconditions: bool,
 }
 
-/// What a breach is about.
+/// The breaches that an influence reaches, by their subject.
 enum Reach {
-    /// Everything.
+    /// All breaches.
     Anything,
-    /// Answers of the SDO server, and values that it gives.
+    /// Answers of the SDO server, and values read by SDO.
     Answers,
     /// PDOs in both directions.
     Pdos,
@@ -64,16 +65,16 @@ enum Reach {
     Application,
     /// Errors that the device reports or records.
     Errors,
-    /// The NMT state, and whether the device is there.
+    /// The NMT state, and whether the device is present.
     State,
     /// Messages of a service.
     Of(Service),
-    /// Objects of these indices.
+    /// Objects with these indexes.
     Objects(RangeInclusive<u16>),
 }
 
-/// Each sort of message, and what it may change. What a message does to one service, it does not do to the others: a breach that
-/// no row explains stays the device's.
+/// Each kind of message with its possible effects. A message affects the listed services only: a breach that no row
+/// explains remains the device's.
 const TABLE: &[Influence] = &[
     Influence { kind: ForeignKind::SdoRead, breaches: &[Reach::Answers], passes: &[], preconditions: true },
     Influence { kind: ForeignKind::SdoWrite, breaches: &[Reach::Anything], passes: &[], preconditions: true },
@@ -144,7 +145,7 @@ const TABLE: &[Influence] = &[
 ];
 
 impl ForeignKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 9] = [
         Self::SdoRead,
         Self::SdoWrite,
@@ -157,7 +158,7 @@ impl ForeignKind {
         Self::Heartbeat,
     ];
 
-    /// The word for it in JSON.
+    /// The name of the kind in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::SdoRead => "sdo-read",
@@ -172,7 +173,7 @@ impl ForeignKind {
         }
     }
 
-    /// Who does what.
+    /// The sender of the messages and its action.
     pub const fn text(self) -> &'static str {
         match self {
             Self::SdoRead => "another SDO client reads its objects",
@@ -187,7 +188,7 @@ impl ForeignKind {
         }
     }
 
-    /// Whether it concerns a device whatever its object dictionary holds.
+    /// Whether the messages concern every device, whatever its object dictionary holds.
     pub(crate) const fn concerns_all(self) -> bool {
         matches!(self, Self::SdoRead | Self::SdoWrite | Self::Nmt | Self::Guarding)
     }
@@ -196,17 +197,17 @@ impl ForeignKind {
         TABLE.iter().find(|influence| influence.kind == self)
     }
 
-    /// Whether foreign messages of this kind may have caused a breach.
+    /// Whether messages of this kind may have caused a breach.
     pub(crate) fn may_cause(self, breach: &Breach) -> bool {
         self.influence().is_some_and(|influence| influence.breaches.iter().any(|reach| reach.covers(breach)))
     }
 
-    /// Whether foreign messages of this kind may be the reason why this case passed.
+    /// Whether messages of this kind may be the reason why this case passed.
     pub(crate) fn may_pass(self, case: &str) -> bool {
         self.influence().is_some_and(|influence| influence.passes.iter().any(|pattern| glob::matches(pattern, case)))
     }
 
-    /// Whether foreign messages of this kind may keep a case from its precondition.
+    /// Whether messages of this kind may prevent the precondition of a case.
     pub(crate) fn may_keep_out(self) -> bool {
         self.influence().is_some_and(|influence| influence.preconditions)
     }
@@ -264,7 +265,7 @@ pub(crate) fn unmatched(cases: &[&str]) -> Vec<&'static str> {
     patterns.filter(|pattern| !cases.iter().any(|case| glob::matches(pattern, case))).collect()
 }
 
-/// All of them in one sentence.
+/// All messages in one sentence.
 pub fn told(messages: &[ForeignMessages]) -> String {
     messages.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }

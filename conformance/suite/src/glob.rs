@@ -1,6 +1,6 @@
 //! Patterns over the ids of cases.
 
-/// Whether an id matches a pattern, in which `*` stands for any characters, none too.
+/// Whether an id matches a pattern, in which `*` stands for any number of characters.
 pub fn matches(pattern: &str, id: &str) -> bool {
     let mut parts = pattern.split('*');
     let Some(mut rest) = parts.next().and_then(|first| id.strip_prefix(first)) else { return false };

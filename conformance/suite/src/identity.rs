@@ -1,4 +1,4 @@
-//! Asking a device who it is.
+//! Asks a device for its identity.
 
 use crate::runner::DeviceIdentity;
 use canvass_analyzer::object;
@@ -7,12 +7,12 @@ use canvass_bus::client::{Exchange, Outcome, Transfer};
 use canvass_bus::{Bus, BusError};
 use canvass_traces::Duration;
 
-/// For each response: most servers answer within some milliseconds, a slow one within a fifth of a second.
+/// Wait for each response: most servers answer within some milliseconds, a slow one within a fifth of a second.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// For all of it: a device that answers nonsense must not keep the program busy.
+/// Maximum time for all responses: a device that answers nonsense must not keep the program busy.
 const LONGEST: Duration = Duration::from_secs(2);
 
-/// What the device says of itself; nothing where it does not answer.
+/// The identity that the device reports; parts that it does not answer are empty.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.

@@ -1,5 +1,5 @@
-//! What a run is about to change, and what it was before: written down and on the disk before the change, so that a device
-//! can be put back even after the tester was killed or its machine lost power.
+//! The journal of a run: each change with the value before it, on the disk before the change is made, so that a device
+//! can be put back even if the tester is killed or its machine loses power.
 //!
 //! ```text
 //! canvass journal 1
@@ -18,7 +18,7 @@
 //! settled                 the case has put all of that back
 //! ```
 //!
-//! A last line without its end is one whose change was not made yet.
+//! A last line without line end is incomplete: its change was not made.
 
 use crate::zero_point::ZeroPoint;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -31,19 +31,20 @@ use std::path::{Path, PathBuf};
 
 const FIRST_LINE: &str = "canvass journal 1";
 
-/// The journal of a run that goes on.
+/// The journal of a run in progress.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
     file: File,
-    /// Whose value before stands in it.
+    /// Objects whose earlier value is in the journal.
     known: BTreeSet<Multiplexer>,
-    /// A case that may leave more behind than values has begun, and whether it was told to store.
+    /// Whether a case has begun that may leave more behind than values; `stores`: whether it has told the device to
+    /// store.
     open: bool,
     stores: bool,
 }
 
-/// What the run is about.
+/// The facts about the run at the begin of its journal.
 pub(crate) struct Head<'a> {
     pub bus: &'a str,
     pub node: NodeId,
@@ -54,7 +55,7 @@ pub(crate) struct Head<'a> {
 }
 
 impl Journal {
-    /// Begins a journal, before anything is changed.
+    /// Creates the journal, before the first change.
     pub fn create(path: &Path, head: &Head<'_>) -> io::Result<Self> {
         let one_line = |text: &str| text.replace(['\n', '\r'], " ");
         let (bus, device) = (one_line(head.bus), one_line(head.device));
@@ -69,7 +70,7 @@ impl Journal {
         Ok(Self { path: path.to_owned(), file, known, open: false, stores: false })
     }
 
-    /// An object that is about to be written, with its value before.
+    /// Records an object that is about to be written, with its earlier value.
     pub fn value(&mut self, multiplexer: Multiplexer, value: &[u8]) -> io::Result<()> {
         if !self.known.insert(multiplexer) {
             return Ok(());
@@ -79,7 +80,7 @@ impl Journal {
         self.append(&line)
     }
 
-    /// What a start brings, before any case has run.
+    /// Records the values that a start loads, before any case has run.
     pub fn memory<'a>(
         &mut self,
         stored: impl IntoIterator<Item = (Multiplexer, &'a [u8])>,
@@ -91,29 +92,29 @@ impl Journal {
         self.append(&lines)
     }
 
-    /// A case that may store values or change the node-ID or bit rate begins.
+    /// Records the begin of a case that may store values or change the node-ID or bit rate.
     pub fn begin(&mut self, case: &str) -> io::Result<()> {
         self.open = true;
         self.append(&format!("case {case}\n"))
     }
 
-    /// The device is about to be told to write its non-volatile memory.
+    /// Records that the device is about to be told to write its non-volatile memory.
     pub fn store(&mut self) -> io::Result<()> {
         if std::mem::replace(&mut self.stores, true) { Ok(()) } else { self.append("stores\n") }
     }
 
-    /// The case has ended and put back what it changed.
+    /// Records that the case has ended and has put back its changes.
     pub fn settle(&mut self) -> io::Result<()> {
         self.stores = false;
         if std::mem::take(&mut self.open) { self.append("settled\n") } else { Ok(()) }
     }
 
-    /// The device is as it was before.
+    /// Removes the journal: the device is as before the run.
     pub fn remove(self) -> io::Result<()> {
         fs::remove_file(&self.path)
     }
 
-    /// Where it is.
+    /// The path of the journal file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -124,7 +125,7 @@ impl Journal {
     }
 }
 
-/// A file that is there with these bytes or not at all, whenever the run is killed; not in place of another.
+/// Creates a file that has these bytes or does not exist, whenever the run is killed. Does not replace a file.
 fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let mut name = path.as_os_str().to_owned();
     name.push(".canvass-new");
@@ -137,7 +138,7 @@ fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
     match linked {
         Ok(()) => Ok(file),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
-        // Not every file system gives a file two names.
+        // Not every file system supports hard links.
         Err(_) => {
             let mut file = File::options().write(true).create_new(true).open(path)?;
             file.write_all(bytes)?;
@@ -151,43 +152,43 @@ fn value_line(text: &mut String, word: &str, multiplexer: Multiplexer, value: &[
     let _ = writeln!(text, "{word} {:04X}:{:02X} {}", multiplexer.index.0, multiplexer.sub.0, hex::compact(value));
 }
 
-/// A run that was interrupted, as its journal tells it.
+/// An interrupted run, read from its journal.
 #[derive(Clone, Debug)]
 pub struct Interrupted {
     /// The bus, as the user addressed it.
     pub bus: String,
     /// The node-ID of the device.
     pub node: NodeId,
-    /// What the device was said to be: a model or a file; empty if nothing was.
+    /// The model or file that the user gave for the device; empty if there was none.
     pub device: String,
-    /// Whether it was operational.
+    /// Whether the device was operational before the run.
     pub operational: bool,
     /// The values before the run.
     pub values: Vec<(Multiplexer, Vec<u8>)>,
-    /// What a start brought before the first case; empty if the run did not come that far.
+    /// The values that a start loaded before the first case; empty if the run ended before they were read.
     pub(crate) memory: Vec<(Multiplexer, Vec<u8>)>,
-    /// Where the zero point was, and where a start brought it.
+    /// The zero points in use and after a start, before the first case.
     pub(crate) zero_point: Option<ZeroPoint>,
     pub(crate) stored_zero_point: Option<ZeroPoint>,
-    /// The values of objects that the dictionary does not hold.
+    /// The earlier values of objects that the dictionary does not hold.
     pub(crate) more: Vec<(Multiplexer, Vec<u8>)>,
-    /// The id of the case that was under way, if it may have left more behind than values.
+    /// The id of the case that was under way, if it may have left more than values.
     pub(crate) case: Option<String>,
-    /// Whether the device was told to write its non-volatile memory, and other values stand there.
+    /// Whether the device was told to write its non-volatile memory, and so other values may be stored.
     pub(crate) stored: bool,
-    /// Whether a case has begun: before that nothing is changed.
+    /// Whether a case has begun. Before that nothing is changed.
     pub begun: bool,
 }
 
-/// Why a file is no journal.
+/// The reason why a file is no journal.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line} of the journal: expected {expected}, found \"{found}\"")]
 pub struct BadJournal {
     /// The line, counted from 1.
     pub line: usize,
-    /// What would be right.
+    /// The correct content of the line.
     pub expected: &'static str,
-    /// What is there.
+    /// The actual content of the line.
     pub found: String,
 }
 
@@ -195,7 +196,7 @@ impl Interrupted {
     /// Reads a journal.
     ///
     /// # Errors
-    /// [`BadJournal`] if it is none.
+    /// [`BadJournal`] if the text is no journal.
     pub fn read(text: &str) -> Result<Self, BadJournal> {
         let mut read = Self {
             bus: String::new(),
@@ -211,7 +212,7 @@ impl Interrupted {
             stored: false,
             begun: false,
         };
-        // What follows the last line end was not written to its end.
+        // A text after the last line end was not written completely.
         let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
         let mut lines = whole.lines().enumerate();
         let bad = |line: usize, expected, found: &str| BadJournal { line, expected, found: found.to_owned() };
@@ -302,7 +303,7 @@ mod tests {
         for cut in FIRST_LINE.len() + 1..text.len() {
             assert!(Interrupted::read(&text[..cut]).is_ok(), "cut at {cut}");
         }
-        // A run that was killed before its journal had its name.
+        // An earlier run was killed before its journal had its final name.
         fs::write(folder.path().join("journal.canvass-new"), "canvass").unwrap();
         assert!(Journal::create(&path, &head(&[])).is_err(), "an earlier run's is kept");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");

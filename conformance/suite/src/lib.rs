@@ -1,9 +1,9 @@
-//! The conformance suite: the cases, what they run on, and who runs them.
+//! The conformance suite: the cases, the bench on which they run, and the runner.
 //!
-//! - [`catalogue`]: all cases; [`case`](mod@case) says what one is, [`verdict`] how it ends;
-//! - [`foreign`]: what others on the bus may have caused;
+//! - [`catalogue`]: all cases; [`case`](mod@case): the parts of a case; [`verdict`]: the outcomes of a case;
+//! - [`foreign`]: effects of other nodes on the bus;
 //! - [`need`]: what a case needs of a device; [`needs`]: all needs;
-//! - [`bench`](mod@bench): where a case runs;
+//! - [`bench`](mod@bench): the connection of a case to the device;
 //! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
 //! - [`selftest`]: the cases tested on firmware with known faults.
 
@@ -36,7 +36,7 @@ pub mod verdict;
 pub mod waiver;
 pub mod zero_point;
 
-// Code that `#[case]` writes names this crate, so that the cases of a profile can be in another one; so do tests that
+// Code written by `#[case]` names this crate, so that the cases of a profile can be in another crate; so do tests that
 // the crate shares with its folder `tests`.
 extern crate self as canvass_suite;
 

@@ -1,4 +1,4 @@
-//! What a case needs of the device or the bus: a feature with its words and its check, in one item.
+//! Needs: features of the device or the bus that a case requires, each with its text and its check in one item.
 //!
 //! The items stand beside the cases that use them; [`needs`](crate::needs) names all of them.
 
@@ -11,7 +11,7 @@ use std::fmt;
 
 /// A feature of the device or the bus without which a case is not applicable.
 pub struct Need {
-    /// Stable and textual: `visible-state`.
+    /// The stable id in words: `visible-state`.
     pub id: &'static str,
     text: &'static str,
     check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
@@ -22,22 +22,22 @@ pub struct Need {
 }
 
 impl Need {
-    /// A need that is asked for once in a run: `text` says what the device or the bus would have to have.
+    /// Creates a need that is checked once in a run: `text` names the missing feature of the device or the bus.
     ///
-    /// The check asks the description and the device. Absent is what the description leaves out and what the device
-    /// answers as CiA 301 lets one answer that does not have it; any other answer to a right request is returned as the
-    /// breach that it is.
+    /// The check uses the description and the device. A feature is absent if the description lacks it, or if the device
+    /// gives an answer that CiA 301 allows for an absent one. The check returns any other answer to a correct request
+    /// as a breach.
     pub const fn new(id: &'static str, text: &'static str, check: fn(&mut Bench<'_>) -> Result<Met, Stop>) -> Self {
         Self { id, text, check, fleeting: false, moving: false, provide: None, rescue: None }
     }
 
-    /// What was met before one case may not be met before the next: it is asked for each time.
+    /// Makes the need be checked before each case, since it may be met before one case but not before the next.
     #[must_use]
     pub(crate) const fn fleeting(self) -> Self {
         Self { fleeting: true, ..self }
     }
 
-    /// The quantity that a simulated device measures must move while the case runs.
+    /// Makes the quantity that a simulated device measures move while the case runs.
     #[must_use]
     pub(crate) const fn moving(self) -> Self {
         Self { moving: true, ..self }
@@ -48,24 +48,25 @@ impl Need {
         self.moving
     }
 
-    /// What the device can have, but does not as delivered, is set up before each case, and put back after it.
+    /// Makes the bench set up the feature before each case, and put the device back after it. The device supports the
+    /// feature, but lacks it as delivered.
     #[must_use]
     pub(crate) const fn provided_by(self, provide: Provide) -> Self {
         Self { provide: Some(provide), ..self }
     }
 
-    /// Cases with this need may leave a device that has to be put right.
+    /// Adds the clean-up for cases with this need that could not go on.
     #[must_use]
     pub(crate) const fn rescued_by(self, rescue: Rescue) -> Self {
         Self { rescue: Some(rescue), ..self }
     }
 
-    /// What the device or the bus would have to have.
+    /// The feature that the device or the bus would need.
     pub const fn text(&self) -> &'static str {
         self.text
     }
 
-    /// Asks for it, whatever is known.
+    /// Checks the need, without the knowledge of the run.
     #[cfg(test)]
     pub(crate) fn check(&self, bench: &mut Bench<'_>) -> Result<Met, Stop> {
         (self.check)(bench)
@@ -76,7 +77,7 @@ impl Need {
     }
 }
 
-/// Sets up what a case needs; why not, if the device does not let that be done.
+/// Sets up a feature that a case needs; returns the reason if the device does not allow it.
 type Provide = fn(&mut Bench<'_>) -> Result<Met, Stop>;
 
 fn unmet(need: &Need, why: String) -> Stop {
@@ -84,16 +85,16 @@ fn unmet(need: &Need, why: String) -> Stop {
 }
 
 impl Case {
-    /// Whether the case needs that.
+    /// Whether the case has this need.
     pub fn requires(&self, need: &Need) -> bool {
         self.needs.contains(&need)
     }
 
-    /// Sees that the case has all that it needs.
+    /// Checks that all needs of the case are met.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if the device lacks something. [`Stop::Breach`] if it refuses what it has to have or to
-    /// say that it has not; a breach of that kind is reported by the first case that meets it, the others are
+    /// [`Stop::NotApplicable`] if the device lacks a feature. [`Stop::Breach`] if it neither serves a feature nor
+    /// properly reports its absence; the first case that meets the breach reports it, for the others it is
     /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports none.
     pub(crate) fn require(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
         for &need in self.needs {
@@ -111,7 +112,7 @@ impl Case {
         Ok(())
     }
 
-    /// Cleans up after the case was cancelled, or could not go on: the node-ID and bit rate are the device's own again.
+    /// Cleans up after a case that was cancelled or could not go on: restores the device's own node-ID and bit rate.
     pub(crate) fn rescue(&self, bench: &mut Bench<'_>) {
         let touches = self.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
         bench.end_early(self.needs.iter().find_map(|need| need.rescue()).filter(|_| touches));
@@ -140,8 +141,8 @@ impl Case {
     }
 }
 
-/// Asks for a need, and again where others disturbed a transfer and the device seems not to have it: what is learned holds for
-/// the run.
+/// Checks a need, and checks it again if others disturbed a transfer and the device seems to lack the feature: the
+/// result holds for the whole run.
 fn asked_undisturbed(bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
     const TRIES: usize = 3;
     for _ in 0..TRIES {
@@ -191,7 +192,7 @@ pub(crate) mod tests {
         assert!(texts.len() > 50 && distinct.len() == texts.len());
     }
 
-    /// A device with a name of 14 bytes, which answers an initiate of a block upload so.
+    /// A device with a name of 14 bytes, which gives this answer to the initiate of a block upload.
     fn with_block_answer(answer: &'static str) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
         move |request| {
             let answer = match request.to_string().get(..10).unwrap_or_default() {
@@ -205,7 +206,7 @@ pub(crate) mod tests {
         }
     }
 
-    /// The outcomes of two cases that need block uploads, one after the other; the first is open.
+    /// The outcomes of two cases that need block uploads, one after the other; the first case is open.
     fn outcomes(answer: &'static str) -> [Result<(), Stop>; 3] {
         const NEEDS: &[&Need] = &[&crate::needs::BLOCK_UPLOAD];
         let needs = |level| {
@@ -226,7 +227,7 @@ pub(crate) mod tests {
         assert!(outcomes("5BF#C60810000E000000").iter().all(Result::is_ok));
     }
 
-    /// 0607 0013h to a right request says nothing of absence: it is a breach, of one case.
+    /// The abort 0607 0013h for a correct request does not prove absence: it is a breach, of one case.
     #[test]
     fn any_other_refusal_is_a_breach_and_reported_once() {
         let [open, must, other] = outcomes("5BF#8008100013000706");
@@ -237,7 +238,7 @@ pub(crate) mod tests {
         assert!(reason.actual.contains("block-upload"), "{reason}");
     }
 
-    /// What comes of asking a device of that script, and of which that is known, for a need.
+    /// The result of a need on a device with this script and this description.
     pub fn asked(
         need: &'static Need,
         script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
@@ -249,15 +250,15 @@ pub(crate) mod tests {
         with_target(script, target, options, |bench| case.require(bench))
     }
 
-    /// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
+    /// The reason why a device with this dictionary and without description does not meet a need; `None` if it does.
     pub fn unmet(need: &'static Need, rows: &[Row]) -> Option<String> {
         let target = Target::unknown(NodeId::new(NODE).unwrap());
         let asked = asked(need, dictionary(rows.to_vec()), &target, &Options::default());
         asked.err().map(|stop| stop.reason().actual)
     }
 
-    /// A need is met where all of these objects are there, and can be written where that is asked; and where one of them is
-    /// not, it is not.
+    /// Requires that the need is met if all of these objects exist (and are writable, if `written`), and that it is not
+    /// met if one of them is absent.
     pub fn assert_needs(need: &'static Need, objects: &[(u16, u8)], written: bool) {
         let rows: Vec<Row> = objects.iter().map(|&at| (at, vec![0, 0], true)).collect();
         assert_eq!(unmet(need, &rows), None, "{need:?}");

@@ -1,4 +1,4 @@
-//! Quarantine: cases that are known to be flaky, whose failures are shown and do not count until a day.
+//! Quarantine: cases that are known to be flaky. Their failures are shown but do not count until a given day.
 //!
 //! ```toml
 //! [[quarantine]]
@@ -8,8 +8,8 @@
 //! until = 2027-06-30                      # the last day on which it holds
 //! ```
 //!
-//! A waiver accepts what a device does; a quarantine accepts nothing: it gives somebody time to find out. So it needs an owner
-//! and an end.
+//! A waiver accepts a behaviour of the device. A quarantine accepts nothing, but gives somebody time to find out, so it
+//! needs an owner and an end.
 
 use crate::glob;
 use crate::verdict::Kind;
@@ -17,22 +17,22 @@ use serde::Deserialize;
 use std::fmt;
 use toml::value::Datetime;
 
-/// Cases whose failures do not count until a day.
+/// Cases whose failures do not count until a given day.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Quarantine {
-    /// Where it begins in its file, from 1.
+    /// The line at which the quarantine begins in its file, from 1.
     pub line: usize,
-    /// An id, or a pattern with `*`.
+    /// The id of a case, or a pattern with `*`.
     pub case: String,
-    /// Who looks into it.
+    /// The person who looks into it.
     pub owner: String,
     /// Why the case is quarantined.
     pub reason: String,
-    /// The last day on which it holds, `YYYY-MM-DD`.
+    /// The last day of the quarantine, `YYYY-MM-DD`.
     pub until: String,
 }
 
-/// As it stands in a file.
+/// The quarantine as written in a file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct QuarantineRow {
@@ -43,8 +43,7 @@ pub(crate) struct QuarantineRow {
 }
 
 impl QuarantineRow {
-    /// The quarantine that begins at that line; else what is wrong with it. Whether there is such a case is for the reader of the
-    /// file to see.
+    /// The quarantine that begins at this line, or its error. The reader of the file checks that the case exists.
     pub fn read(self, line: usize) -> Result<Quarantine, String> {
         let Self { case, owner, reason, until } = self;
         if reason.trim().is_empty() || owner.trim().is_empty() {
@@ -54,7 +53,7 @@ impl QuarantineRow {
     }
 }
 
-/// A day of a file, `YYYY-MM-DD`.
+/// A day in a file, as `YYYY-MM-DD`.
 pub(crate) fn day(date: Datetime) -> Result<String, String> {
     match date {
         Datetime { date: Some(date), time: None, .. } => Ok(date.to_string()),
@@ -63,12 +62,12 @@ pub(crate) fn day(date: Datetime) -> Result<String, String> {
 }
 
 impl Quarantine {
-    /// Whether it is over on that day (`YYYY-MM-DD`).
+    /// Whether the quarantine is over on this day (`YYYY-MM-DD`).
     pub fn has_expired(&self, today: &str) -> bool {
         self.until.as_str() < today
     }
 
-    /// Whether it keeps a case that ended so from counting.
+    /// Whether the quarantine keeps this verdict of the case from counting.
     pub fn holds(&self, case: &str, kind: Kind) -> bool {
         matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) && glob::matches(&self.case, case)
     }

@@ -1,44 +1,44 @@
-//! What CiA 301 allows in which situation: the one table that the cases and the fuzzer's oracle ask.
+//! The answers that CiA 301 allows in each situation: one table for the cases and the fuzzer's oracle.
 //!
-//! A situation is what a device was asked, seen from the standard: a write to a read-only object, a toggle bit that
-//! repeats. The table says which answers pass, which only CiA's own test tool accepts, where the standard says so, and how
+//! A situation is a request in terms of the standard: a write to a read-only object, a repeated toggle bit. The table
+//! states which answers pass, which of them only CiA's own test tool accepts, where the standard says so, and how
 //! strictly.
 
 use crate::clause::{Clause, Confidence, Level};
 use canvass_analyzer::wire::sdo::AbortCode as Code;
 use canvass_bus::observation::Observation;
 
-/// What is allowed in a situation.
+/// The allowed answers in a situation.
 #[derive(Clone, Copy, Debug)]
 pub struct Answers {
     /// The row's name, for `canvass explain`.
     pub id: &'static str,
-    /// What has to happen, in a few words: `a write to a read-only object is refused`.
+    /// The required answer in a few words: `a write to a read-only object is refused`.
     pub requirement: &'static str,
-    /// Where the standard says so.
+    /// The clause of the standard.
     pub clause: Clause,
-    /// How strictly.
+    /// Whether the standard requires, recommends or leaves it open.
     pub level: Level,
     /// The abort codes that pass, the best one first.
     pub aborts: &'static [Code],
-    /// Any abort code passes: the standard asks for a refusal and names no code for all devices.
+    /// Whether any abort code passes: the standard asks for a refusal and names no code for all devices.
     pub any_abort: bool,
-    /// No answer passes.
+    /// Whether silence passes.
     pub silence: bool,
-    /// A confirmation passes.
+    /// Whether a confirmation passes.
     pub confirmation: bool,
     /// The abort codes that only CiA's test tool accepts.
     pub tolerated: &'static [Code],
 }
 
-/// How an answer compares with what is allowed.
+/// The result of comparing an answer with the allowed ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Judgement {
     /// The standard allows it.
     Allowed,
     /// Only CiA's test tool accepts it.
     Tolerated,
-    /// Neither does.
+    /// Neither the standard nor CiA's test tool accepts it.
     Wrong,
 }
 
@@ -54,7 +54,7 @@ macro_rules! situations {
             /// All rows.
             pub const ALL: &'static [Self] = &[$(Self::$name),+];
 
-            /// What is allowed.
+            /// The allowed answers of the row.
             pub const fn answers(self) -> &'static Answers {
                 match self {
                     $(Self::$name => const {
@@ -195,7 +195,7 @@ impl Answers {
 }
 
 impl Situation {
-    /// The row of that name.
+    /// The row with this name.
     pub fn by_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|row| row.id() == id)
     }
@@ -205,12 +205,12 @@ impl Situation {
         self.answers().id
     }
 
-    /// What has to happen.
+    /// The required answer in a few words.
     pub fn requirement(self) -> &'static str {
         self.answers().requirement.trim()
     }
 
-    /// The answers that pass, the best one first. Where any refusal does, the usual one stands for all.
+    /// The answers that pass, the best one first. If any abort passes, one observation stands for all codes.
     pub fn allowed(self) -> Vec<Observation> {
         let answers = self.answers();
         let aborts = answers.aborts.iter().copied().map(Observation::Abort);
@@ -220,7 +220,7 @@ impl Situation {
         aborts.chain(any).chain(silence).chain(confirmation).collect()
     }
 
-    /// What an answer is worth here.
+    /// Whether an answer is allowed in this situation.
     pub fn judge(self, answer: &Observation) -> Judgement {
         let answers = self.answers();
         let allowed = match answer {
@@ -253,7 +253,7 @@ mod tests {
         }
     }
 
-    /// Where CiA 301 or a corrigendum names several codes, or none, all that it allows pass.
+    /// If CiA 301 or a corrigendum names several codes, or none, all codes that it allows pass.
     #[test]
     fn all_codes_pass_that_the_text_allows() {
         let rows: [(Situation, &[Code]); 12] = [

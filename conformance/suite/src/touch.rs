@@ -1,10 +1,10 @@
-//! What a case does that the user has to allow first.
+//! Actions of a case that the user must allow first.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// What a case does to a device or a bus that is not done without the user's leave.
+/// An action on a device or a bus that needs the user's leave.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Touch {
@@ -16,16 +16,16 @@ pub enum Touch {
     BitRate,
     /// Commands other nodes than the device under test.
     OtherNodes,
-    /// Restores the factory defaults: what the user had configured is lost.
+    /// Restores the factory defaults: the user's configuration is lost.
     FactoryDefaults,
     /// Moves the zero point of a position or an angle, and puts it back at rest.
     Preset,
-    /// Tests a device that others use meanwhile.
+    /// Tests a device that others use at the same time.
     OtherClients,
 }
 
 impl Touch {
-    /// All of them.
+    /// All actions.
     pub const ALL: [Self; 7] = [
         Self::Nvm,
         Self::NodeId,
@@ -36,7 +36,7 @@ impl Touch {
         Self::OtherClients,
     ];
 
-    /// The name by which the user allows it.
+    /// The name by which the user allows the action.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nvm => "nvm",
@@ -49,17 +49,17 @@ impl Touch {
         }
     }
 
-    /// Whether the device may be out of reach if the case goes wrong, or without what its user had configured.
+    /// Whether the device may become unreachable, or lose the user's configuration, if the case goes wrong.
     pub const fn can_lose_the_device(self) -> bool {
         matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
     }
 
-    /// Whether the tester does it itself; else others do.
+    /// Whether the tester itself does this; otherwise others do.
     pub const fn is_by_the_tester(self) -> bool {
         !matches!(self, Self::OtherClients)
     }
 
-    /// What the case would do.
+    /// The action in words.
     pub const fn text(self) -> &'static str {
         match self {
             Self::Nvm => "writes non-volatile memory",
@@ -79,7 +79,7 @@ impl fmt::Display for Touch {
     }
 }
 
-/// There is nothing of that name to allow.
+/// The error for a name that no action has.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error(
     "nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes, factory-defaults, preset and \

@@ -10,9 +10,10 @@
 //! expires = 2027-06-30                    # optional: the last day on which the waiver holds
 //! ```
 //!
-//! [`Quarantine`]s stand in the same file. A waiver excuses that behaviour of that object in that case; the verdict is then *deviation*. Whatever else the case
-//! finds still fails. A waiver for a case that does not exist is an error; one that excused nothing is reported with what
-//! was found instead, and so is one that has expired: waivers must not outlive what they are for.
+//! [`Quarantine`]s are in the same file. A waiver excuses this behaviour of this object in this case; the verdict is
+//! then *deviation*. All other breaches of the case still fail it. A waiver for a case that does not exist is an error.
+//! A waiver that excused nothing, or has expired, is reported with the actual findings: waivers must not outlive their
+//! purpose.
 
 use crate::catalogue;
 use crate::glob;
@@ -25,7 +26,7 @@ use std::collections::BTreeSet;
 use toml::Spanned;
 use toml::value::Datetime;
 
-/// As many other breaches are named for a waiver that excused nothing.
+/// Maximum number of other breaches that are named for a waiver that excused nothing.
 const SHOWN: usize = 3;
 
 /// The waivers of a file.
@@ -35,32 +36,32 @@ pub struct Waivers {
     quarantines: Vec<Quarantine>,
 }
 
-/// One of them.
+/// A waiver.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Waiver {
-    /// Where it begins, from 1.
+    /// The line at which the waiver begins, from 1.
     pub line: usize,
-    /// An id, or a pattern with `*`.
+    /// The id of a case, or a pattern with `*`.
     pub case: String,
-    /// What the breach is about.
+    /// The subject of the breach.
     pub subject: Subject,
-    /// What the device does.
+    /// The behaviour of the device.
     pub does: Pattern,
-    /// Why that is accepted.
+    /// The reason why it is accepted.
     pub reason: String,
-    /// Who answers for it.
+    /// The person who answers for the waiver.
     pub owner: Option<String>,
-    /// The last day on which it holds, `YYYY-MM-DD`.
+    /// The last day of the waiver, `YYYY-MM-DD`.
     pub expires: Option<String>,
 }
 
-/// What is wrong with a waiver file.
+/// An error in a waiver file.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("line {line}: {problem}")]
 pub struct BadWaiver {
     /// The line, counted from 1.
     pub line: usize,
-    /// What was expected and what was found.
+    /// The expected content and the actual one.
     pub problem: String,
 }
 
@@ -85,11 +86,11 @@ struct WaiverRow {
 }
 
 impl Waivers {
-    /// Reads a file.
+    /// Reads a waiver file.
     ///
     /// # Errors
-    /// [`BadWaiver`] with the line: no TOML, an unknown or missing key, an empty reason, a case that does not exist, a
-    /// date or an object that is none.
+    /// [`BadWaiver`] with the line: invalid TOML, an unknown or missing key, an empty reason, a case that does not
+    /// exist, an invalid date or object.
     pub fn read(text: &str) -> Result<Self, BadWaiver> {
         let file: File = toml::from_str(text).map_err(|error| BadWaiver {
             line: error.span().map_or(1, |span| line_of(text, span.start)),
@@ -107,19 +108,19 @@ impl Waivers {
         Ok(Self { waivers: waivers.collect::<Result<_, _>>()?, quarantines: quarantines.collect::<Result<_, _>>()? })
     }
 
-    /// What they explain on that day (`YYYY-MM-DD`): those that have not expired.
+    /// The deviations that the waivers explain on this day (`YYYY-MM-DD`), without expired ones.
     pub fn deviations(&self, today: &str) -> Vec<Deviation> {
         let valid = self.waivers.iter().filter(|waiver| !waiver.has_expired(today));
         valid.map(Waiver::deviation).collect()
     }
 
-    /// The quarantines that hold on that day.
+    /// The quarantines that hold on this day.
     pub fn quarantines(&self, today: &str) -> Vec<Quarantine> {
         self.quarantines.iter().filter(|quarantine| !quarantine.has_expired(today)).cloned().collect()
     }
 
-    /// A sentence about each waiver that excused nothing in a run: it has expired, or the cases that ran found nothing wrong,
-    /// or something else; and about each quarantine that is over.
+    /// A sentence about each waiver that excused nothing in a run, because it has expired, or because the cases found
+    /// no breach or another one; and about each quarantine that is over.
     pub fn idle(&self, today: &str, reports: &[&CaseReport]) -> Vec<String> {
         let used: BTreeSet<usize> = reports.iter().flat_map(|report| waivers_of(report)).collect();
         let idle = self.waivers.iter().filter(|waiver| !used.contains(&waiver.line));
@@ -145,7 +146,7 @@ impl Waiver {
         self.expires.as_deref().is_some_and(|last| last < today)
     }
 
-    /// Why it excused nothing; `None` if none of its cases ran.
+    /// The reason why the waiver excused nothing; `None` if none of its cases ran.
     fn why_idle(&self, today: &str, reports: &[&CaseReport]) -> Option<String> {
         let Self { line, case, subject, does, .. } = self;
         let this = format!("the waiver for {case} (line {line})");
@@ -197,7 +198,7 @@ fn waiver(line: usize, row: WaiverRow) -> Result<Waiver, String> {
     Ok(Waiver { line, case, subject, does, reason, owner, expires })
 }
 
-/// The line of a byte, from 1.
+/// The line of a byte position, from 1.
 fn line_of(text: &str, at: usize) -> usize {
     1 + text.bytes().take(at).filter(|&byte| byte == b'\n').count()
 }
@@ -307,7 +308,7 @@ mod tests {
         }
     }
 
-    /// What was found instead is named, three of it, each once in a row; a case that did not run to its end says nothing.
+    /// The actual breaches are named, at most three, each once; a case that did not run to its end does not count.
     #[test]
     fn what_was_found_instead_is_named() {
         let waivers = Waivers::read(FILE).unwrap();
@@ -329,13 +330,13 @@ mod tests {
             CaseReport { verdict: Verdict::inconclusive(crate::verdict::Reason::default()), ..report(Vec::new()) };
         assert_eq!(waivers.idle("2027-01-01", &[&ended]), Vec::<String>::new());
         assert_eq!(waivers.idle("2027-01-01", &[]), Vec::<String>::new());
-        // The manual's excuse of the same breach is not the waiver's.
+        // An excuse by the manual is not one by the waiver, even for the same breach.
         let excuse = Some(Excuse { documented: String::new(), by: Authority::Manual });
         let by_manual = report(vec![Ruled { breach: breach("1008:00"), excuse }]);
         assert_eq!(waivers.idle("2027-01-01", &[&by_manual]).len(), 1);
     }
 
-    /// Reports say who accepts a breach, until when, and why.
+    /// Reports state who accepts a breach, until when, and why.
     #[test]
     fn who_accepts_a_breach_is_told() {
         let documented = |more: &str| {

@@ -1,41 +1,42 @@
-//! The zero point of a position: what a preset moves. It is compared before and after a run, at rest, to the step.
+//! The zero point of a position, which a preset moves. It is compared before and after a run, at rest, to the step.
 //!
-//! Writing back the value that a preset had moves the zero point once more. So nobody "restores" it: a case that was allowed to
-//! move it puts it back at rest by `Bench::put_back_zero_point`; everybody else says by how much it was moved.
+//! Writing back the earlier value of a preset would move the zero point again. So it is never "restored": a case that
+//! was allowed to move it puts it back at rest by `Bench::put_back_zero_point`; in all other cases the tester reports
+//! the distance.
 
 use canvass_analyzer::Multiplexer;
 use std::fmt;
 use std::str::FromStr;
 
-/// By how many steps a position at rest trembles: the last bit of the sensor.
+/// Maximum difference of a position at rest, in steps: the last bit of the sensor.
 const TREMBLE: i64 = 2;
 
 /// The objects by which a device profile shows and moves a zero point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Objects {
-    /// Writing it moves the zero point. It holds the new position if `takes_position`; else 1 makes the position of now 0, and 0
-    /// takes that back.
+    /// The object that moves the zero point when it is written. If `takes_position`, its value is the new position;
+    /// otherwise 1 makes the current position 0, and 0 reverses that.
     pub preset: Multiplexer,
-    /// Whether it takes the new position.
+    /// Whether `preset` takes the new position.
     pub takes_position: bool,
     /// The position.
     pub position: Multiplexer,
-    /// By how much presets have moved the zero point, where the device tells.
+    /// The distance by which presets have moved the zero point, if the device shows it.
     pub offset: Option<Multiplexer>,
-    /// The position without preset and scaling, where the device tells.
+    /// The position without preset and scaling, if the device shows it.
     pub raw: Option<Multiplexer>,
-    /// How many positions the device shows.
+    /// Number of positions that the device shows.
     pub range: u64,
 }
 
-/// Where a zero point is, as far as it shows.
+/// The position of a zero point, as far as the device shows it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ZeroPoint {
     preset: Multiplexer,
     takes_position: bool,
     position: Multiplexer,
     range: u64,
-    /// The position, and how far readings of it differed.
+    /// The position, and the maximum difference between its readings.
     shown: i64,
     spread: i64,
     offset: Option<i64>,
@@ -45,26 +46,27 @@ pub struct ZeroPoint {
 /// A zero point that is not where it was.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Moved {
-    /// By how many steps of the position.
+    /// The distance in steps of the position.
     pub steps: i64,
-    /// What moves it.
+    /// The object that moves the zero point.
     pub preset: Multiplexer,
-    /// Whether that takes the new position; else 1 makes the position of now 0.
+    /// Whether `preset` takes the new position; otherwise 1 makes the current position 0.
     pub takes_position: bool,
-    /// What shows it.
+    /// The object that shows the position.
     pub position: Multiplexer,
-    /// How many positions there are.
+    /// Number of positions.
     pub range: u64,
-    /// Whether the shaft may have been turned instead: the device does not tell the offset, or tells the same as before.
+    /// Whether the shaft may have been turned instead: the device shows no offset, or the same offset as before.
     pub is_uncertain: bool,
-    /// Whether the device tells the offset, and that it is the same as before: then most likely the shaft was turned.
+    /// Whether the device shows the same offset as before: then most likely the shaft was turned.
     pub is_denied: bool,
-    /// Whether it is moved in the device's memory: the next start brings it.
+    /// Whether the zero point is moved in the device's memory, so that the next start loads it.
     pub is_stored: bool,
 }
 
 impl ZeroPoint {
-    /// What readings of the position say: the first of them, and how far those that came after it were away to either side.
+    /// The zero point from readings of the position: the first reading, and the maximum distance of later readings in
+    /// both directions.
     pub(crate) fn new(objects: Objects, first: i64, around: [i64; 2], offset: Option<i64>, raw: Option<i64>) -> Self {
         let Objects { preset, takes_position, position, range, .. } = objects;
         let spread = around[1] - around[0];
@@ -77,22 +79,23 @@ impl ZeroPoint {
         self.spread <= TREMBLE
     }
 
-    /// Whether the device says that no preset has moved it, or does not tell.
+    /// Whether the device shows that no preset has moved the zero point, or shows no offset.
     pub(crate) fn is_as_delivered(&self) -> bool {
         self.offset.is_none_or(|offset| offset == 0)
     }
 
-    /// Whether a preset can put it back from every position.
+    /// Whether a preset can put the zero point back from every position.
     pub(crate) const fn takes_position(&self) -> bool {
         self.takes_position
     }
 
-    /// What moves it.
+    /// The object that moves the zero point.
     pub(crate) const fn preset(&self) -> Multiplexer {
         self.preset
     }
 
-    /// By how much it has moved until `now`; `None` if not at all, or if the shaft turns and nothing tells.
+    /// The distance by which the zero point has moved until `now`; `None` if it has not, or if the shaft turns and no
+    /// offset shows it.
     pub fn moved(&self, now: &Self) -> Option<Moved> {
         let Self { preset, takes_position, position, range, .. } = *self;
         let by_offset = self.offset.zip(now.offset).map(|(before, after)| shorter_way(before, after, range));
@@ -106,7 +109,7 @@ impl ZeroPoint {
         let is_denied = by_offset == Some(0);
         let (steps, is_uncertain) = match by_offset {
             Some(steps) if steps != 0 && takes_position => (steps, false),
-            // What was set on the spot tells that it was, and not by how much.
+            // A zero set at the current position shows that it was set, but not the distance.
             Some(changed) if changed != 0 => (by_position, false),
             _ if both_at_rest && !has_turned && by_position.abs() > excused => (by_position, true),
             _ => return None,
@@ -121,7 +124,8 @@ impl ZeroPoint {
     }
 }
 
-/// As a journal keeps it: `6003:00 6004:00 33554432 19642 0 307 -`; a `=` before the first object if that takes no position.
+/// The zero point as in a journal: `6003:00 6004:00 33554432 19642 0 307 -`; with `=` before the first object if that
+/// takes no position.
 impl fmt::Display for ZeroPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = |at: Multiplexer| format!("{:04X}:{:02X}", at.index.0, at.sub.0);
@@ -186,7 +190,7 @@ impl fmt::Display for Moved {
     }
 }
 
-/// From one position to another the shorter way round.
+/// The shorter way from one position to another.
 pub(crate) fn shorter_way(from: i64, to: i64, range: u64) -> i64 {
     let range = i64::try_from(range).unwrap_or(i64::MAX).max(1);
     let way = (to - from).rem_euclid(range);
@@ -207,7 +211,7 @@ mod tests {
         before.moved(&now).map(|moved| (moved.steps, moved.is_uncertain))
     }
 
-    /// What 6509h says counts first, over the end of the range too; the position at rest where it says nothing.
+    /// The offset 6509h counts first, also across the end of the range; otherwise the position at rest.
     #[test]
     fn a_zero_point_that_moved_is_told_to_the_step() {
         let before = at(100, 0, Some(0), None);
@@ -220,7 +224,7 @@ mod tests {
         assert_eq!(steps(at(100, 0, None, None), at(101, 0, None, None)), Some((1, true)));
     }
 
-    /// A shaft that trembles or turns moves no zero point.
+    /// A shaft that trembles or turns does not move the zero point.
     #[test]
     fn a_shaft_that_moves_is_no_zero_point_that_moved() {
         let before = at(100, 0, Some(7), Some(50));
@@ -244,7 +248,7 @@ mod tests {
         assert_eq!(stored.to_string(), told);
     }
 
-    /// An angle whose zero is set where it stands can only be set again there.
+    /// An angle whose zero is set at the current position can only be set again at that position.
     #[test]
     fn a_zero_that_is_set_on_the_spot_is_set_again_there() {
         let angle = |shown| ZeroPoint { takes_position: false, ..at(shown, 0, Some(1), None) };
@@ -269,13 +273,14 @@ mod tests {
 
         #[test]
         fn any_other_text_is_none(text in "[0-9A-F: -]{0,60}") {
-            // It must not panic; what it reads it writes again.
+            // Reading must not panic, and a text that is read is written identically.
             if let Ok(read) = text.parse::<ZeroPoint>() {
                 prop_assert_eq!(read.to_string().parse(), Ok(read));
             }
         }
 
-        /// Where a shaft rests and wherever its zero point was moved to, the preset brings back the position that it had.
+        /// Wherever the shaft rests and wherever its zero point was moved to, the preset brings back its earlier
+        /// position.
         #[test]
         fn the_preset_back_brings_the_position_back(shaft in 0_i64..10_000, old in 0_i64..10_000, new in 0_i64..10_000) {
             let shown = |offset: i64| at((shaft + offset).rem_euclid(10_000), 0, Some(offset), None);

@@ -1,6 +1,6 @@
-//! What a case asks of the table of allowed answers, as it says itself, is what its breaches rest on.
+//! The breaches of a case use only the rows of the table of allowed answers that the case names.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::Faults;
@@ -12,10 +12,10 @@ use canvass_suite::situation::Situation;
 use canvass_suite::verdict::When;
 use std::collections::BTreeSet;
 
-/// Every case may ask these: a right request is confirmed, and what asks for no answer gets none.
+/// The rows that every case may use: a correct request is confirmed, and a message that asks for no answer gets none.
 const GENERAL: [Situation; 2] = [Situation::Confirmed, Situation::Unanswered];
 
-/// On every fault that a case names, its breaches stand in situations that it lists.
+/// On every fault that a case names, its breaches use situations that the case lists.
 #[test]
 fn a_case_lists_the_situations_of_its_breaches() {
     let mut unlisted = BTreeSet::new();
@@ -39,7 +39,7 @@ fn a_case_lists_the_situations_of_its_breaches() {
     assert!(seen.len() > 30, "{}", seen.len());
 }
 
-/// A row that nobody asks for is a row that nobody keeps true. Two are asked by the fuzzer only, one by a need.
+/// Every row is used by a case, so that it is kept correct. Only the fuzzer uses two rows, and a need uses one.
 #[test]
 fn every_situation_is_asked_for() {
     let asked: BTreeSet<Situation> = catalogue::cases().iter().flat_map(|case| case.answers).copied().collect();
@@ -48,7 +48,7 @@ fn every_situation_is_asked_for() {
     assert_eq!(unasked, ["wrong-checksum-and-too-short", "wrong-checksum-and-too-long", "sync-not-produced"]);
 }
 
-/// The clauses of CiA 301 were read; where a case cites none, no clause says what it asks.
+/// The clauses of CiA 301 were read. If a case cites none, no clause contains its requirement.
 #[test]
 fn the_cases_of_cia_301_cite_what_was_read() {
     let cases = catalogue::cases();

@@ -1,6 +1,6 @@
-//! The catalogue is tested itself: every case passes on a device without fault, and fails on every fault that it names.
+//! Tests of the catalogue: every case passes on a device without fault, and fails on every fault that it names.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::Fault;
@@ -36,7 +36,7 @@ fn describe(report: &CaseReport) -> String {
     )
 }
 
-/// No false alarm: no case fails on a model without fault, or can't be judged, and nothing stays changed.
+/// There are no false alarms: on a model without fault no case fails or is inconclusive, and no value stays changed.
 #[test]
 fn good_devices_pass() {
     let mut wrong = Vec::new();
@@ -53,7 +53,7 @@ fn good_devices_pass() {
     assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Of the usual model nothing but what it does not have is left out.
+/// On the usual model, only cases about features that it lacks are not applicable.
 #[test]
 fn most_encoder_cases_apply_to_the_usual_model() {
     let model = Model::by_id("kuebler-sendix-58x8").unwrap();
@@ -64,11 +64,12 @@ fn most_encoder_cases_apply_to_the_usual_model() {
     assert!(applied.len() > 50 && left_out.len() < 24, "{} apply, not {left_out:?}", applied.len());
 }
 
-/// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.
+/// Without a description the tester asks the device itself; cases that need unknown facts are not applicable, and none
+/// fails.
 #[test]
 fn a_good_device_passes_without_a_description() {
     let model = Model::by_id("kuebler-sendix-58x8").unwrap();
-    // What its manual announces holds without an EDS too.
+    // The announcements of the manual hold without an EDS, too.
     let target = Target { description: None, ..Target::of(model, model.default_node().unwrap()) };
     let reports = catalogue::cases().into_iter().map(|case| judge_target(case, model, Faults::NONE, &target));
     let (good, wrong): (Vec<_>, Vec<_>) = reports
@@ -79,11 +80,11 @@ fn a_good_device_passes_without_a_description() {
 }
 
 fn matrix() -> Matrix {
-    // `canvass selftest` fills all cells.
+    // Only `canvass selftest` fills all cells.
     selftest::run(&catalogue::cases(), Fault::ALL, &[], Extent::OneIn(16), Chance::NONE)
 }
 
-/// Every fault is detected by every case that names it, no case is vacuous, and no case fails on what is not its matter.
+/// Every case that names a fault detects it, no case is vacuous, and no case fails outside its chapter.
 #[test]
 fn every_case_catches_what_it_names_and_nothing_else() {
     let matrix = matrix();
@@ -100,8 +101,8 @@ fn every_case_catches_what_it_names_and_nothing_else() {
     assert_eq!(matrix.faults.len(), Fault::ALL.len(), "every fault's model exists");
 }
 
-/// A fault beside a documented deviation of the same case is never hidden: all faults that those cases name, on all models
-/// whose manuals announce something.
+/// A documented deviation never hides a fault of the same case: tested with all faults that these cases name, on all
+/// models whose manuals announce deviations.
 #[test]
 fn no_documented_deviation_hides_a_fault() {
     let models: Vec<&'static Model> = Model::all().iter().filter(|model| !model.deviations().is_empty()).collect();
@@ -117,7 +118,7 @@ fn no_documented_deviation_hides_a_fault() {
     assert!(masking.tried > 100 && masking.beside_deviations > 5, "{masking:?}");
 }
 
-/// No case fails what the standard leaves free, one liberty at a time and several together. `canvass selftest` tries more.
+/// No case fails a liberty of the standard, alone or in combinations. `canvass selftest` tries more of them.
 #[test]
 fn what_the_standard_leaves_free_is_spared() {
     let chance = Chance { seed: 2, combinations: 20, beside_faults: 0 };
@@ -131,14 +132,14 @@ fn what_the_standard_leaves_free_is_spared() {
     assert!(Liberty::ALL.len() >= 60);
 }
 
-/// What a standard demands is worth a case only if its violation shows.
+/// A requirement of a standard deserves a case only if its violation can be seen.
 #[test]
 fn every_demand_is_justified_by_a_fault() {
     let is_idle = |case: &&'static Case| case.level == Level::Must && case.catches.is_empty();
     assert_eq!(catalogue::cases().into_iter().find(is_idle).map(|case| case.id), None);
 }
 
-/// No fault goes unnoticed.
+/// A case names every fault.
 #[test]
 fn every_fault_is_named_by_a_case() {
     let named: BTreeSet<Fault> = catalogue::cases().iter().flat_map(|case| case.catches).copied().collect();

@@ -1,6 +1,6 @@
-//! Every case on every model: none fails but for what its manual documents, and the reference devices pass strictly.
+//! Every case on every model: a case fails only for a documented deviation, and the reference devices pass strictly.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 fn check(id: &str, executed_at_least: usize) {
     let model = Model::by_id(id).unwrap();
     let deviations = model.deviations();
-    // One that has no node-ID as delivered gets one.
+    // A model without node-ID as delivered gets one.
     let node = model.default_node().or_else(|| NodeId::new(63));
     let target = Target::of(model, node.unwrap());
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
@@ -27,7 +27,7 @@ fn check(id: &str, executed_at_least: usize) {
     let (mut wrong, mut executed, mut used) = (Vec::new(), 0, BTreeSet::new());
     for case in catalogue::cases() {
         let mut bus = SimulatedBus::new(model.default_bit_rate());
-        // 30 revolutions per minute where the case needs a shaft that turns.
+        // 30 revolutions per minute if the case needs a turning shaft.
         let turns = case.needs_motion();
         let motion = Motion::constant(0x4CBA, if turns { 30_000 } else { 0 });
         bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, &motion)));
@@ -113,7 +113,7 @@ fn reference_406() {
     check("reference-406", 120);
 }
 
-/// Every built-in model is one of the above.
+/// The list contains every built-in model.
 #[test]
 fn no_model_is_left_out() {
     assert_eq!(Model::all().len(), 11);

@@ -1,6 +1,7 @@
-//! LSS slaves that are right and not like ours, one that takes another node-ID, and what the tester does to a bus.
+//! LSS slaves that are right but differ from ours, a slave that takes another node-ID, and the tester's commands to a
+//! bus.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_bus::SimulatedBus;
@@ -21,10 +22,11 @@ use std::sync::atomic::AtomicBool;
 const MASTER: u16 = 0x7E5;
 const SLAVE: u16 = 0x7E4;
 
-/// What a slave does with a request of the master; `None`: it does not know it.
+/// The request that the slave sees instead of the master's; `None` if it sees none, as if it did not support the
+/// service.
 type Request = fn([u8; 8]) -> Option<[u8; 8]>;
 
-/// A bus on which the slave sees other requests than the master sends, and answers storing only after a while.
+/// A bus that changes the master's requests to the slave, and delays the confirmation of storing.
 struct Between {
     inner: SimulatedBus,
     request: Request,
@@ -66,7 +68,7 @@ impl Bus for Between {
     }
 }
 
-/// Runs these cases one after the other on the same device.
+/// Runs these cases in order on the same device.
 fn run(request: Request, storing: Duration, allow: &[Touch], ids: &[&str]) -> BTreeMap<&'static str, CaseReport> {
     let model = Model::by_id("reference-301").unwrap();
     let target = Target::of(model, model.default_node().unwrap());
@@ -86,7 +88,7 @@ fn kinds(reports: &BTreeMap<&'static str, CaseReport>) -> BTreeMap<&'static str,
     reports.iter().map(|(id, report)| (*id, report.verdict.kind())).collect()
 }
 
-/// All are judged well, or not applicable.
+/// Requires that no case is judged badly.
 fn assert_spared(reports: &BTreeMap<&'static str, CaseReport>) {
     let wrong = reports.iter().filter(|(_, report)| {
         matches!(report.verdict.kind(), Kind::Fail | Kind::Inconclusive | Kind::Error | Kind::Tolerated)
@@ -101,7 +103,7 @@ fn a_slave_without_fastscan_is_right() {
     assert_spared(&reports);
     for (id, kind) in kinds(&reports) {
         let needs_it = id.starts_with("305/fastscan/") && id != "305/fastscan/configured";
-        // One is about devices without LSS.
+        // One case is about devices without LSS.
         assert_eq!(kind == Kind::NotApplicable, needs_it || id == "305/not-supported", "{id}: {kind}");
         if needs_it {
             let reason = reports[id].verdict.reason().unwrap();
@@ -133,7 +135,7 @@ fn storing_may_take_seconds() {
     assert_eq!(kinds(&too_long)["305/store/answer"], Kind::Fail);
 }
 
-/// With only the node-ID allowed every case still finds the device alone: its other node-IDs are not those of others.
+/// With only the node-ID allowed, the device is still alone for every case: its further node-IDs are not other nodes.
 #[test]
 fn a_node_id_that_the_tester_gave_is_no_other_node() {
     let reports =
@@ -144,11 +146,12 @@ fn a_node_id_that_the_tester_gave_is_no_other_node() {
     assert!(reports.len() > 15);
 }
 
-/// A firmware that takes another node-ID than it was given is failed where it does, and is back for the cases after it.
+/// A firmware that takes another node-ID than it was given fails the case in which it does so, and is back for the next
+/// cases.
 #[test]
 fn a_device_that_turns_up_elsewhere_is_a_breach_and_is_brought_back() {
     fn misread(mut bytes: [u8; 8]) -> Option<[u8; 8]> {
-        // 11 becomes 27; 10, its own, 1, 127 and 255 are what they are.
+        // Node-ID 11 becomes 27; the node-IDs 10 (its own), 1, 127 and 255 stay.
         if bytes[0] == 0x11 && bytes[1] == 11 {
             bytes[1] = 27;
         }

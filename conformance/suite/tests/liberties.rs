@@ -1,6 +1,6 @@
-//! Where the catalogue was once stricter than the text: what the standard leaves free, on a device that makes use of it.
+//! Liberties of the standard that the catalogue once failed, each on a device that takes it.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::models::Model;
@@ -9,7 +9,7 @@ use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_suite::{catalogue, selftest};
 
-/// How a case ends on a device that takes a liberty, with everything allowed.
+/// The report of a case on a device that takes a liberty, with everything allowed.
 fn judge(id: &str, liberty: Liberty) -> CaseReport {
     selftest::judge(catalogue::find(id).unwrap(), Model::by_id(liberty.model()).unwrap(), liberty)
 }
@@ -37,7 +37,7 @@ fn a_repeated_toggle_bit_may_be_ignored() {
     );
 }
 
-/// What only these devices do is recorded, and fails nothing.
+/// A behaviour of only these devices is recorded, and fails no case.
 #[test]
 fn a_new_request_in_a_block_transfer_is_left_open() {
     let cases = [
@@ -65,12 +65,13 @@ fn one_of_several_codes() {
     spared(Liberty::LengthBeforeCrc, &lengths);
 }
 
-/// Strings that are arrays have one length; a case that needs others has nothing to judge, one that needs some takes that.
+/// Strings that are arrays have a fixed length. A case that needs other lengths is not applicable; a case that needs
+/// any length uses this one.
 #[test]
 fn a_string_may_have_one_length() {
     let fits = ["301/sdo/block-download/block-ends", "301/sdo/block-download/complete"];
     spared(Liberty::StringsOfOneLength, &fits);
-    // Its five bytes are one segment.
+    // The five bytes of the string are one segment.
     for case in ["sequence-zero", "segment-lost", "segment-repeated", "segments-swapped"] {
         let report = judge(&format!("301/sdo/block-download/{case}"), Liberty::StringsOfOneLength);
         assert_eq!(report.verdict.kind(), Kind::NotApplicable, "{case}: {:?}", report.verdict.reason());
@@ -96,7 +97,7 @@ fn errors_in_stopped_need_not_be_kept_and_codes_are_the_devices_own() {
     assert_eq!(follow_up.kind(), Kind::Inconclusive, "without EMCY there is nothing to be kept");
 }
 
-/// An RPDO that is too short has to be reported where there is EMCY, and only there.
+/// A device with EMCY must report an RPDO that is too short; a device without need not.
 #[test]
 fn what_is_reported_by_emcy() {
     spared(Liberty::NoEmcy, &["301/rpdo/too-short"]);
@@ -127,7 +128,7 @@ fn a_device_may_start_itself_and_choose_its_events() {
 #[test]
 fn refusals_may_be_more_precise_or_come_earlier() {
     spared(Liberty::LimitCodePrecise, &["301/pdo/transmission-type/reserved", "301/sync/overflow-range"]);
-    // Of the models with limits, that of the fault about them.
+    // The model with limits that has the fault about them.
     let model = Model::by_id(Fault::SdoRangeUnchecked.model()).unwrap();
     for id in ["301/sdo/download/out-of-range", "301/sdo/download/below-range"] {
         let report = selftest::judge(catalogue::find(id).unwrap(), model, Liberty::RangeCodeGeneral);
@@ -148,7 +149,7 @@ fn layer_setting_takes_its_time_and_fastscan_is_optional() {
     spared(Liberty::LssStoreIn2S, &["305/store/answer", "305/store/persists"]);
     for case in catalogue::cases().into_iter().filter(|case| case.id.starts_with("305/fastscan/")) {
         let verdict = judge(case.id, Liberty::NoFastscan).verdict;
-        // That one with a node-ID does not answer holds for all.
+        // This rule holds for all devices: a slave with a node-ID does not answer.
         let right = if case.id == "305/fastscan/configured" { Kind::Pass } else { Kind::NotApplicable };
         assert_eq!(verdict.kind(), right, "{}: {:?}", case.id, verdict.reason());
     }

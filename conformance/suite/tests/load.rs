@@ -1,7 +1,7 @@
-//! A busy bus is not the device's fault: with other devices and a babbling node that leave it a fifth of a slow bus, no
-//! case fails a device that has no fault.
+//! A busy bus is not the device's fault: other devices and a babbling node leave it a fifth of a slow bus, and no case
+//! fails a device without fault.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
@@ -32,7 +32,7 @@ impl Babbler {
     fn new(percent: u64) -> Self {
         let bits = u64::from(bit_length(&Frame::full(CanId::standard(0x0C7).unwrap(), [0x55; 8])).unwrap());
         let every = Duration(bits * 1_000_000_000 / u64::from(BIT_RATE) * 100 / percent);
-        // An EMCY, a TPDO and an RPDO of nodes that no test uses.
+        // The identifiers are those of an EMCY, a TPDO and an RPDO of nodes that no test uses.
         Self { every, due: Timestamp::ZERO, sent: 0, ids: [0x0C7, 0x1C7, 0x4C7] }
     }
 }
@@ -44,11 +44,11 @@ impl Machine for Babbler {
         if now < self.due {
             return None;
         }
-        // What the bus had no room for is not made up for.
+        // A frame for which the bus had no room is not repeated later.
         self.due = now.max(self.due) + self.every;
         self.sent = self.sent.wrapping_add(1);
         let id = self.ids[self.sent as usize % self.ids.len()];
-        // The data are those of an EMCY, and of a position that goes on.
+        // The data are those of an EMCY, and of a position that advances.
         let [low, high, ..] = self.sent.to_le_bytes();
         Some(Frame::full(CanId::standard(id.into()).unwrap(), [0x00, 0x81, 0x11, low, high, 0x55, 0x55, 0x55]))
     }
@@ -60,7 +60,7 @@ impl Machine for Babbler {
     fn handle_timeout(&mut self, _: Timestamp) {}
 }
 
-/// Every case on a new bus with the device, what `crowd` adds, and a babbler of that load.
+/// Runs every case on a new bus with the device, the devices of `crowd`, and a babbler with this load.
 fn judged(model: &'static Model, load: u64, crowd: &[(&str, u8)], allow: &[Touch]) -> Vec<CaseReport> {
     let node = model.default_node().or_else(|| NodeId::new(63)).unwrap();
     let target = Target::of(model, node);
@@ -78,7 +78,8 @@ fn judged(model: &'static Model, load: u64, crowd: &[(&str, u8)], allow: &[Touch
         let mut annotate = |_: &canvass_traces::Record| String::new();
         run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case)
     };
-    // Unoptimised code takes minutes for all of them: every model gets a share, and all of them every case.
+    // Unoptimised code takes minutes for all cases: every model gets a share of them, and all models together get every
+    // case.
     let share = if cfg!(debug_assertions) { Model::all().len() } else { 1 };
     let own = Model::all().iter().position(|other| other.id() == model.id()).unwrap();
     let cases = catalogue::cases().into_iter().enumerate().filter(|(n, _)| n % share == own % share);
@@ -121,7 +122,7 @@ macro_rules! busy {
     };
 }
 
-/// Other devices that send heartbeats and PDOs of their own, beside the babbling node.
+/// Other devices with their own heartbeats and PDOs, besides the babbling node.
 #[test]
 fn among_other_devices() {
     check("reference-301", 60, &[("kuebler-sendix-58x8", 71), ("lika-ax58", 72)], &QUIET, 80);

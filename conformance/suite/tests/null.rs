@@ -1,6 +1,6 @@
-//! A device that does nothing right passes nothing but what stands in the reviewed list.
+//! A device that does nothing right passes only the cases in the reviewed list.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_suite::catalogue;

@@ -1,7 +1,7 @@
 //! A controller that uses the device during the test: a breach that the controller may have caused is no failure of the
 //! device, and every report can name the controller.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
@@ -18,7 +18,7 @@ use canvass_traces::{CanId, Direction, Duration, Frame, Record, Timestamp, parse
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::atomic::AtomicBool;
 
-/// Sends frames in turn, one in each period; reads objects in segments where the answer asks for that.
+/// Sends frames in turn, one in each period.
 struct Controller {
     frames: Vec<Frame>,
     period: Duration,
@@ -59,7 +59,7 @@ struct Outcomes {
     reports: Vec<CaseReport>,
     others: Vec<ForeignMessages>,
     notices: Vec<String>,
-    /// What the tester sent.
+    /// The frames that the tester sent.
     sent: Vec<Frame>,
 }
 
@@ -132,7 +132,7 @@ fn a_device_that_is_polled_fails_nothing() {
     }
 }
 
-/// A device is not reset under a running controller: nothing is sent but reads, if anything.
+/// A device under a running controller is not reset: the tester sends at most reads.
 #[test]
 fn a_device_that_others_use_is_left_alone() {
     for frame in ["63F#4000100000000000", "63F#2300100001000000", "000#0100", "73F#R", "080#", "23F#0000000000000000"] {
@@ -151,7 +151,7 @@ fn a_device_that_others_use_is_left_alone() {
     }
 }
 
-/// Each sort of message that others may send, with the cases of the service that it belongs to.
+/// Each kind of message that others may send, with the cases of its service.
 #[test]
 fn what_others_send_is_told_by_its_kind_and_fails_nothing() {
     let rows = [
@@ -172,7 +172,7 @@ fn what_others_send_is_told_by_its_kind_and_fails_nothing() {
     }
 }
 
-/// Frames that do not concern the device are nobody's use of it.
+/// Frames that do not concern the device do not count as a use of the device.
 #[test]
 fn what_does_not_concern_the_device_is_no_use_of_it() {
     for frame in ["605#4000100000000000", "000#0105", "705#05", "185#0000", "101#", "705#R", "123#"] {
@@ -181,7 +181,7 @@ fn what_does_not_concern_the_device_is_no_use_of_it() {
     }
 }
 
-/// A bus on which the device is alone has no other clients, whatever the cases make the device send.
+/// A device that is alone on its bus has no other clients, whatever the cases make it send.
 #[test]
 fn a_device_alone_has_no_other_clients() {
     for model in Model::all() {

@@ -1,7 +1,7 @@
-//! Devices as descriptions of other makers have them, of several profiles: what the description alone makes of a simulated
-//! device fails no case.
+//! Devices with descriptions of other manufacturers and of several profiles: a device that is simulated from its
+//! description alone fails no case.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::Faults;
@@ -11,7 +11,7 @@ use canvass_suite::catalogue;
 use canvass_suite::selftest::judge_target;
 use canvass_suite::verdict::Kind;
 
-/// Runs every case with everything allowed; what is wrong must be what is expected, each with its case, and each is there.
+/// Runs every case with everything allowed, and requires exactly these bad verdicts.
 fn check(eds: &[u8], expected: &[(&str, Kind)]) {
     let model: &'static Model = Box::leak(Box::new(Model::generic("published.eds", eds).unwrap()));
     let target = Target::of(model, model.default_node().unwrap());
@@ -33,33 +33,34 @@ fn check(eds: &[u8], expected: &[(&str, Kind)]) {
     assert_eq!(seen.len(), expected.len(), "{seen:?}");
 }
 
-/// CiA 401; one-digit hours in the file's dates; eight mapping entries of which two are used.
+/// A description of CiA 401 with one-digit hours in the file's dates, and two used entries of eight in a mapping.
 #[test]
 fn digital_inputs_and_outputs() {
     check(include_bytes!("published/io-module.eds"), &[]);
 }
 
-/// CiA 402; an inhibit time above the event timer, PDOs that are off, limits, lists out of order.
+/// A description of CiA 402 with an inhibit time above the event timer, PDOs that are off, limits, and lists out of
+/// order.
 #[test]
 fn a_drive() {
     check(include_bytes!("published/drive.eds"), &[]);
 }
 
-/// CiA 406, without anything of a manufacturer.
+/// A description of CiA 406 without manufacturer objects.
 #[test]
 fn a_plain_encoder() {
     check(include_bytes!("published/plain-encoder.eds"), &[]);
 }
 
-/// A TPDO that is on and maps nothing, an identity without defaults, a parameter that must not be touched (ObjFlags), names
-/// in Latin-1, comments after values.
+/// A description with a TPDO that is on and maps nothing, an identity without defaults, a parameter that must not be
+/// changed (ObjFlags), names in Latin-1, and comments after values.
 #[test]
 fn a_device_with_little() {
     check(include_bytes!("published/bare.eds"), &[]);
 }
 
-/// The built-in models' descriptions, each alone: no case fails for what only the model's sheet says. What fails is wrong in
-/// the description, and says so.
+/// Each built-in model, simulated from its description alone: no case fails because the model's sheet is missing. Each
+/// failure is an error in the description, and its report says so.
 macro_rules! alone {
     ($($name:ident: $id:literal, $expected:expr;)*) => {
         $(#[test]
@@ -69,9 +70,9 @@ macro_rules! alone {
     };
 }
 
-/// Mapped with another length than its data type has.
+/// An object is mapped with another length than that of its data type.
 const MAPPED_SHORT: [(&str, Kind); 2] = [("301/pdo/mapping/default", Kind::Fail), ("306/objects/mapping", Kind::Fail)];
-/// A data type or an object code that is not the standard's.
+/// An object has another data type or object code than in the standard.
 const OTHER_TYPE: (&str, Kind) = ("306/objects/standard", Kind::Fail);
 
 alone! {
@@ -81,17 +82,17 @@ alone! {
     kuebler_f58: "kuebler-sendix-f58", [MAPPED_SHORT[0], MAPPED_SHORT[1], OTHER_TYPE];
     kuebler_f58m: "kuebler-sendix-f58m", [OTHER_TYPE];
     kuebler_m58: "kuebler-sendix-m58", [OTHER_TYPE];
-    // Class C2 without 6503h.
+    // The description has class C2 but no 6503h.
     lika: "lika-ax58", [("406/profile/mandatory-objects", Kind::Fail)];
     reference_301: "reference-301", [];
     reference_406: "reference-406", [];
-    // Without 1018h.
+    // The description has no 1018h.
     tr_c65: "tr-c65", [
         ("301/identity/mandatory-objects", Kind::Fail),
         ("301/identity/vendor-id", Kind::Fail),
         ("301/sdo/block-download/read-only", Kind::Inconclusive),
     ];
-    // 1018h:00 has four bytes.
+    // 1018h:00 has four bytes in the description.
     tr_lmp30: "tr-lmp30", [
         ("301/identity/mandatory-objects", Kind::Fail),
         ("301/sdo/upload/expedited", Kind::Fail),

@@ -1,7 +1,7 @@
-//! Answers that CiA 301 allows and a case once failed, or the other way round: each on devices that are right, and on one
-//! that is wrong and has to be found still.
+//! Answers that CiA 301 allows and a case once failed, or the reverse: each tested on right devices, and on a wrong
+//! device that must still be found.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -20,13 +20,13 @@ fn judge(id: &str, firmware: impl Into<Firmware>) -> CaseReport {
     selftest::judge(catalogue::find(id).unwrap(), Model::by_id("reference-301").unwrap(), firmware)
 }
 
-/// A case passes on a device that takes all these liberties.
+/// Requires that a case passes on a device that takes all these liberties.
 fn spared(id: &str, liberties: &[Liberty]) {
     let verdict = judge(id, liberties.iter().copied().collect::<Liberties>()).verdict;
     assert_eq!(verdict.kind(), Kind::Pass, "{id} on {liberties:?}: {:?}", verdict.reason());
 }
 
-/// A case has nothing to judge on a device that takes all these liberties.
+/// Requires that a case is not applicable to a device that takes all these liberties.
 fn inapplicable(id: &str, liberties: &[Liberty]) {
     let verdict = judge(id, liberties.iter().copied().collect::<Liberties>()).verdict;
     assert_eq!(verdict.kind(), Kind::NotApplicable, "{id} on {liberties:?}: {:?}", verdict.reason());
@@ -87,7 +87,7 @@ fn clauses_are_those_that_say_it() {
     }
 }
 
-/// A new initiate ends a segmented transfer and begins its own; of block transfers the text does not say so.
+/// A new initiate ends a segmented transfer and starts its own; for block transfers the standard does not say so.
 #[test]
 fn a_new_initiate_replaces_a_segmented_transfer() {
     let rows = [
@@ -107,7 +107,7 @@ fn a_new_initiate_replaces_a_segmented_transfer() {
     }
 }
 
-/// What follows from an EMCY that does not come is not the device's second failure.
+/// If an expected EMCY is missing, its consequences are not a second failure of the device.
 #[test]
 fn without_any_emcy_what_follows_from_one_is_inconclusive() {
     let unreported = Faults::from_iter([Fault::LifeGuardingUnreported, Fault::HeartbeatConsumerSilent]);
@@ -126,14 +126,14 @@ fn without_any_emcy_what_follows_from_one_is_inconclusive() {
         let reason = format!("{:?}", verdict.reason());
         assert!(reason.contains("EMCY"), "{id} names the cause: {reason}");
     }
-    // 1015h goes with EMCY; 1001h and 1003h stay.
+    // 1015h is absent like EMCY; 1001h and 1003h remain.
     for id in ["301/emcy/generic-bit", "301/error-history/entry", "301/error-history/full"] {
         let verdict = judge(id, Liberties::from(Liberty::NoEmcy)).verdict;
         assert_eq!(verdict.kind(), Kind::Inconclusive, "{id}: {:?}", verdict.reason());
     }
 }
 
-/// The EDS without the objects of the device profile, and without what maps them.
+/// The EDS without the objects of the device profile, and without the entries that map them.
 fn without_profile() -> Model {
     let mut is_kept = true;
     let lines = EDS.lines().filter(|line| {
@@ -145,7 +145,7 @@ fn without_profile() -> Model {
     Model::read(&lines.map(|line| format!("{line}\n")).collect::<String>(), SHEET).unwrap()
 }
 
-/// Variables of the manufacturer need not be stored, and a reset may leave them as they are.
+/// Manufacturer variables need not be stored, and a reset may leave them unchanged.
 #[test]
 fn what_is_stored_of_the_manufacturers_variables_is_his_choice() {
     let model: &'static Model = Box::leak(Box::new(without_profile()));
@@ -171,7 +171,8 @@ fn what_is_stored_of_the_manufacturers_variables_is_his_choice() {
     failed("301/store/reset-at-once", Fault::StoreTornByReset);
 }
 
-/// A device that stores by itself has nothing unstored, and where it does nothing else, no command either.
+/// A device that stores autonomously has no unstored values, and if that is its only way of storing, no store command
+/// either.
 #[test]
 fn a_device_may_store_by_itself() {
     let by_command = ["wrong-signature", "persists", "all", "communication-only", "operational", "acts"];
@@ -190,7 +191,7 @@ fn a_device_may_store_by_itself() {
     spared("301/store/not-supported", &[Liberty::StoresByItself]);
 }
 
-/// Segments are mandatory only where an object has more than four bytes.
+/// Segments are mandatory only if an object has more than four bytes.
 #[test]
 fn a_device_of_short_objects_need_not_know_segments() {
     for case in catalogue::cases() {
@@ -203,7 +204,7 @@ fn a_device_of_short_objects_need_not_know_segments() {
     failed("301/sdo/download/segmented", Fault::SdoSegmentedShortRefused);
 }
 
-/// What can't be written is refused at once or at the end: but refused.
+/// A write to a read-only object must be refused, but the refusal may come at once or at the end.
 #[test]
 fn a_refusal_may_come_at_the_end() {
     let rows = [
@@ -218,7 +219,7 @@ fn a_refusal_may_come_at_the_end() {
     }
 }
 
-/// No text limits the time from SYNC to a synchronous TPDO; that a SYNC is overlooked is wrong.
+/// The standard does not limit the time from SYNC to a synchronous TPDO, but overlooking a SYNC is wrong.
 #[test]
 fn synchronous_tpdos_take_their_time() {
     for id in ["301/tpdo/sync-latency", "301/tpdo/sync-cycle", "301/tpdo/sync-delay"] {
@@ -230,7 +231,7 @@ fn synchronous_tpdos_take_their_time() {
     failed("301/tpdo/sync-cycle", Fault::SyncCycleIgnored);
 }
 
-/// Sub-index 4 of a PDO communication parameter does not exist, whatever a description says.
+/// Sub-index 4 of a PDO communication parameter does not exist, even if a description contains it.
 #[test]
 fn the_reserved_entry_does_not_exist_though_it_is_described() {
     let id = "301/pdo/reserved-entry";

@@ -1,7 +1,7 @@
-//! A device that gets no processor now and then: it is late with everything, and none of its times fails. A device whose timers are
-//! wrong fails all the same, whether it is late or not.
+//! A device without processor time now and then is late with everything, and none of its times fails a case. A device
+//! with wrong timers fails all the same, late or not.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
@@ -17,16 +17,16 @@ use canvass_traces::{Duration, Frame, Record, Timestamp};
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
 
-/// A machine that is suspended again and again: what comes or is due meanwhile is served when it goes on.
+/// A machine that is suspended again and again: after each stall it serves the frames and timers of the stall.
 struct Starved {
     machine: Device,
     frames: VecDeque<Frame>,
-    /// From one stall to the next, all different.
+    /// The times between stalls, all different.
     stalls: Stalls,
     stall: (Timestamp, Timestamp),
 }
 
-/// Where stalls begin and how long they are, by chance that is always the same.
+/// The begins and lengths of stalls, from a fixed pseudo-random sequence.
 struct Stalls {
     state: u64,
     longest: Duration,
@@ -53,7 +53,7 @@ impl Starved {
         Self { machine, frames: VecDeque::new(), stalls, stall }
     }
 
-    /// Until when it is suspended, if it is.
+    /// The end of the current stall; `None` if the machine is not suspended.
     fn suspended(&mut self, now: Timestamp) -> Option<Timestamp> {
         while self.stall.1 <= now {
             self.stall = self.stalls.next(self.stall.1);
@@ -81,7 +81,7 @@ impl Machine for Starved {
     }
 
     fn poll_timeout(&self) -> Option<Timestamp> {
-        // What is due in a stall, or came in it, is made up for at its end.
+        // Timers and frames of a stall are served at its end.
         let (begins, ends) = self.stall;
         let due = self.machine.poll_timeout().unwrap_or(Timestamp::MAX);
         Some(if due >= begins || !self.frames.is_empty() { ends } else { due })
@@ -105,7 +105,8 @@ impl Machine for Starved {
     }
 }
 
-/// A device that confirms a store at once and writes its memory then: its SDO server is busy meanwhile, its timers are not.
+/// A device that confirms a store at once and writes its memory afterwards: its SDO server is busy meanwhile, its
+/// timers are not.
 struct WritesAfterwards {
     machine: Device,
     requests: VecDeque<Frame>,
@@ -188,7 +189,7 @@ fn tested_as(machine: Box<dyn Machine>, firmware: Firmware, selectors: &[&str]) 
     let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
     let mut reports = Vec::new();
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
-    // Of a single case that could not be judged the verdict tells.
+    // If a single case could not be judged, its verdict says so; the result of the run adds nothing.
     let _ = run(&mut bench, &plan, &mut |event| {
         if let RunEvent::CaseFinished(report) = event {
             reports.push((*report).clone());
@@ -225,7 +226,7 @@ fn a_device_that_is_seldom_late_fails_nothing() {
     }
 }
 
-/// Timers that are wrong are found on a device that answers promptly, and on one that is late by less than they are.
+/// Wrong timers are found on a device that answers promptly, and on a device whose lateness is less than the error.
 #[test]
 fn wrong_timers_are_found() {
     for (fault, case) in [
@@ -237,7 +238,7 @@ fn wrong_timers_are_found() {
         (Fault::HeartbeatWrongState, "301/heartbeat/state"),
         (Fault::RpdoDeadlineNotRestarted, "301/rpdo/deadline-kept"),
     ] {
-        // A tick too many is less than what a stall of 25 ms makes of 50 periods.
+        // One tick too many is less than the delay of 50 periods by a stall of 25 ms.
         let stalls: &[u64] = if fault == Fault::EventTimerOffByOne { &[0, 8] } else { &[0, 8, 25] };
         for &longest in stalls {
             let reports = tested(fault, longest, &[case]);
@@ -246,7 +247,7 @@ fn wrong_timers_are_found() {
     }
 }
 
-/// The time that a device needs to store parameters excuses no late heartbeat.
+/// The time in which a device stores parameters does not excuse a late heartbeat.
 #[test]
 fn a_device_that_writes_its_memory_is_not_late() {
     for (fault, case) in [
@@ -260,7 +261,7 @@ fn a_device_that_writes_its_memory_is_not_late() {
     }
 }
 
-/// What a starved device is excused for says so, and with what it was compared.
+/// The verdict on a starved device names the excuse, and the lateness that was measured.
 #[test]
 fn lateness_is_told() {
     let reports = tested(Faults::NONE, 250, &["301"]);

@@ -1,7 +1,7 @@
-//! The whole suite, in one run, on devices with a trait that makes them hard to put back or to keep alive. Each gets the
-//! right verdicts, and its dictionary is the same before and after: compared here, by SDO, not by the suite.
+//! The whole suite in one run on devices with a trait that makes them hard to put back or to keep alive. The verdicts
+//! are right, and the dictionary is the same before and after: the test compares it by SDO, independently of the suite.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::dictionary::Access;
@@ -25,25 +25,25 @@ const MODEL: &str = "reference-301";
 
 type Dictionary = BTreeMap<Multiplexer, Vec<u8>>;
 
-/// A run, and the dictionary around it.
+/// The results of a run, and the dictionaries before and after it.
 struct Outcomes {
     verdicts: BTreeMap<&'static str, (Kind, String)>,
     summary: Summary,
     comparison: Comparison,
     before: Dictionary,
     after: Dictionary,
-    /// After the supply was switched off and on.
+    /// The dictionary after the supply was switched off and on.
     cold: Dictionary,
 }
 
-/// What canvass does not compare for us: all that can be written or never changes, read by SDO.
+/// The objects that can be written or never change, read by SDO: the test compares them independently of canvass.
 fn dictionary(bus: &mut SimulatedBus, node: NodeId, firmware: Firmware) -> Dictionary {
     let description = Model::by_id(MODEL).unwrap().description_with(firmware);
     let mut observe = |_: &Record| {};
     let mut exchange = Exchange { bus, observe: &mut observe, ends: Timestamp::MAX };
     let mut values = Dictionary::new();
     for (multiplexer, entry) in description.dictionary.entries() {
-        // The clock of 1013h goes on; 1003h holds what happened; 2020h is a clock too; 1010h and 1011h hold no values.
+        // 1013h and 2020h are clocks; 1003h holds past errors; 1010h and 1011h hold no values.
         let moves = matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x2020);
         if entry.access.is_readable() && entry.access != Access::Ro && !moves {
             let transfer = Transfer::upload(multiplexer);
@@ -105,7 +105,7 @@ impl Outcomes {
         self.ending(&[kind]).len()
     }
 
-    /// The dictionary is the one before, now and after the next power-on.
+    /// Requires that the dictionary equals the one before the run, now and after the next power-on.
     fn is_as_it_was(&self) {
         let differing = |now: &Dictionary| -> Vec<String> {
             let all: BTreeSet<_> = self.before.keys().chain(now.keys()).collect();
@@ -118,7 +118,7 @@ impl Outcomes {
         assert!(self.comparison.commands.is_empty());
     }
 
-    /// Nothing fails, and nothing could not be judged.
+    /// Requires that no case failed, and none was inconclusive.
     fn spared(&self) {
         let bad = [Kind::Fail, Kind::Error, Kind::Inconclusive];
         let wrong: Vec<_> = self.verdicts.iter().filter(|(_, (kind, _))| bad.contains(kind)).collect();
@@ -129,7 +129,7 @@ impl Outcomes {
 
 const ALL: &[Touch] = &[Touch::Nvm, Touch::NodeId, Touch::BitRate, Touch::FactoryDefaults, Touch::OtherNodes];
 
-/// Cases that tell those with the trait from others, and enough around them that is put back.
+/// Cases that distinguish devices with the trait from others, and enough other cases that change values.
 const SOME: &[&str] = &["301/pdo", "301/tpdo", "301/rpdo", "301/emcy", "301/heartbeat", "301/sync", "301/restore"];
 
 #[test]
@@ -137,7 +137,7 @@ fn keeps_ram_over_reset() {
     for fault in [Fault::NmtResetNodeKeepsParameters, Fault::NmtResetCommunicationKeepsParameters] {
         let outcomes = tested(fault, &["301", "305", "306"], ALL);
         let failed = outcomes.ending(&[Kind::Fail]);
-        // Only what is about resets and what they restore fails.
+        // Only cases on resets and on restored values fail.
         let objects = ["301/emcy/moved", "301/heartbeat-consumer/reset", "301/sdo/second-server/reset"];
         let about = [&["301/nmt", "301/store", "301/restore", "305/store"][..], &objects].concat();
         let other: Vec<_> = failed.iter().filter(|id| !about.iter().any(|about| id.starts_with(about))).collect();
@@ -164,12 +164,12 @@ fn pdos_off() {
     let off = tested(Liberty::PdosInvalid, &["301"], ALL);
     plain.spared();
     off.spared();
-    // Three are about PDOs that are valid as they are; one has no second kind of error without an RPDO.
+    // Three cases need PDOs that are valid as delivered; one has no second kind of error without an RPDO.
     let mut missing = plain.ending(&[Kind::NotApplicable]);
     missing.extend(["301/error-history/all", "301/pdo/cob-id/every-valid", "301/pdo/mapping/every-valid"]);
     missing.insert("301/tpdo/synchronous-as-delivered");
     assert_eq!(off.ending(&[Kind::NotApplicable]), missing);
-    // Nothing from 2000h on, PDOs that map nothing: the error register serves.
+    // The device has no objects from 2000h on, and its PDOs map nothing: the error register serves.
     let empty = tested(Liberty::NoApplicationObjects, &["301"], ALL);
     empty.spared();
     for id in ["event-timer", "event-timer-mean", "inhibit-time", "inhibit-unit", "length", "remote", "sync-cycle"] {
@@ -186,12 +186,12 @@ fn hangs_in_a_case() {
 #[test]
 fn dies_after_a_reset() {
     let outcomes = tested(Fault::ResetWhenStoppedHangs, &["301", "305", "306"], ALL);
-    // The first case that leaves the device stopped, and resets it to see whether it is there.
+    // This is the first case that leaves the device stopped, and resets it to find out whether it is present.
     died(&outcomes, "301/error-behaviour/only-operational");
 }
 
-/// The case in which the device dies fails, those after it can't be judged and name it, what needs no device is judged, and
-/// after the next power-on the device is as it was.
+/// Requires that the case in which the device dies fails, that later cases are inconclusive and name it, that cases
+/// without need of a device are judged, and that after the next power-on the device is as before.
 fn died(outcomes: &Outcomes, culprit: &str) {
     assert_eq!(outcomes.ending(&[Kind::Fail, Kind::Error]), BTreeSet::from([culprit]));
     let told = &outcomes.verdicts[culprit].1;
@@ -207,7 +207,7 @@ fn died(outcomes: &Outcomes, culprit: &str) {
     assert_eq!(outcomes.before, outcomes.cold);
 }
 
-/// "load" restores that there is no node-ID: the device waits for LSS, and gets its node-ID again.
+/// "load" restores the state without node-ID: the device waits for LSS, and gets its node-ID again.
 #[test]
 fn loses_its_node_id() {
     tested(Liberty::NodeIdRestored, &["301", "305"], ALL).spared();
@@ -223,8 +223,8 @@ fn answers_in_900_ms() {
     tested(Liberty::AnswersIn900Ms, SOME, ALL).spared();
 }
 
-/// 1017h is described, and the device does not have it, or it can't be written: cases about the heartbeat find that, the
-/// others are judged.
+/// The description contains 1017h, but the device does not have it, or it can't be written: cases about the heartbeat
+/// find that, the others are judged.
 #[test]
 fn one_wrong_object_spoils_no_other_case() {
     const EDS: &str = include_str!("../../device/models/reference-301.eds");
@@ -260,8 +260,8 @@ fn one_wrong_object_spoils_no_other_case() {
     }
 }
 
-/// A lasting error keeps the device out of operational: the cases of its state fail, what needs it operational is not judged and
-/// names the error.
+/// A lasting error keeps the device out of operational: the cases of its state fail, and cases that need operational
+/// are not judged and name the error.
 #[test]
 fn is_kept_out_of_operational_by_an_error() {
     let outcomes = tested(Fault::NmtStartRefusedInError, &["301"], &[Touch::OtherNodes]);
@@ -275,16 +275,16 @@ fn is_kept_out_of_operational_by_an_error() {
         assert!(*kind == Kind::Inconclusive && told.contains("EMCY 5000h"), "{case}: {kind}: {told}");
     }
     assert!(outcomes.count(Kind::Pass) > 200, "{:?}", outcomes.summary);
-    // What is said of operational is said by nobody who has not seen it.
+    // A case on operational that has not seen this state gives no verdict on it.
     let (kind, told) = &outcomes.verdicts["301/state/operational/sdo"];
     assert!(*kind == Kind::Inconclusive && told.contains("EMCY 5000h"), "{kind}: {told}");
-    // A fault that has nothing to do with it is found all the same.
+    // An unrelated fault is still found.
     let faults = Faults::from(Fault::NmtStartRefusedInError).with(Fault::SdoUnknownCommandSilent);
     let outcomes = tested(faults, &["301/sdo", "301/tpdo"], &[]);
     assert!(outcomes.ending(&[Kind::Fail]).contains("301/sdo/command/unknown"), "{:?}", outcomes.summary);
 }
 
-/// Obeys the first starts, and no further one, whatever is reset.
+/// Obeys the first start commands, and no further ones, even after a reset.
 struct Tires {
     device: Device,
     starts: u32,
@@ -311,7 +311,7 @@ impl Machine for Tires {
     }
 }
 
-/// A device that was operational and can't be any more fails once: what comes later names the case after which it could not.
+/// A device that was operational but no longer can be fails once: later cases name the case after which it could not.
 #[test]
 fn is_no_longer_operational() {
     let model = Model::by_id(MODEL).unwrap();
@@ -328,7 +328,7 @@ fn is_no_longer_operational() {
     );
 }
 
-/// What judges the description alone is judged where nobody is on the bus.
+/// Cases that judge the description alone are judged even if no device is on the bus.
 #[test]
 fn a_description_needs_no_device() {
     let model = Model::by_id(MODEL).unwrap();

@@ -1,6 +1,6 @@
-//! Devices that are right and not like most: no case may fail on them, or be left out that they have everything for.
+//! Right but unusual devices: no case may fail on them, or be left out although they have all that it needs.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::models::Model;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const EDS: &str = include_str!("../../device/models/reference-301.eds");
 const SHEET: &str = include_str!("../../device/models/reference-301.toml");
 
-/// The EDS without the sections whose names begin so.
+/// The EDS without the sections whose names begin with one of `names`.
 fn without(eds: &str, names: &[&str]) -> String {
     let mut is_kept = true;
     let lines = eds.lines().filter(|line| {
@@ -29,7 +29,7 @@ fn without(eds: &str, names: &[&str]) -> String {
     lines.map(|line| format!("{line}\n")).collect()
 }
 
-/// The EDS with another line in a section.
+/// The EDS with `line` of a section replaced by `other`.
 fn with(eds: &str, section: &str, line: &str, other: &str) -> String {
     let (before, rest) = eds.split_once(&format!("[{section}]\n")).unwrap();
     let (own, after) = rest.split_once("\n\n").unwrap();
@@ -37,12 +37,12 @@ fn with(eds: &str, section: &str, line: &str, other: &str) -> String {
     format!("{before}[{section}]\n{}\n\n{after}", own.replace(line, other))
 }
 
-/// How each case ends on the reference device with another description; none may end badly.
+/// The verdict of each case on the reference device with another description. Requires that none is bad.
 fn verdicts(eds: &str) -> BTreeMap<&'static str, Kind> {
     let model: &'static Model = Box::leak(Box::new(Model::read(eds, SHEET).unwrap()));
     let target = Target::of(model, model.default_node().unwrap());
     let (mut verdicts, mut wrong) = (BTreeMap::new(), Vec::new());
-    // Those of CiA 306 judge the file, whose lists and counts tell of more than is left in it.
+    // The cases of CiA 306 judge the file, whose lists and counts still contain the removed sections.
     for case in catalogue::cases().into_iter().filter(|case| !case.id.starts_with("306/")) {
         let report = judge_target(case, model, Faults::NONE, &target);
         let kind = report.verdict.kind();
@@ -59,7 +59,7 @@ fn verdicts(eds: &str) -> BTreeMap<&'static str, Kind> {
 fn a_heartbeat_whose_period_is_fixed() {
     let eds = with(EDS, "1017", "AccessType=rw", "AccessType=const");
     let verdicts = verdicts(&with(&eds, "1017", "DefaultValue=0", "DefaultValue=200"));
-    // Its state shows without being asked for.
+    // The device shows its state by itself.
     for id in ["301/nmt/pre-operational/start", "301/nmt/operational/stop", "301/nmt/back-to-back"] {
         assert_eq!(verdicts[id], Kind::Pass, "{id}");
     }
@@ -85,7 +85,7 @@ fn tpdos_without_event_timer() {
     assert_eq!(verdicts["301/tpdo/event-timer"], Kind::NotApplicable);
 }
 
-/// Nothing of the communication profile can be written but PDO parameters: values of the application serve.
+/// Of the communication profile only PDO parameters can be written: values of the application serve.
 #[test]
 fn few_objects_that_can_be_written() {
     let mut eds = with(EDS, "1017", "AccessType=rw", "AccessType=const");
@@ -98,7 +98,7 @@ fn few_objects_that_can_be_written() {
     }
 }
 
-/// PDOs that carry nothing but values of eight bytes, which no SDO transfers in one frame.
+/// All objects in PDOs have eight bytes, which no expedited SDO can carry.
 #[test]
 fn only_values_of_eight_bytes_in_pdos() {
     const WIDE: [&str; 4] = ["2021]", "2030subE]", "2030subF]", "2030sub10]"];
@@ -129,7 +129,7 @@ fn only_values_of_eight_bytes_in_pdos() {
     assert_eq!(verdicts["301/rpdo/too-long"], Kind::NotApplicable);
 }
 
-/// What CiA 301 leaves open: none of these fails a case on NMT, error control, EMCY, SYNC, TIME or PDOs.
+/// Behaviours that CiA 301 leaves open fail no case on NMT, error control, EMCY, SYNC, TIME or PDOs.
 #[test]
 fn what_the_text_leaves_open_fails_no_case() {
     let open = [
@@ -166,7 +166,7 @@ fn what_the_text_leaves_open_fails_no_case() {
     let is_one = |id: &str| families.iter().any(|family| id.starts_with(&format!("301/{family}/")));
     for fault in open {
         let model = Model::by_id(fault.model()).unwrap();
-        // What the history keeps is the matter of its own family.
+        // Other cases judge the contents of the error history.
         let is_judged = |case: &&Case| is_one(case.id) && !case.requires(&needs::ERROR_HISTORY);
         for case in catalogue::cases().into_iter().filter(is_judged) {
             let report = judge(case, model, Faults::from(fault));
@@ -177,7 +177,7 @@ fn what_the_text_leaves_open_fails_no_case() {
     }
 }
 
-/// A device that starts by itself, as 1F80h lets it, is operational after each reset.
+/// A device that starts by itself, as 1F80h allows, is operational after each reset.
 #[test]
 fn a_device_that_starts_by_itself() {
     let verdicts = verdicts(&with(EDS, "1F80", "DefaultValue=4", "DefaultValue=0"));
@@ -187,8 +187,8 @@ fn a_device_that_starts_by_itself() {
     }
 }
 
-/// An inhibit time as delivered that is longer than the event timers of the cases, and that is the value which they would
-/// write.
+/// An inhibit time as delivered that is longer than the event timers of the cases, and that equals the value that they
+/// would write.
 #[test]
 fn an_inhibit_time_as_delivered() {
     let eds = with(EDS, "1800sub3", "DefaultValue=0", "DefaultValue=500");
@@ -212,7 +212,7 @@ fn an_object_with_narrow_limits() {
     }
 }
 
-/// In which cases a device fails whose file says something else of it in general than 1018h holds.
+/// The cases that fail if the general data of the file differ from 1018h.
 fn failing_identity(change: fn(&mut canvass_analyzer::dictionary::DeviceInfo)) -> Vec<&'static str> {
     let model = Model::by_id("reference-301").unwrap();
     let mut target = Target::of(model, model.default_node().unwrap());
@@ -231,7 +231,8 @@ fn a_file_names_the_vendor_but_may_number_products_its_own_way() {
     assert_eq!(failing_identity(|device| device.vendor_number = Some(0x13)), ["301/identity/vendor-id"]);
 }
 
-/// Cases that are said not to make the device operational do not: a run of them alone looks at nothing there.
+/// Cases that are said not to make the device operational do not do so: a run of only these cases does not check its
+/// behaviour there.
 #[test]
 fn who_does_not_start_the_device_does_not_start_it() {
     let model = Model::by_id("reference-301").unwrap();

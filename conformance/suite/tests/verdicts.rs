@@ -1,6 +1,6 @@
-//! How verdicts are made of breaches, what is reported about them, and what a run's numbers say.
+//! Verdicts from breaches, their reports, and the numbers of a run.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_analyzer::Multiplexer;
@@ -49,7 +49,7 @@ fn kinds_have_names_titles_and_an_order() {
     assert_eq!(format!("{:>6}|{:<6}|", Kind::Pass, Kind::Fail), "  pass|fail  |");
 }
 
-/// The reason is that of the worst: of the end where the end is the worst, else of the first breach of that kind.
+/// The reason is that of the worst outcome: of the end if it is the worst, otherwise of the first breach of that kind.
 #[test]
 fn the_reason_is_that_of_the_worst() {
     let told = |breaches: &[Ruled], end: Option<End>| {
@@ -83,7 +83,7 @@ fn only_a_deviation_is_documented() {
     assert_eq!(told(&[waiver, manual.clone()]), (Kind::Deviation, text, Some(Authority::Waiver { line: 3 })));
     assert_eq!(told(&[manual, ruled(breach("c"), None)]), (Kind::Fail, None, None));
     assert_eq!(told(&[]), (Kind::Pass, None, None));
-    // What is tolerated or open needs no excuse.
+    // A tolerated or open breach needs no excuse.
     let excused = |breach: Breach| ruled(breach, Some(Authority::Manual)).kind();
     assert_eq!((excused(breach("d").tolerated()), excused(breach("e").open())), (Kind::Tolerated, Kind::Pass));
 }
@@ -119,7 +119,7 @@ fn a_breach_as_precondition_leaves_the_case_inconclusive() {
     assert_eq!(demand(false, || breach("a")), Err(Box::new(breach("a"))));
 }
 
-/// A time just outside its limits may be the tester's; one that is further out is the device's.
+/// A time just outside its limits may be the tester's fault; a time further outside is the device's.
 #[test]
 fn a_time_is_outside_by_so_much() {
     let ms = Duration::from_millis;

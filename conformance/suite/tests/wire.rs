@@ -1,6 +1,6 @@
-//! Devices with one wrong field of one message are found.
+//! Devices with one wrong field in one message are found.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 use canvass_device::models::Model;
@@ -13,7 +13,8 @@ const FOUND: usize = 85;
 /// Minimum percentage of found mutants that are named rightly.
 const NAMED: usize = 95;
 
-/// The sample is drawn anew wherever a field is added: the shares are those of all mutants, less what a sample may differ.
+/// Each new field changes the sample: the required percentages are those of all mutants, less the deviation of a
+/// sample.
 #[test]
 fn most_wrong_fields_are_found_and_named() {
     let count = std::env::var("CANVASS_WIRE_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(400);

@@ -1,4 +1,5 @@
-//! Objects that act when they are written: no value of theirs is put back, and a zero point is moved with leave only.
+//! Objects that act when they are written: their values are never put back, and a zero point is moved only if the user
+//! allows it.
 
 use super::Bench;
 use crate::touch::Touch;
@@ -10,12 +11,12 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::Frame;
 
 impl Bench<'_> {
-    /// What an object does when it is written; `None`: it is a setting, or only read.
+    /// The effect of writing an object; `None` if it is a setting or read-only.
     pub(crate) fn acting(&self, at: Multiplexer) -> Option<Acting> {
         self.target.manual.acting(at, self.target.description.as_ref())
     }
 
-    /// Whether writing an object does something that no write takes back.
+    /// Whether writing an object has an effect that no other write reverses.
     pub(crate) fn acts(&self, at: Multiplexer) -> bool {
         self.acting(at).is_some()
     }
@@ -35,8 +36,8 @@ impl Bench<'_> {
         (!self.moves_zero_point(at) || allows(Touch::Preset)) && (!self.stores_at_once(at) || allows(Touch::Nvm))
     }
 
-    /// Refuses to send what would move a zero point, or write the memory at once, where the user has not allowed that. Whoever
-    /// puts something back never moves a zero point, but for [`Bench::put_back_zero_point`].
+    /// Refuses to send a frame that would move a zero point or write the memory at once, unless the user allows it.
+    /// While the tester puts a device back it never moves a zero point, except in [`Bench::put_back_zero_point`].
     ///
     /// This is the last guard: cases ask for leave by their `touches`, before they begin.
     pub(super) fn check_leave(&mut self, frame: &Frame) -> Result<(), Stop> {
@@ -46,7 +47,7 @@ impl Bench<'_> {
             self.allowed(Touch::Preset, is_time_to, at)?;
         }
         if self.stores_at_once(at) {
-            // What is put back was written with leave.
+            // The value that is put back was written with the user's leave.
             self.allowed(Touch::Nvm, true, at)
                 .or_else(|stop| if self.traffic.restoring { Ok(()) } else { Err(stop) })?;
             self.changes.wrote_memory = true;
@@ -54,7 +55,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// The object that an own frame begins to write.
+    /// The object that an own frame starts to write.
     fn written_by(&self, frame: &Frame) -> Option<Multiplexer> {
         if frame.cob_id() != Some(sdo::REQUEST_BASE + u16::from(self.node().raw())) {
             return None;
@@ -111,7 +112,7 @@ mod tests {
         assert!(!sent(&[Touch::Preset], true));
     }
 
-    /// Reading the object is free, and so is the same object of another node.
+    /// A read of the object needs no leave, nor does a write to another node's object.
     #[test]
     fn what_only_looks_like_a_preset_is_sent() {
         with_options(table(&[]), &Options::default(), |bench| {

@@ -1,5 +1,5 @@
-//! What must be true of every answer of the SDO server, whatever a case is about: its aborts name the object of the
-//! request, it has eight bytes, and what the standard reserves is 0.
+//! Requirements on every answer of the SDO server, whatever the case tests: an abort names the object of the request,
+//! the frame has eight bytes, and reserved fields are 0.
 
 use super::Bench;
 use crate::verdict::{Breach, Judged};
@@ -12,7 +12,7 @@ use canvass_bus::observation::Observation;
 use canvass_traces::Frame;
 
 impl Bench<'_> {
-    /// Judges an answer to a request that names `asked`; `None`: the request names no object.
+    /// Judges an answer to a request that names `asked`; `None` if the request names no object.
     ///
     /// An abort that names another object is a breach of every case in which it is seen. Reserved fields that are not 0
     /// are kept for [`Bench::expect_tidy`].
@@ -30,7 +30,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Once in a case: a server that does it once does it again.
+    /// Records the breach once per case: a server that names a wrong object once does so again.
     fn record_wrong_object(&mut self, asked: Multiplexer, named: Multiplexer, frame: &Frame) {
         let is_wrong_object =
             |breach: &Breach| matches!(breach.actual, Observation::Violation(Violation::Multiplexer(_)));
@@ -44,10 +44,10 @@ impl Bench<'_> {
         self.record(breach);
     }
 
-    /// Demands that all answers of the case so far have eight bytes, and 0 where the standard reserves bits and bytes.
+    /// Requires that all answers of the case so far have eight bytes, and 0 in all reserved bits and bytes.
     ///
     /// # Errors
-    /// As [`Bench::check`].
+    /// The errors of [`Bench::check`].
     pub fn expect_tidy(&mut self) -> Judged {
         for breach in self.log.take_untidy() {
             self.check(Err(Box::new(breach)))?;
@@ -55,7 +55,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Does something whose answers are not the matter of the case: finding out what the device has.
+    /// Runs `act` without judging the answers: the tester only finds out what the device has.
     pub(crate) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let mark = self.log.mark();
         let result = act(self);
@@ -64,7 +64,7 @@ impl Bench<'_> {
     }
 }
 
-/// What is wrong with the form of an answer, if anything is.
+/// The breach in the form of an answer, if there is one.
 fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     let breach = |found: String| {
         Breach::new(Service::Sdo, "answers of the SDO server have eight bytes, of which the reserved ones are 0")
@@ -75,7 +75,7 @@ fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
         let breach = breach(format!("{what} has {} bytes", frame.len())).expected("8 bytes");
         return Some(breach.told(format!("{} ({} bytes)", Bytes(frame.data()), frame.len())));
     }
-    // What was understood, written out again, differs exactly in what means nothing.
+    // The understood answer, encoded again, differs from the frame exactly in the reserved fields.
     let clean = response.to_frame(frame.cob_id().unwrap_or_default());
     let judged = carried(response);
     if clean.data().get(..judged) == frame.data().get(..judged) {
@@ -85,13 +85,13 @@ fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     Some(breach.expected(Bytes(clean.data()).to_string()).told(Bytes(frame.data()).to_string()))
 }
 
-/// How many bytes of an answer the standard fixes. Of those that hold no data it only says that they hold none.
+/// Number of bytes of an answer that the standard fixes. For bytes without data it only says that they hold none.
 fn carried(response: &Response) -> usize {
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),
         Response::InitiateUpload { payload: Payload::Expedited(value), .. } => 4 + value.data().len(),
         Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. } => 4,
-        // An unknown one is written out again as it came.
+        // An unknown response is encoded as it came.
         _ => 8,
     }
 }
@@ -104,7 +104,7 @@ mod tests {
     use canvass_bus::observation::Subject;
     use canvass_traces::Duration;
 
-    /// The breaches of a case that uploads 1000h:00 twice from a server that answers so.
+    /// The breaches of a case that uploads 1000h:00 twice from a server that gives this answer.
     fn breaches(answer: &'static str, judge: fn(&mut Bench<'_>)) -> Vec<Breach> {
         let script = move |request: &Frame| match request.to_string().as_str() {
             "63F#4000100000000000" => vec![(Duration::from_millis(1), frame(answer))],
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// What one case is about is not judged in the next, nor what is only found out.
+    /// An answer is judged in its own case, not in the next, and not while the tester finds out what the device has.
     #[test]
     fn answers_are_judged_in_their_case() {
         const UNTIDY: &str = "5BF#8100100000000206";

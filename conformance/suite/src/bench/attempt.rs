@@ -1,4 +1,4 @@
-//! What a transfer or a single message to the SDO server led to, judged by what it had to lead to.
+//! The outcome of a transfer or of a single message to the SDO server, and how it is judged.
 
 use crate::situation::{Judgement, Situation};
 use crate::verdict::{Breach, Check, demand, observed, observed_response};
@@ -8,34 +8,34 @@ use canvass_bus::client::sdo::{Bytes, Outcome, name};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Frame;
 
-/// A transfer that was tried, and how it ended.
+/// A transfer that was tried, with its outcome.
 #[derive(Clone, Debug)]
 pub struct Attempt {
     /// The object of the transfer.
     pub multiplexer: Multiplexer,
-    /// `download of 1 byte to 1000h:00`.
+    /// The transfer in words: `download of 1 byte to 1000h:00`.
     pub what: String,
-    /// How it ended.
+    /// How the transfer ended.
     pub outcome: Outcome,
-    /// The server's frames as they came.
+    /// The server's frames in the order in which they came.
     pub responses: Vec<Frame>,
 }
 
-/// One message to the server and the one that came back, if any.
+/// One message to the server and its response, if any.
 #[derive(Clone, Debug)]
 pub struct Reply {
-    /// The object that was asked for, where the message names one; else the service.
+    /// The object that the message names; otherwise the service.
     pub subject: Subject,
-    /// What was sent, in words.
+    /// The message in words.
     pub what: String,
-    /// What came.
+    /// The decoded response.
     pub response: Option<Response>,
-    /// The frame that carried it.
+    /// The frame of the response.
     pub frame: Option<Frame>,
 }
 
 impl Attempt {
-    /// The same, told with what the case did before or meanwhile: `in the middle of a download`.
+    /// This attempt, with what the case did before or meanwhile added to its words: `in the middle of a download`.
     #[must_use]
     pub fn under(mut self, circumstance: &str) -> Self {
         self.what = format!("{} {circumstance}", self.what);
@@ -47,7 +47,7 @@ impl Attempt {
         matches!(self.outcome, Outcome::Silent)
     }
 
-    /// The abort code, if the server aborted.
+    /// The code of the server's abort; `None` if it did not abort.
     pub const fn abort(&self) -> Option<AbortCode> {
         match &self.outcome {
             Outcome::Aborted(abort) => Some(abort.code),
@@ -55,10 +55,10 @@ impl Attempt {
         }
     }
 
-    /// The value that was read.
+    /// The uploaded value.
     ///
     /// # Errors
-    /// The breach if there is none.
+    /// The breach if the upload gave no value.
     pub fn value(self) -> Result<Vec<u8>, Box<Breach>> {
         match self.outcome {
             Outcome::Uploaded(value) => Ok(value),
@@ -69,7 +69,7 @@ impl Attempt {
         }
     }
 
-    /// Demands that the server took all that was written.
+    /// Requires that the server confirmed the whole download.
     ///
     /// # Errors
     /// The breach if it did not.
@@ -77,10 +77,10 @@ impl Attempt {
         self.judged(Situation::Confirmed)
     }
 
-    /// Demands the refusal that the standard allows in a situation.
+    /// Requires an answer that the table allows in this situation.
     ///
     /// # Errors
-    /// The breach for everything else.
+    /// The breach if the server answered otherwise.
     pub fn refused(&self, situation: Situation) -> Check {
         self.judged(situation)
     }
@@ -91,7 +91,7 @@ impl Attempt {
 }
 
 impl Reply {
-    /// What came, in words.
+    /// The response in words.
     pub fn actual(&self) -> String {
         match (&self.response, &self.frame) {
             (Some(Response::Abort(abort)), _) => format!("abort {}", abort.code),
@@ -101,7 +101,7 @@ impl Reply {
         }
     }
 
-    /// What came.
+    /// The response as an observation.
     pub fn observation(&self) -> Observation {
         match (&self.response, &self.frame) {
             (Some(response), _) => observed_response(response),
@@ -110,7 +110,7 @@ impl Reply {
         }
     }
 
-    /// The abort code, if the server aborted.
+    /// The code of the server's abort; `None` if it did not abort.
     pub const fn abort(&self) -> Option<AbortCode> {
         match &self.response {
             Some(Response::Abort(abort)) => Some(abort.code),
@@ -118,26 +118,26 @@ impl Reply {
         }
     }
 
-    /// Demands the refusal that the standard allows in a situation.
+    /// Requires an answer that the table allows in this situation.
     ///
     /// # Errors
-    /// The breach for everything else.
+    /// The breach if the server answered otherwise.
     pub fn refused(&self, situation: Situation) -> Check {
         judge(self.subject, situation, &self.what, self.observation(), || self.actual())
     }
 
-    /// Demands that nothing came.
+    /// Requires that no response came.
     ///
     /// # Errors
-    /// The breach if something did.
+    /// The breach if a response came.
     pub fn expect_silence(&self) -> Check {
         self.refused(Situation::Unanswered)
     }
 
-    /// Demands a response that `right` recognises.
+    /// Requires a response that `right` recognises.
     ///
     /// # Errors
-    /// The breach for everything else.
+    /// The breach if the response is another one, or there is none.
     pub fn expect(&self, expected: &'static str, right: impl FnOnce(&Response) -> bool) -> Check {
         demand(self.response.as_ref().is_some_and(right), || {
             let breach = Breach::new(self.subject, format!("the {} is answered", self.what));
@@ -146,12 +146,12 @@ impl Reply {
     }
 }
 
-/// What a message is about.
+/// The object that a message names; otherwise the service.
 pub(super) fn subject_of(request: &Request) -> Subject {
     request.multiplexer().map_or(Subject::Service(Service::Sdo), Subject::Entry)
 }
 
-/// Holds an answer against the table of what is allowed.
+/// Compares an answer with the table of allowed answers.
 fn judge(
     subject: Subject,
     situation: Situation,

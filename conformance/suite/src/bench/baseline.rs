@@ -1,5 +1,5 @@
-//! What the device was before the run: its values while nothing was reset, and what a start brings. What a run leaves is
-//! compared with that.
+//! The device before the run: the values in use, and the values that a start loads. At the end the tester compares the
+//! device with them.
 
 use super::rewrite::Original;
 use super::{Bench, dictionary, restore, rewrite, start};
@@ -15,15 +15,15 @@ use canvass_bus::client::sdo::Mode;
 use canvass_traces::Duration;
 use std::fmt;
 
-/// After "save" was confirmed: some devices go on writing their memory, and a reset meanwhile would tear it.
+/// Wait after the confirmation of "save": some devices go on writing their memory, and a reset would interrupt that.
 const WRITTEN: Duration = Duration::from_millis(200);
 
-/// What a reset would take from the device.
+/// A loss that a reset of the device would cause.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Harm {
-    /// A zero point that may not be stored: the object that has moved it.
+    /// A zero point that may not be stored, named by the object that moved it.
     ZeroPoint(Multiplexer),
-    /// An object that a reset sets to its default, and only power-on brings back.
+    /// An object that a reset sets to its default. Only power-on loads its stored value.
     Defaults(Multiplexer),
 }
 
@@ -47,22 +47,23 @@ impl fmt::Display for Harm {
 /// The device before the first case.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Baseline {
-    /// Where the zero point was while nothing was reset.
+    /// The zero point in use before the first reset.
     pub zero_point: Option<ZeroPoint>,
-    /// What a start brings: settings that are stored, or the defaults. `None`: not known yet.
+    /// The values after a start: stored settings or defaults. `None` if they are not known yet.
     pub stored: Option<Vec<Original>>,
-    /// Of these, objects that a reset sets to their defaults and only power-on loads: what is stored does not show. The values
-    /// that were in use are taken for it.
+    /// Objects in `stored` that a reset sets to their defaults and that only power-on loads: their stored values can't
+    /// be read. The tester assumes the values that were in use.
     pub unseen: Vec<Multiplexer>,
-    /// Where the zero point is after a start.
+    /// The zero point after a start.
     pub stored_zero_point: Option<ZeroPoint>,
-    /// What the device does after a start.
+    /// The behaviour of the device after a start.
     pub behaviour: Option<Behaviour>,
-    /// Whether it was operational before the run, or becomes so in it: its behaviour is looked at there, too.
+    /// Whether the device was operational before the run, or becomes operational in it. If so, its behaviour in
+    /// operational is compared too.
     pub has_operational: bool,
 }
 
-/// What is not in the device's memory as it was.
+/// The differences between the device's memory and its memory before the run.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct MemoryLeft {
     pub changes: Vec<Change>,
@@ -71,7 +72,7 @@ pub(crate) struct MemoryLeft {
 }
 
 impl Baseline {
-    /// What the journal of an interrupted run tells.
+    /// The baseline that the journal of an interrupted run holds.
     pub fn of(run: &Interrupted) -> Self {
         let stored: Vec<Original> = run.memory.iter().map(Original::from).collect();
         Self {
@@ -86,7 +87,7 @@ impl Baseline {
 }
 
 impl Bench<'_> {
-    /// Acts to the end, with leave to move a zero point back to where it was.
+    /// Runs `act` with leave to move a zero point back to its place.
     pub(crate) fn with_leave_to_move<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.changes.moving_zero_point, true);
         let result = self.uncancelled(act);
@@ -95,15 +96,14 @@ impl Bench<'_> {
     }
 }
 
-/// Looks where the zero point is, before anything is reset. `has_operational`: the device is operational at some time, before
-/// the run or in it.
+/// Reads the zero point before the first reset. `has_operational`: the device is operational before the run or in it.
 pub(crate) fn note_zero_point(bench: &mut Bench<'_>, has_operational: bool) {
     bench.changes.baseline.has_operational = has_operational;
-    // A device that does not tell it has none that could be compared.
+    // A device that does not show its zero point has none that could be compared.
     bench.changes.baseline.zero_point = bench.unjudged(Bench::look_at_zero_point).ok().flatten();
 }
 
-/// Restarts the device once, and learns what a start brings: what it has stored. `known`: its objects.
+/// Restarts the device once, and reads the values that a start loads from its memory. `known`: its objects.
 ///
 /// # Errors
 /// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't be
@@ -129,20 +129,23 @@ pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>
     Ok(())
 }
 
-/// Whether reset node gives an object its default, whatever is stored, as the manual of the device says; power-on does not.
+/// Whether reset node sets an object to its default although another value is stored, according to the manual of the
+/// device. Power-on loads the stored value.
 pub(super) fn is_unseen(bench: &Bench<'_>, at: Multiplexer) -> bool {
     resets_to_defaults(bench) && !can_power_cycle(bench) && at.index.0 >= 0x6000
 }
 
-/// The start after which the device is left. Where reset node brings defaults, and not what is stored, only the supply helps.
+/// Starts the device for the last time. If reset node loads defaults instead of the stored values, only switching the
+/// supply loads these.
 ///
 /// # Errors
-/// Those of the start.
+/// The errors of [`Bench::reset`] and [`Bench::power_cycle`].
 pub(super) fn restart_at_last(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if resets_to_defaults(bench) { restart(bench) } else { bench.reset(Command::RESET_NODE) }
 }
 
-/// Whether reset node gives objects of the profile their defaults, as the manual of the device says; power-on does not.
+/// Whether reset node sets objects of the profile to their defaults, according to the manual of the device; power-on
+/// does not.
 fn resets_to_defaults(bench: &Bench<'_>) -> bool {
     bench.manual().is_some_and(|model| model.sheet().quirks.reset_node_restores_profile)
 }
@@ -151,14 +154,14 @@ fn can_power_cycle(bench: &Bench<'_>) -> bool {
     may_store(bench) && bench.options.power_cycle.is_some()
 }
 
-/// A start as at power-on: by the user's own command where there is one, else by reset node.
+/// Starts the device as at power-on: by the user's own command if there is one, otherwise by reset node.
 fn restart(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let was_switched = can_power_cycle(bench) && bench.power_cycle()?;
     if was_switched { Ok(()) } else { bench.reset(Command::RESET_NODE) }
 }
 
-/// A case that may have stored has ended and its settings are put back: sees that the memory is as it was, and puts it back
-/// where it is not.
+/// Ends a case that may have stored values, after its settings are put back: checks the memory and puts it back if it
+/// has changed.
 pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
     let stores = touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset));
     let wrote = std::mem::take(&mut bench.changes.wrote_memory);
@@ -167,26 +170,26 @@ pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)
             && touches.iter().any(|touch| matches!(touch, Touch::Preset | Touch::FactoryDefaults));
-        // What is left is told at the end of the run.
+        // The end of the run reports what is left.
         let _ = bench.uncancelled(|bench| put_back_memory(bench, may_store, may_preset));
     }
 }
 
-/// Whether restoring the defaults would move the zero point, which only the leave to preset lets a case put back: it is not
-/// that of the delivery, or the device does not tell.
+/// Whether restoring the defaults would move the zero point, so that the case needs the leave to preset to put it back:
+/// the zero point is not the one as delivered, or the device does not show it.
 pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
     let moved = bench.changes.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
     let may_preset = bench.options.allow.contains(&Touch::Preset);
     moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
 }
 
-/// Restarts the device, compares what that brings with what it brought before the run, and puts back what may be: settings
-/// by writing and storing them, the zero point by a preset at rest.
+/// Restarts the device, compares the loaded values with those before the run, and puts back what the user allows:
+/// settings by writing and storing them, the zero point by a preset at rest.
 pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
     bench.unjudged(|bench| {
         restart(bench)?;
         let mut left = memory_left(bench)?;
-        // What does not show may have changed.
+        // Values that can't be read may have changed.
         if may_store && !(left.changes.is_empty() && bench.changes.baseline.unseen.is_empty()) {
             store_settings(bench)?;
             restart(bench)?;
@@ -199,7 +202,7 @@ pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset
     })
 }
 
-/// What a start has brought that is not as before the run. The device has just started.
+/// The differences between the values after this start and those before the run. The device has just started.
 fn memory_left(bench: &mut Bench<'_>) -> Result<MemoryLeft, Stop> {
     let mut changes = Vec::new();
     for original in bench.changes.baseline.stored.clone().unwrap_or_default() {
@@ -225,7 +228,7 @@ fn memory_left(bench: &mut Bench<'_>) -> Result<MemoryLeft, Stop> {
 fn put_back_stored_zero_point(bench: &mut Bench<'_>, may_store: bool) -> Result<Option<Moved>, Stop> {
     let Some(before) = bench.changes.baseline.stored_zero_point else { return Ok(None) };
     bench.put_back_zero_point(&before)?;
-    // The other settings are those that are stored: the device has just started.
+    // The device has just started, so all other settings have their stored values.
     if may_store {
         save(bench)?;
     }
@@ -234,7 +237,7 @@ fn put_back_stored_zero_point(bench: &mut Bench<'_>, may_store: bool) -> Result<
     Ok(now.and_then(|now| before.moved(&now)).map(|moved| Moved { is_stored: true, ..moved }))
 }
 
-/// Writes the settings that a start brought before the run, and stores them.
+/// Writes the settings that a start loaded before the run, and stores them.
 fn store_settings(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let originals = bench.changes.baseline.stored.clone().unwrap_or_default();
     rewrite::write_back(bench, &originals);
@@ -243,14 +246,14 @@ fn store_settings(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 fn save(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if bench.has(super::restore::STORE)? {
-        // A device that refuses it shows that in what the next start brings.
+        // If the device refuses, the values after the next start show it.
         bench.download_as(super::restore::STORE, b"save", Mode::Shortest)?;
         bench.listen(WRITTEN)?;
     }
     Ok(())
 }
 
-/// The run is over: sees what the memory holds, gives the device the values again that it had, and compares all of it.
+/// Ends the run: reads the memory, writes back the values from before the run, and compares all of them.
 pub(crate) fn put_back_device(
     bench: &mut Bench<'_>,
     bus: &str,
@@ -258,8 +261,8 @@ pub(crate) fn put_back_device(
     before: &[(Multiplexer, Vec<u8>)],
 ) -> Comparison {
     let memory = match bench.changes.baseline.stored {
-        // What fails here shows in the dictionary.
-        // Each case has put back what it stored: what is left here was stored unasked.
+        // A failure here shows in the comparison of the dictionary.
+        // Each case has put back what it stored: any remaining value was stored without a command.
         Some(_) => {
             let may_store = may_store(bench) && (bench.stores() > 0 || !bench.changes.baseline.unseen.is_empty());
             let left = bench.uncancelled(|bench| put_back_memory(bench, may_store, false)).unwrap_or_default();
@@ -276,7 +279,7 @@ fn may_store(bench: &Bench<'_>) -> bool {
     bench.options.allow.contains(&Touch::Nvm)
 }
 
-/// The whole comparison: what is in use, what is stored, and the zero point of both.
+/// Compares the values in use, the stored values, and both zero points.
 pub(crate) fn with_memory(
     bench: &mut Bench<'_>,
     comparison: Comparison,
@@ -292,16 +295,15 @@ pub(crate) fn with_memory(
     Comparison { stored: memory.changes, zero_points, behaviour: memory.behaviour, commands, ..comparison }
 }
 
-/// By how much the zero point is moved that was in use before the run.
+/// The distance between the zero point in use now and the one before the run.
 fn moved_in_use(bench: &mut Bench<'_>) -> Option<Moved> {
     let before = bench.changes.baseline.zero_point?;
-    // Whether the device answers is told apart from this.
+    // The comparison states separately whether the device answers.
     let now = bench.uncancelled(|bench| bench.unjudged(Bench::look_at_zero_point)).ok().flatten()?;
     before.moved(&now)
 }
 
-/// Why a reset, with which each case begins, would take something from the device that no case puts back; `None`: it would
-/// not, as far as is known.
+/// The loss that the reset at the begin of each case would cause and no case makes good; `None` if no loss is known.
 pub(crate) fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
     let zero_point = bench.changes.baseline.zero_point.filter(|_| !bench.options.zero_point_is_stored);
     if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {
@@ -316,7 +318,7 @@ pub(crate) fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<
         let default = entry.and_then(|entry| entry.start_value(bench.target.node)?.encode(entry.data_type).ok());
         default.is_none_or(|default| default == value)
     };
-    // Also where the supply can be switched: who puts back after a run that was killed can't switch it.
+    // This holds even if the supply can be switched: after a killed run, `restore` can't switch it.
     let is_lost =
         |at: Multiplexer| resets_to_defaults(bench) && at.index.0 >= 0x6000 && dictionary::is_put_back(bench, at);
     let lost = known.iter().find(|(at, value)| is_lost(*at) && !is_default(*at, value));

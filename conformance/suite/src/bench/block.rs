@@ -1,4 +1,4 @@
-//! SDO block transfers, and the raw messages of cases that break off in the middle of one.
+//! SDO block transfers, and the raw messages of cases that break off inside a block transfer.
 
 use super::Bench;
 use super::sdo::Attempt;
@@ -10,10 +10,10 @@ use canvass_bus::client::block_upload::{UploadManner, abort};
 use canvass_bus::client::{BlockDownload, BlockStep, BlockTransfer, BlockUpload, Message, Outcome};
 use canvass_traces::Frame;
 
-/// A block transfer never has more messages of the server than this: a value of a megabyte has 150 000.
+/// Maximum number of server messages in a block transfer: a value of a megabyte has 150 000.
 const MOST_MESSAGES: usize = 200_000;
 
-/// The command byte of an abort, which can't be that of a segment: their numbers begin with 1.
+/// The command byte of an abort. No segment has this byte: sequence numbers begin with 1.
 pub(super) const ABORT: u8 = 0x80;
 
 fn has_succeeded<T>((attempt, _): &(Attempt, T)) -> bool {
@@ -21,10 +21,10 @@ fn has_succeeded<T>((attempt, _): &(Attempt, T)) -> bool {
 }
 
 impl Bench<'_> {
-    /// Reads an object in blocks. The client remembers what the server did.
+    /// Uploads an object in blocks. The client records how the server behaved.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn block_upload(
         &mut self,
         multiplexer: Multiplexer,
@@ -37,10 +37,10 @@ impl Bench<'_> {
         })
     }
 
-    /// Writes an object in blocks. Its value before is put back after the case.
+    /// Downloads an object in blocks. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn block_download(
         &mut self,
         multiplexer: Multiplexer,
@@ -102,10 +102,10 @@ impl Bench<'_> {
         messages.iter().try_for_each(|message| self.send_message(*message))
     }
 
-    /// Sends eight bytes to the SDO server, whatever they mean.
+    /// Sends eight bytes to the SDO server, even if they form no valid message.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn send_message(&mut self, message: Message) -> Result<(), Stop> {
         let cob_id = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send_bytes(cob_id, &message).map(|_| ())

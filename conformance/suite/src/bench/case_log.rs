@@ -1,4 +1,4 @@
-//! What a case has found and measured so far: its verdict and its report are made of it.
+//! The findings and measurements of a case so far, from which its verdict and report are made.
 
 use super::measurement::{Measurement, Unit};
 use crate::verdict::Breach;
@@ -16,16 +16,16 @@ pub(crate) struct CaseLog {
     uses: Vec<Use>,
 }
 
-/// An object that served a case, where another could have.
+/// An object that a case chose among several that could serve it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Use {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// What for.
+    /// The purpose of the object in the case.
     pub purpose: &'static str,
 }
 
-/// A moment in a case: breaches after it can be forgotten.
+/// A position in the log of a case: breaches after it can be forgotten.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mark {
     breaches: usize,
@@ -33,7 +33,7 @@ pub(super) struct Mark {
 }
 
 impl CaseLog {
-    /// Adds a breach; one without a time of its own was seen with the `last` frame.
+    /// Adds a breach. A breach without a time gets the time of the `last` frame.
     pub fn record(&mut self, breach: Breach, last: Option<Timestamp>) {
         let seen = breach.seen.or(last);
         self.breaches.push(Breach { seen, ..breach });
@@ -49,24 +49,24 @@ impl CaseLog {
         std::mem::take(&mut self.breaches)
     }
 
-    /// Keeps an answer whose form is wrong, unless one of its sort is known.
+    /// Keeps an answer with a wrong form, unless an equal one is already kept.
     pub fn keep_untidy(&mut self, breach: Breach) {
         if !self.untidy.iter().any(|known| known.actual == breach.actual) {
             self.untidy.push(breach);
         }
     }
 
-    /// The answers whose form is wrong.
+    /// Takes the answers with a wrong form.
     pub fn take_untidy(&mut self) -> Vec<Breach> {
         std::mem::take(&mut self.untidy)
     }
 
-    /// This moment.
+    /// The current position.
     pub(super) const fn mark(&self) -> Mark {
         Mark { breaches: self.breaches.len(), untidy: self.untidy.len() }
     }
 
-    /// Forgets the breaches since then.
+    /// Forgets all breaches after the mark.
     pub(super) fn forget_since(&mut self, mark: Mark) {
         self.breaches.truncate(mark.breaches);
         self.untidy.truncate(mark.untidy);
@@ -77,14 +77,14 @@ impl CaseLog {
         self.measurements.push(Measurement { name, value, unit });
     }
 
-    /// Says which object served the case; once.
+    /// Records once that an object served the case.
     pub fn uses(&mut self, using: Use) {
         if !self.uses.contains(&using) {
             self.uses.push(using);
         }
     }
 
-    /// What goes into the report beside the breaches: notes, measurements, and which objects served.
+    /// Takes the further contents of the report: notes, measurements, and the objects that served.
     pub(super) fn take(&mut self) -> (Vec<String>, Vec<Measurement>, Vec<Use>) {
         let Self { notes, measurements, uses, .. } = std::mem::take(self);
         (notes, measurements, uses)

@@ -1,4 +1,4 @@
-//! What was changed in the device, what it was before, and the journal that tells of it.
+//! The changes that cases made in the device, the values before, and the journal that records them.
 
 use super::baseline::Baseline;
 use super::rewrite::Original;
@@ -12,40 +12,41 @@ use canvass_traces::Frame;
 use std::io;
 use std::path::Path;
 
-/// The changes of a run. Nothing is changed that was not written into the journal before, where there is one.
+/// The changes of a run. If there is a journal, every change is written into it before it is made.
 #[derive(Default)]
 pub(crate) struct Changes {
     journal: Option<Journal>,
-    /// What the case has changed, with the values before.
+    /// The values before the changes of the current case.
     originals: Vec<Original>,
-    /// What earlier cases have changed and could not put back.
+    /// The values before the changes of earlier cases that could not be put back.
     unrestored: Vec<Original>,
-    /// What the device was before the run.
+    /// The device before the run.
     pub(super) baseline: Baseline,
-    /// A zero point is being put back: the only write to what moves it outside of a case that may move it.
+    /// The tester is putting a zero point back. Apart from cases that may move it, only then it writes an object that
+    /// moves it.
     pub(super) moving_zero_point: bool,
     /// The case wrote an object that is stored as soon as it is written.
     pub(super) wrote_memory: bool,
 }
 
 impl Changes {
-    /// What the case has changed, with the values before.
+    /// The values before the changes of the current case.
     pub(super) fn originals(&self) -> &[Original] {
         &self.originals
     }
 
-    /// Whether the value before is known of an object that the case has changed.
+    /// Whether the value of an object before the case is known.
     pub(super) fn knows(&self, at: Multiplexer) -> bool {
         self.originals().iter().any(|original| original.multiplexer == at)
     }
 
-    /// The value that an object had before the case changed it, where it could be read.
+    /// The value that an object had before the case changed it; `None` if it could not be read.
     pub(super) fn value_before(&self, at: Multiplexer) -> Option<&[u8]> {
         let change = self.originals().iter().find(|change| change.multiplexer == at)?;
         Some(&change.value)
     }
 
-    /// Keeps the value of an object that is about to be written.
+    /// Keeps the value of an object before the case writes it.
     pub(super) fn keep(&mut self, original: Original) -> Result<(), Stop> {
         let value = |journal: &mut Journal| journal.value(original.multiplexer, &original.value);
         written(self.journal.as_mut().map_or(Ok(()), value))?;
@@ -53,7 +54,8 @@ impl Changes {
         Ok(())
     }
 
-    /// What is to be put back now: of an object that an earlier case has left behind, the value before that case.
+    /// Takes the values that are to be put back now. If an earlier case left an object changed, this is its value
+    /// before that case.
     pub(super) fn take(&mut self) -> Vec<Original> {
         let mut originals = std::mem::take(&mut self.unrestored);
         for change in std::mem::take(&mut self.originals) {
@@ -64,17 +66,18 @@ impl Changes {
         originals
     }
 
-    /// Keeps what could not be put back: it is tried anew after the next case, and told at the end of the run.
+    /// Keeps the values that could not be put back: the bench tries again after the next case, and reports them at the
+    /// end of the run.
     pub(super) fn leave(&mut self, unrestored: Vec<Original>) {
         self.unrestored = unrestored;
     }
 
-    /// What could not be put back.
+    /// The values that could not be put back.
     pub(super) fn unrestored(&self) -> &[Original] {
         &self.unrestored
     }
 
-    /// Whether an earlier case has left an object behind with a value that is not the device's own.
+    /// Whether an earlier case left an object with a value that is not the device's own.
     pub(crate) fn is_left_behind(&self, subject: Subject) -> bool {
         self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
     }
@@ -85,8 +88,8 @@ impl Changes {
         Ok(())
     }
 
-    /// The run is over. Where the device is as it was, the journal is not needed any more; else a sentence says what it is
-    /// good for.
+    /// Ends the journal after the run. If the device is as it was, the file is removed; otherwise the returned sentence
+    /// says how to use it.
     pub(crate) fn end_journal(&mut self, is_put_back: bool) -> Option<String> {
         let journal = self.journal.take()?;
         let path = journal.path().display().to_string();
@@ -96,7 +99,7 @@ impl Changes {
         journal.remove().err().map(|error| format!("{path} is not needed any more and could not be removed: {error}"))
     }
 
-    /// What a start brings was learned.
+    /// Records the values that a start loads.
     pub(super) fn learn_memory(&mut self, stored: Vec<Original>) -> Result<(), Stop> {
         if let Some(journal) = &mut self.journal {
             let stored = stored.iter().map(|original| (original.multiplexer, &*original.value));
@@ -106,7 +109,7 @@ impl Changes {
         Ok(())
     }
 
-    /// A case begins, which may leave more behind than values.
+    /// Begins a case in the journal if the case may leave more behind than values.
     pub(crate) fn begin_case(&mut self, id: &str, touches: &[Touch]) -> Result<(), Stop> {
         let leaves = |touch: &Touch| *touch != Touch::OtherNodes;
         match &mut self.journal {
@@ -115,13 +118,13 @@ impl Changes {
         }
     }
 
-    /// The case has put back what it changed, or what it could not put back is reported.
+    /// Ends a case in the journal: it has put back its changes, or the values that it could not put back are reported.
     pub(crate) fn settle_journal(&mut self) {
-        // A journal that can't be written ends the next case that changes something.
+        // If the journal can't be written, the next case that changes something ends with that error.
         let _ = self.journal.as_mut().map_or(Ok(()), Journal::settle);
     }
 
-    /// A frame is about to be sent to that node.
+    /// Records a frame that is about to be sent to this node.
     pub(super) fn journal_frame(&mut self, frame: &Frame, node: NodeId) -> Result<(), Stop> {
         let (Some(journal), Some(cob_id)) = (&mut self.journal, frame.cob_id()) else { return Ok(()) };
         if !is_store(cob_id, frame.data(), node) {
@@ -131,7 +134,7 @@ impl Changes {
     }
 }
 
-/// Nothing is changed that was not written down.
+/// Fails if the journal could not be written: the change must not be made then.
 fn written(result: io::Result<()>) -> Result<(), Stop> {
     result.map_err(|error| {
         Stop::Error(Reason::new("what is changed is written into the journal first", "a journal", error.to_string()))

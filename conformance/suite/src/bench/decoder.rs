@@ -1,4 +1,4 @@
-//! The decoded text of evidence: the analyzer's, which sees the whole run.
+//! The decoded text of evidence. The analyzer writes it and sees the whole run.
 
 use super::{Annotate, Target};
 use canvass_analyzer::Meaning;
@@ -6,14 +6,14 @@ use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::network::Network;
 use canvass_traces::Record;
 
-/// Annotates frames with what the analyzer makes of them in their context.
+/// Annotates frames with the analyzer's decoding, in the context of the run.
 #[derive(Default)]
 pub struct Decoder {
     network: Network,
 }
 
 impl Decoder {
-    /// A decoder that knows the device under test by its description, where there is one.
+    /// A decoder that knows the device under test by its description, if there is one.
     pub fn new(target: &Target) -> Self {
         let mut network = Network::new();
         if let Some(description) = &target.description {

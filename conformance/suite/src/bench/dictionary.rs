@@ -1,4 +1,4 @@
-//! The whole object dictionary: read before a run, compared and put back after it.
+//! The whole object dictionary: read before a run, compared and put back afterwards.
 
 use super::rewrite::Original;
 use super::{Bench, profile, restore, rewrite};
@@ -9,7 +9,8 @@ use canvass_analyzer::object;
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
 
-/// Where a device without description is looked at: the communication objects that a master configures.
+/// The index ranges that are read from a device without description: the communication objects that a master
+/// configures.
 const UNDESCRIBED: [(u16, u16); 7] = [
     (0x1000, 0x102A),
     (0x1200, 0x1201),
@@ -20,18 +21,18 @@ const UNDESCRIBED: [(u16, u16); 7] = [
     (0x6000, 0x6003),
 ];
 
-/// No more entries of one object are read than that, whatever its sub-index 0 says.
+/// Maximum number of entries that are read from one object, whatever its sub-index 0 says.
 const MOST_SUBS: u8 = 16;
 
-/// Who the device is.
+/// The identity object.
 const IDENTITY: u16 = object::IDENTITY;
 
 /// Number of consecutive objects without a valid answer after which reading ends on a live bus: the rest would only
 /// take time.
 const MOST_UNANSWERED: u32 = 20;
 
-/// Reads every object that the description calls readable; without a description the communication objects that
-/// are there. What does not answer with a value is left out.
+/// Reads every object that the description calls readable; without a description, the communication objects that exist.
+/// An object that returns no value is left out.
 pub(crate) fn dump(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     bench.undisturbed(dump_once)
 }
@@ -60,8 +61,8 @@ fn dump_once(bench: &mut Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     values
 }
 
-/// One answer that was lost is not an object that is lost: what was not answered is asked for again, unless it is more than
-/// a bad connection loses.
+/// Reads unanswered objects again: a lost answer does not mean that the object is absent. If more are missing than a
+/// bad connection loses, they are not read again.
 fn dump_again(bench: &mut Bench<'_>, lost: &[Multiplexer], values: &mut Vec<(Multiplexer, Vec<u8>)>) {
     const MOST_LOST: usize = 20;
     if lost.is_empty() || lost.len() > MOST_LOST {
@@ -82,7 +83,8 @@ fn described_objects(bench: &Bench<'_>) -> Vec<Multiplexer> {
     readable.map(|(multiplexer, _)| multiplexer).collect()
 }
 
-/// An object of which only the index is known: its sub-index 0, and what that counts where there is more.
+/// Reads an object of which only the index is known: its sub-index 0, and the sub-indexes that this counts, if there
+/// are any.
 fn dump_object(bench: &mut Bench<'_>, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
     let Some(first) = value_of(bench, Multiplexer::new(index, 0)) else { return };
     let highest = if let [highest] = first[..] { highest } else { 0 };
@@ -91,7 +93,7 @@ fn dump_object(bench: &mut Bench<'_>, index: u16, values: &mut Vec<(Multiplexer,
         let multiplexer = Multiplexer::new(index, sub);
         match value_of(bench, multiplexer) {
             Some(value) => values.push((multiplexer, value)),
-            // One byte, but no count.
+            // Sub-index 0 holds one byte that is no count.
             None => break,
         }
     }
@@ -104,8 +106,8 @@ pub(super) fn value_of(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Optio
     }
 }
 
-/// Compares all objects with what was read before the run, and writes back settings that differ: values that were not
-/// stored were lost with the first reset. `bus` is how the user addresses it in commands.
+/// Compares all objects with their values before the run, and writes back settings that differ: the first reset lost
+/// values that were not stored. `bus` is the name of the bus in the user's commands.
 ///
 /// Works after Ctrl-C too.
 pub(crate) fn put_back_dictionary(bench: &mut Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
@@ -134,14 +136,14 @@ fn compared(
 ) -> Comparison {
     changes.extend(restore::left_behind(bench, &changes));
     changes.sort_by_key(|change| change.multiplexer);
-    // One that has gone meanwhile has not lost all its objects.
+    // A device that has gone meanwhile has not lost all its objects.
     let is_complete = matches!(bench.answers(), Ok(true));
     let appeared = changes.iter().filter(|change| change.before.is_none()).count();
     let commands = restore::commands(bench, bus, before, &changes, &[]);
     Comparison { is_complete, objects: before.len() + appeared, changes, commands, ..Comparison::default() }
 }
 
-/// What reading the whole dictionary again gives otherwise than before.
+/// The changes that a second reading of the whole dictionary shows.
 fn changes_since(bench: &mut Bench<'_>, before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
     let mut after: BTreeMap<Multiplexer, Vec<u8>> = dump(bench).into_iter().collect();
     let mut changes: Vec<Change> = Vec::new();
@@ -183,33 +185,33 @@ pub(super) fn change(
     Change { multiplexer, name, data_type, nature, before, after }
 }
 
-/// A value that differs from one reading to the next is set by the device, whatever its description says.
+/// Attributes a value that differs between two readings to the device itself, whatever its description says.
 pub(super) fn see_whether_it_moves(bench: &mut Bench<'_>, change: &mut Change) {
     if change.is_left() && change.after.is_some() && value_of(bench, change.multiplexer) != change.after {
         change.nature = Nature::Own;
     }
 }
 
-/// Whether the device answers, though it may be starting again: a reset that was cut short is followed by another, and
-/// the boot-up message of the first is no sign that the second is over.
+/// Whether the device answers, though it may be starting again: after an interrupted reset comes another, and the
+/// boot-up message of the first does not prove that the second is over.
 fn answers_at_last(bench: &mut Bench<'_>) -> bool {
     (0..3).any(|_| {
         let answers = matches!(bench.answers(), Ok(true));
         if !answers {
-            // A bus that fails here fails in the next look, too.
+            // A failure of the bus here shows in the next attempt.
             let _ = bench.listen(bench.timing().boot_up);
         }
         answers
     })
 }
 
-/// Whether an object is configuration that a run leaves as it was.
+/// Whether a run must leave an object as it was, because the object is configuration.
 pub(super) fn is_put_back(bench: &Bench<'_>, multiplexer: Multiplexer) -> bool {
     let described = bench.target.description.is_some() && bench.is_described_as_writable(multiplexer);
     (described || is_configuration(multiplexer)) && !bench.acts(multiplexer)
 }
 
-/// Objects that only change when they are written, whatever the device.
+/// Whether an object changes on any device only when it is written.
 const fn is_configuration(multiplexer: Multiplexer) -> bool {
     matches!(
         multiplexer.index.0,

@@ -3,7 +3,7 @@
 use canvass_traces::{Direction, Record, Timestamp};
 use std::collections::VecDeque;
 
-/// Frames with their decoded text, bounded: the first and the last of them.
+/// Frames with their decoded text. Only the first and the last frames are kept.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     head: Vec<Exhibit>,
@@ -14,18 +14,18 @@ pub struct Evidence {
 /// One frame of the evidence.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Exhibit {
-    /// The frame, its time and direction; its place is that in the recording of the run.
+    /// The frame with its time and direction. Its number refers to the recording of the run.
     pub record: Record,
-    /// What it means. Made from what the device sent: may hold anything.
+    /// The meaning of the frame. The text contains data of the device: it may hold anything.
     pub text: String,
 }
 
-/// Gives frames their text. Sees every frame of a run once, in order.
+/// Gives frames their text. Receives every frame of a run once, in order.
 pub trait Annotate {
-    /// What the frame means.
+    /// The meaning of the frame.
     fn annotate(&mut self, record: &Record) -> String;
 
-    /// The number of that frame in the recording, from 1; 0 where nothing is recorded.
+    /// The number of the last frame in the recording, from 1; 0 if nothing is recorded.
     fn number(&self) -> u64 {
         0
     }
@@ -38,10 +38,10 @@ impl<F: FnMut(&Record) -> String> Annotate for F {
 }
 
 impl Evidence {
-    /// How many frames are kept from the start, and how many from the end.
+    /// Number of frames that are kept from the start, and from the end.
     pub const KEPT: usize = 250;
 
-    /// Adds a frame; the frame in the middle goes when there are too many.
+    /// Adds a frame. If there are too many, a frame in the middle is dropped.
     pub fn push(&mut self, exhibit: Exhibit) {
         if self.head.len() < Self::KEPT {
             self.head.push(exhibit);
@@ -54,12 +54,12 @@ impl Evidence {
         self.tail.push_back(exhibit);
     }
 
-    /// The frames that were kept, in the order in which they were on the bus.
+    /// The kept frames, in the order in which they were on the bus.
     pub fn frames(&self) -> impl Iterator<Item = &Exhibit> {
         self.head.iter().chain(&self.tail)
     }
 
-    /// When the tester's latest frame with that CAN-ID was on the bus.
+    /// The time of the tester's latest frame with this CAN-ID.
     pub(crate) fn sent(&self, can_id: u16) -> Option<Timestamp> {
         let is_it = |exhibit: &&Exhibit| {
             exhibit.record.direction == Direction::Tx && exhibit.record.frame.cob_id() == Some(can_id)
@@ -68,17 +68,17 @@ impl Evidence {
         found.map(|exhibit| exhibit.record.timestamp)
     }
 
-    /// When the latest frame was on the bus.
+    /// The time of the latest frame.
     pub(crate) fn last(&self) -> Option<Timestamp> {
         self.tail.back().or_else(|| self.head.last()).map(|exhibit| exhibit.record.timestamp)
     }
 
-    /// How many frames were left out.
+    /// Number of frames that were left out.
     pub const fn omitted(&self) -> u64 {
         self.omitted
     }
 
-    /// After how many of [`Evidence::frames`] frames were left out.
+    /// Number of frames in [`Evidence::frames`] before the gap.
     pub const fn gap(&self) -> usize {
         self.head.len()
     }
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!((times[evidence.gap() - 1], times[evidence.gap()]), (249, 750));
     }
 
-    /// When the tester last sent with a CAN-ID: also where that is long ago, and never a frame of others.
+    /// The time when the tester last sent with a CAN-ID is found, even long ago; frames of others do not count.
     #[test]
     fn the_latest_own_frame_is_found() {
         let mut evidence = Evidence::default();

@@ -1,4 +1,4 @@
-//! What the device has: its description and the device itself are asked.
+//! The features of the device, found out from its description and from the device itself.
 
 use super::state::{GUARD_TIME, Heartbeats};
 use super::{Bench, Met};
@@ -10,11 +10,11 @@ use canvass_bus::client::Outcome;
 use canvass_device::models::Model;
 
 impl Bench<'_> {
-    /// Whether the device has an object. Where there is no description, the device decides: absent are only 0602 0000h,
-    /// 0609 0011h, and what is not answered at all.
+    /// Whether the device has an object. Without a description the device decides: an object is absent if the answer is
+    /// 0602 0000h or 0609 0011h, or if there is no answer.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if let Some(described) = self.described(multiplexer) {
             return Ok(described);
@@ -27,7 +27,7 @@ impl Bench<'_> {
         })
     }
 
-    /// What the description says of an object; `None` without a description.
+    /// Whether the description contains an object; `None` without a description.
     pub fn described(&self, multiplexer: Multiplexer) -> Option<bool> {
         self.target.description.as_ref().map(|description| description.dictionary.entry(multiplexer).is_ok())
     }
@@ -35,7 +35,8 @@ impl Bench<'_> {
     /// Whether the device has all of these objects.
     ///
     /// # Errors
-    /// As [`Bench::has`]; the breach if it is asked for one and does not answer: silence says nothing of absence.
+    /// The errors of [`Bench::has`]; the breach if the device does not answer for an object: silence does not prove
+    /// absence.
     pub fn has_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         for &multiplexer in objects {
             let there = match self.described(multiplexer) {
@@ -58,7 +59,7 @@ impl Bench<'_> {
     /// Whether all of these objects can be written.
     ///
     /// # Errors
-    /// As [`Bench::has_all`].
+    /// The errors of [`Bench::has_all`].
     pub(crate) fn can_write_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         if let Err(why) = self.has_all(objects)? {
             return Ok(Err(why));
@@ -74,7 +75,7 @@ impl Bench<'_> {
     /// Whether the device has an object and its description does not call it read-only.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// The errors of [`Bench::has`].
     pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
             return Ok(false);
@@ -82,24 +83,24 @@ impl Bench<'_> {
         if self.target.description.is_some() {
             return Ok(true);
         }
-        // Nobody says so: the value that it has is written again.
+        // Without a description, the tester writes the object's own value again.
         let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome else { return Ok(false) };
         let refusal = self.download(multiplexer, &value)?.abort();
         Ok(!matches!(refusal, Some(AbortCode::READ_ONLY | AbortCode::UNSUPPORTED_ACCESS)))
     }
 
-    /// Whether life guarding can be set, and is not kept off by a heartbeat that can't be ended.
+    /// Whether life guarding can be configured, and no heartbeat that can't be ended rules it out.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// The errors of [`Bench::has`].
     pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Stop> {
         let is_settable =
             self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(object::LIFE_TIME_FACTOR, 0))?;
         Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 
-    /// Whether the device keeps the bit rate that it starts with: nobody has configured another one, or the object that holds
-    /// it, where the device has one, still holds what it held before the run.
+    /// Whether the device keeps the bit rate with which it starts: nobody has configured another one, or the object for
+    /// the bit rate, if the device has one, still holds its value from before the run.
     pub(crate) fn keeps_bit_rate(&mut self) -> bool {
         if !self.traffic.watch.has_configured_bit_rate() {
             return true;
@@ -110,12 +111,12 @@ impl Bench<'_> {
         matches!(self.unjudged(|bench| bench.value_at_last(at)), Ok(Some(now)) if now == before)
     }
 
-    /// What the manual of the device says, where it is one of the built-in models.
+    /// The manual of the device, if it is a built-in model.
     pub(crate) fn manual(&self) -> Option<&'static Model> {
         Model::by_id(&self.target.model)
     }
 
-    /// A node-ID next to that of the device at which no other node was heard.
+    /// A node-ID next to the device's own at which no other node was heard.
     pub fn vacant_neighbour(&self) -> Option<u8> {
         let own = self.node().raw();
         let candidates = [own.checked_add(1), own.checked_sub(1), own.checked_add(2), own.checked_sub(2)];

@@ -1,4 +1,4 @@
-//! What others send, and how much of the bus they take: what they leave is what the device under test has to live with.
+//! The traffic of others and their bus load: the device under test has to work with the rest.
 
 use crate::foreign::{ForeignKind, ForeignMessages};
 use canvass_analyzer::NodeId;
@@ -8,12 +8,12 @@ use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::{CanId, Duration, Record, bit_length};
 use std::collections::{BTreeMap, HashMap};
 
-/// What a frame can be, whoever it is for.
+/// The form of a frame, whoever receives it.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Form {
     /// A remote frame.
     Remote,
-    /// Data that writes an object, where its CAN-ID is one of SDO requests.
+    /// Data that writes an object, if the CAN-ID is that of SDO requests.
     SdoWrite,
     /// Other data.
     Data,
@@ -28,14 +28,14 @@ pub(crate) struct Foreign {
     frames: HashMap<(CanId, Form), u64>,
 }
 
-/// Where nobody knows the bit rate, the highest is taken: the load is then more than what is reckoned.
+/// The bit rate assumed if it is unknown. It is the highest, so that the actual load is at least the calculated one.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
-/// More identifiers than this are not distinguished.
+/// Maximum number of identifiers that are distinguished.
 const IDENTIFIERS: usize = 4_096;
 
 impl Foreign {
-    /// Counts a frame of others on the bus of that node.
+    /// Counts a frame of others on the bus of this node.
     pub fn count(&mut self, record: &Record, node: NodeId) {
         self.bits += u64::from(bit_length(&record.frame).unwrap_or(0));
         if self.frames.len() < IDENTIFIERS {
@@ -43,7 +43,7 @@ impl Foreign {
         }
     }
 
-    /// Those that concern the device under test: `kind` says what they are to it.
+    /// The foreign messages that concern the device under test: `kind` gives their meaning for it.
     pub fn messages(&self, kind: impl Fn(u16, Form) -> Option<ForeignKind>) -> Vec<ForeignMessages> {
         let mut counts: BTreeMap<(ForeignKind, u16), u64> = BTreeMap::new();
         for (&(id, form), count) in &self.frames {
@@ -56,13 +56,13 @@ impl Foreign {
         counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
     }
 
-    /// The share of the bus in percent, over that span.
+    /// The bus load in percent over a time span.
     pub fn load(&self, span: Duration, bit_rate: Option<u32>) -> u64 {
         let possible = u128::from(bit_rate.unwrap_or(HIGHEST_BIT_RATE)) * u128::from(span.0) / 1_000_000_000;
         u64::try_from(u128::from(self.bits) * 100 / possible.max(1)).unwrap_or(u64::MAX)
     }
 
-    /// The identifier that was seen most often, and how often.
+    /// The most frequent identifier, with its number of frames.
     pub fn loudest(&self) -> Option<(CanId, u64)> {
         let mut counts: HashMap<CanId, u64> = HashMap::new();
         self.frames.iter().for_each(|((id, _), count)| *counts.entry(*id).or_default() += count);
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(foreign.loudest(), Some((frame.id(), 1_000)));
     }
 
-    /// Where the bit rate is not known, it is taken for 1 Mbit/s; no time at all is no reason to divide by zero.
+    /// An unknown bit rate counts as 1 Mbit/s; a time span of zero causes no division by zero.
     #[test]
     fn the_load_is_never_too_high_where_the_bit_rate_is_not_known() {
         let mut foreign = Foreign::default();
@@ -121,7 +121,8 @@ mod tests {
         assert_eq!(Foreign::default().load(Duration::from_secs(1), None), 0);
     }
 
-    /// Of identifiers that are equally loud it is the one with the highest priority; those beyond 4096 are not distinguished.
+    /// Of identifiers with equally many frames the one with the highest priority is named; identifiers beyond 4096 are
+    /// not distinguished.
     #[test]
     fn the_loudest_is_named() {
         let record = |id| Record::new(Timestamp::ZERO, ChannelId(0), Frame::full(CanId::extended(id).unwrap(), [0; 8]));
@@ -135,7 +136,7 @@ mod tests {
         assert_eq!(foreign.frames.len(), 4_096);
     }
 
-    /// By their bytes writes are told from reads, and commands to other nodes from those to this one.
+    /// The bytes distinguish writes from reads, and commands to other nodes from commands to this one.
     #[test]
     fn messages_are_counted_by_their_kind() {
         let mut foreign = Foreign::default();

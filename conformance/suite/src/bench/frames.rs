@@ -1,11 +1,11 @@
-//! Frames out and in, for cases: what is sent was allowed, and is in the journal.
+//! Sending and receiving frames in cases. The bench checks that the user allows a frame, and records it in the journal.
 
 use super::{Bench, Sent};
 use crate::verdict::{Reason, Stop};
 use canvass_traces::{CanId, Direction, Duration, Frame, Record, Timestamp};
 
 impl Bench<'_> {
-    /// Sends a frame as it is, however wrong.
+    /// Sends a frame unchanged, even if it is wrong.
     ///
     /// # Errors
     /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled, [`Stop::NotApplicable`] if
@@ -20,7 +20,7 @@ impl Bench<'_> {
     /// Sends up to eight bytes with an 11-bit CAN-ID.
     ///
     /// # Errors
-    /// As [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
+    /// The errors of [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
     pub fn send_bytes(&mut self, cob_id: u16, bytes: &[u8]) -> Result<Sent, Stop> {
         match Frame::new(CanId::standard_masked(u32::from(cob_id)), bytes) {
             Some(frame) => self.send(&frame),
@@ -32,8 +32,8 @@ impl Bench<'_> {
         }
     }
 
-    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by, answers of the SDO server to
-    /// other clients too. `None` when `span` has passed without it.
+    /// Waits for a frame of another participant that `wanted` recognises. Skips all other traffic, including answers of
+    /// the SDO server to other clients. `None` if `span` passes without such a frame.
     ///
     /// # Errors
     /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
@@ -41,24 +41,25 @@ impl Bench<'_> {
         self.traffic.wait_for(span, wanted)
     }
 
-    /// Lets time pass and returns the frames that the device under test sent meanwhile.
+    /// Waits for `span` and returns the frames that the device under test sent meanwhile.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
         self.traffic.listen(span)
     }
 
-    /// What has come since then, of what is kept as evidence.
+    /// The frames since `begun`, as far as the evidence keeps them.
     pub(crate) fn heard_since(&self, begun: Timestamp) -> Vec<Record> {
         let records = self.evidence().frames().map(|exhibit| &exhibit.record);
         records.filter(|record| record.timestamp >= begun && record.direction == Direction::Rx).cloned().collect()
     }
 
-    /// Takes in what was on the bus up to now, so that a late answer is not taken for that of the next request.
+    /// Takes all frames that are already on the bus, so that a late answer is not taken for the answer to the next
+    /// request.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn drain(&mut self) -> Result<(), Stop> {
         self.traffic.drain()
     }

@@ -1,4 +1,4 @@
-//! What an interrupted run has left behind is put back by its journal.
+//! Puts back the changes of an interrupted run, which its journal lists.
 
 use super::baseline::{Baseline, MemoryLeft};
 use super::rewrite::Original;
@@ -10,7 +10,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use std::io;
 
-/// Begins the journal, if one is wanted: no case has run yet.
+/// Begins the journal, if the user wants one. No case has run yet.
 pub(crate) fn begin_journal(
     bench: &mut Bench<'_>,
     bus: &str,
@@ -23,10 +23,11 @@ pub(crate) fn begin_journal(
     bench.changes.begin_journal(path, &Head { bus, node, device, operational, dictionary, zero_point })
 }
 
-/// Puts back what an interrupted run has left behind, where the case that was under way left more than values by its
-/// `rescue`, and compares. `None`: the device does not answer.
+/// Puts back the changes of an interrupted run, and compares. If the case that was under way may have left more than
+/// values, its `rescue` runs first. `None` if the device does not answer.
 ///
-/// A zero point is not put back: nobody knows whether the device is at rest, and by how much it was moved is told.
+/// A zero point is not put back, because nobody knows whether the device is at rest; the comparison reports its
+/// distance.
 pub(crate) fn put_back(bench: &mut Bench<'_>, run: &Interrupted, rescue: Option<Rescue>) -> Option<Comparison> {
     bench.uncancelled(|bench| put_back_all(bench, run, rescue))
 }
@@ -36,29 +37,29 @@ fn put_back_all(bench: &mut Bench<'_>, run: &Interrupted, rescue: Option<Rescue>
     bench.changes.baseline.unseen =
         run.memory.iter().map(|(at, _)| *at).filter(|at| baseline::is_unseen(bench, *at)).collect();
     if let Some(rescue) = rescue {
-        // What fails here shows in whether the device answers then.
+        // A failure here shows in whether the device answers afterwards.
         let _ = rescue(bench, run.stored);
     }
-    // An SDO transfer may be under way, or the device stopped: its reset ends both.
+    // An SDO transfer may be under way, or the device may be stopped: a reset ends both.
     if !matches!(bench.answers(), Ok(true)) && bench.reset(Command::RESET_NODE).is_err() {
         return None;
     }
-    // What fails here shows in what is compared then.
+    // A failure here shows in the comparison.
     let memory = put_back_memory_of(bench, run).unwrap_or_default();
     let configured = run.values.iter().filter(|(multiplexer, _)| dictionary::is_put_back(bench, *multiplexer));
     let originals: Vec<Original> = configured.chain(&run.more).map(Original::from).collect();
     rewrite::write_back(bench, &originals);
     bench.leave(run.operational);
     let more: Vec<Original> = run.more.iter().map(Original::from).collect();
-    // What is not in the dictionary is compared with it.
+    // These objects are not in the dictionary: they are compared together with it.
     let unrestored = rewrite::write_back(bench, &more);
     bench.changes.leave(unrestored);
     let comparison = dictionary::put_back_dictionary(bench, &run.bus, &run.values);
     Some(baseline::with_memory(bench, comparison, &run.bus, &run.values, memory))
 }
 
-/// What the interrupted case stored is put back by storing what a start brought before; where the journal does not hold
-/// that, the values that were in use.
+/// Undoes the stores of the interrupted case: stores the values that a start loaded before the run. If the journal does
+/// not hold them, it stores the values that were in use.
 fn put_back_memory_of(bench: &mut Bench<'_>, run: &Interrupted) -> Result<MemoryLeft, Stop> {
     if run.memory.is_empty() && !run.stored {
         return Ok(MemoryLeft::default());

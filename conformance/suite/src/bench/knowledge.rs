@@ -1,4 +1,4 @@
-//! What was found out about the device, and need not be found out again.
+//! Facts about the device that the run has found out and need not find out again.
 
 use super::promptness::Promptness;
 use super::state::Heartbeats;
@@ -10,60 +10,61 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Whether the device has what a case needs; if not, why not.
 pub type Met = Result<(), String>;
 
-/// What asking for a need led to. Kept for the run.
+/// The result of asking for a need. It is kept for the run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Found {
-    /// The device has it, or says why not.
+    /// The device meets the need, or the reason why not.
     Known(Met),
-    /// The device answered neither as one that has it nor as one that does not: that case reports the breach.
+    /// The device answered neither like one that has the feature nor like one that lacks it; case `reported_in` reports
+    /// the breach.
     Broken { why: Reason, reported_in: &'static str },
 }
 
-/// What was found out about the device.
+/// The facts found out about the device.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Knowledge {
     needs: BTreeMap<&'static str, Found>,
     pub(super) starts_by_itself: Option<bool>,
-    /// It has shown that it is operational.
+    /// Whether the device has shown that it is operational.
     pub(super) was_operational: bool,
-    /// The case after which it could not be operational any more.
+    /// The case after which the device could no longer be operational.
     pub(super) kept_out_since: Option<&'static str>,
-    /// It shows its state in no way.
+    /// Whether the device does not show its state at all.
     pub(super) shows_no_state: bool,
-    /// Resets were followed by answers, and not by a boot-up message.
+    /// Whether resets were followed by answers but by no boot-up message.
     pub(super) starts_silently: bool,
-    /// Each of its starts has two boot-up messages.
+    /// Whether each start of the device has two boot-up messages.
     pub(super) boots_twice: Option<bool>,
     pub(super) heartbeats: Option<Heartbeats>,
-    /// Which objects let themselves be written with the value that they have.
+    /// For each object, whether it accepts a write of its current value.
     pub(super) willing: BTreeMap<Multiplexer, bool>,
-    /// Objects that have taken another value than they had.
+    /// Objects that have accepted a new value.
     pub(super) takes: BTreeSet<Multiplexer>,
-    /// The longest that the device took to answer a request that it served at once.
+    /// The longest time that the device took to answer a request that it served at once.
     pub(super) slowest_answer: Duration,
-    /// 1000h as it was read first.
+    /// The first value read from 1000h.
     pub(super) device_type: Option<Vec<u8>>,
-    /// How many transfers came to their right end, or to an abort in the right form.
+    /// Number of transfers that ended correctly, or with an abort in the right form.
     pub(super) served: u64,
-    /// Other nodes were looked for.
+    /// Whether the tester has looked for other nodes.
     pub(super) others_known: bool,
-    /// The case in which the device left the bus, if it did not come back.
+    /// The case in which the device left the bus, if it has not come back.
     pub(super) gone: Option<&'static str>,
     pub(super) promptness: Promptness,
 }
 
 impl Knowledge {
-    /// What is known of the need of that id.
+    /// The result for the need with this id.
     pub(crate) fn known(&self, need: &'static str) -> Option<&Found> {
         self.needs.get(need)
     }
 
-    /// How many SDO transfers came to their right end, or to an abort in the right form, since the start of the run.
+    /// Number of SDO transfers since the start of the run that ended correctly, or with an abort in the right form.
     pub(crate) const fn served(&self) -> u64 {
         self.served
     }
 
-    /// Keeps what was found out about the need of that id.
+    /// Keeps the result for the need with this id.
     pub(crate) fn learned(&mut self, need: &'static str, found: Found) {
         self.needs.insert(need, found);
     }
@@ -73,17 +74,18 @@ impl Knowledge {
         self.gone.is_some()
     }
 
-    /// What holds of the firmware in every run.
+    /// The facts that hold for the firmware in every run.
     pub(crate) fn of_firmware(self) -> Self {
         Self { gone: None, promptness: Promptness::default(), ..self }
     }
 
-    /// The device was operational in this run, and nothing has shown since that it can't be any more; or it shows no state.
+    /// Whether the device may be operational: it was so in this run and nothing has since shown that it no longer can
+    /// be, or it does not show its state.
     pub(crate) const fn may_be_operational(&self) -> bool {
         self.shows_no_state || self.was_operational && self.kept_out_since.is_none()
     }
 
-    /// How long the device usually takes to answer.
+    /// The time that the device usually takes to answer.
     pub(crate) fn usual_answer(&self) -> Duration {
         self.promptness.usual()
     }

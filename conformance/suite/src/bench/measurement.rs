@@ -1,14 +1,14 @@
-//! What a case measured: numbers that two releases of a firmware are compared by.
+//! Measurements of a case: numbers for comparing two releases of a firmware.
 
 use canvass_traces::Duration;
 use std::fmt;
 
-/// One number with its name.
+/// A named number.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Measurement {
-    /// What was measured: `SDO response, 95 %`.
+    /// The name of the measured quantity: `SDO response, 95 %`.
     pub name: String,
-    /// In its unit.
+    /// The number, in `unit`.
     pub value: u64,
     /// The unit.
     pub unit: Unit,
@@ -19,12 +19,12 @@ pub struct Measurement {
 pub enum Unit {
     /// A time.
     Nanoseconds,
-    /// How many.
+    /// A number of events.
     Count,
 }
 
 impl Unit {
-    /// The word for it in JSON.
+    /// The name of the unit in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nanoseconds => "ns",
@@ -43,7 +43,7 @@ impl fmt::Display for Measurement {
     }
 }
 
-/// The value below which that share of the values lies (nearest rank); `None` without values. Sorts them.
+/// The value at this percentile (nearest rank); `None` without values. Sorts the values.
 pub fn percentile(values: &mut [Duration], percent: usize) -> Option<Duration> {
     values.sort_unstable();
     let rank = (values.len() * percent).div_ceil(100).max(1);

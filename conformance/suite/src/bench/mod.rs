@@ -1,15 +1,16 @@
-//! Where a case runs: it reaches the precondition, gives the stimulus, sees what happens, and cleans up.
+//! The bench on which a case runs: it establishes the precondition, sends the stimulus, observes the device, and cleans
+//! up.
 //!
-//! A bench is made of what it knows: `traffic` (the bus), `changes` (what the device was before), `knowledge` (what the device
-//! can), `case_log` (what the case has found). What a case does needs several of them:
+//! The parts of a bench are: `traffic` (the bus), `changes` (the values before changes), `knowledge` (the features of
+//! the device), `case_log` (the findings of the case). The functions of a case need several of them:
 //!
 //! - [`nmt`]: commands, resets, boot-up;
 //! - [`state`]: NMT states, seen and reached;
 //! - [`sdo`], [`block`]: transfers and single messages;
 //! - [`pdo`]: PDO parameters and mapping;
-//! - [`objects`]: which objects of this device serve a case;
-//! - `features`: what this device has;
-//! - `restore`: as it was found.
+//! - [`objects`]: the objects of this device that can serve a case;
+//! - `features`: the features of this device;
+//! - `restore`: putting the device back as it was found.
 
 mod acting;
 mod answers;
@@ -86,28 +87,28 @@ pub struct Bench<'a> {
     log: CaseLog,
 }
 
-/// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
-/// as the shortest wait that a case judges by.
+/// Delay of a frame to or from the tester above which a failure may be the tester's own. It equals the shortest wait by
+/// which a case judges.
 pub(crate) const HOST_LATE: Duration = Duration::from_millis(50);
 
-/// What the tester's own machine has to do. Reports name it where it did not.
+/// The requirement on the tester's own machine, for reports of a violation.
 pub(crate) const KEEPS_UP: &str = "the tester's machine keeps up";
 
-/// What the device has to do, so that its times are those of its clock. Reports name it where it did not.
+/// The requirement on the device that its measured times reflect its clock, for reports of a violation.
 pub(crate) const DEVICE_KEEPS_UP: &str = "the device keeps up";
 
-/// What a case leaves behind for its report.
+/// Contents of a case's report beside its verdict.
 #[derive(Debug, Default)]
 pub struct Remains {
     /// The frames that were on the bus.
     pub evidence: Evidence,
-    /// What else happened: an EMCY nobody asked for, a value that could not be restored.
+    /// Other events: an unexpected EMCY, a value that could not be restored.
     pub notes: Vec<String>,
     /// Boot-up messages that no command explains.
     pub boots: Boots,
-    /// What was measured.
+    /// The measurements.
     pub measurements: Vec<Measurement>,
-    /// Which of several objects served.
+    /// The objects that the case chose among several.
     pub uses: Vec<Use>,
 }
 
@@ -130,12 +131,12 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Takes over what another bench found out about the same device.
+    /// Takes over the knowledge of another bench about the same device.
     pub(crate) fn learn(&mut self, knowledge: Knowledge) {
         self.knowledge = knowledge;
     }
 
-    /// What was found out about the device.
+    /// The knowledge about the device that holds in every run.
     pub(crate) fn into_knowledge(self) -> Knowledge {
         self.knowledge.of_firmware()
     }
@@ -145,22 +146,22 @@ impl<'a> Bench<'a> {
         self.target.node
     }
 
-    /// What is tested.
+    /// The device under test and what is known of it.
     pub fn target(&self) -> &'a Target {
         self.target
     }
 
-    /// How to test.
+    /// The options of the test.
     pub fn options(&self) -> &'a Options {
         self.options
     }
 
-    /// How long to wait for what.
+    /// The maximum waits.
     pub fn timing(&self) -> Timing {
         self.options.timing
     }
 
-    /// How long nothing must come where nothing may come: longer for a device whose answers take longer.
+    /// Time without a frame that counts as silence. It is longer for a device that answers more slowly.
     pub fn silence(&self) -> Duration {
         let slowest = self.knowledge.slowest_answer;
         self.timing().silence.max(slowest + Duration::from_nanos(slowest.nanos() / 4))
@@ -171,7 +172,7 @@ impl<'a> Bench<'a> {
         self.traffic.now()
     }
 
-    /// How well the bus and the tester's own machine work.
+    /// The state of the bus and of the tester's own machine.
     pub fn health(&self) -> Health {
         self.traffic.health()
     }
@@ -181,46 +182,47 @@ impl<'a> Bench<'a> {
         self.traffic.is_live()
     }
 
-    /// The bit rate of the bus in bit/s, where it is known.
+    /// The bit rate of the bus in bit/s, if it is known.
     pub fn bit_rate(&self) -> Option<u32> {
         self.traffic.bit_rate()
     }
 
-    /// By how much a frame can be late, or another early after it, through nobody's fault.
+    /// Time by which a frame may be late, or the next frame early after it, only because of the bus.
     pub fn bus_delay(&self) -> Duration {
         self.traffic.bus_delay()
     }
 
-    /// How late the tester's machine has been at most so far, where that does not excuse the device altogether.
+    /// The longest delay of the tester's machine so far, up to the bound above which it excuses the device altogether.
     pub fn host_delay(&self) -> Duration {
         self.traffic.host_delay()
     }
 
-    /// How long after a frame the device has acted on it, where it acts at once: what the timing says, and what bus
-    /// and host add.
+    /// Maximum time after a frame until the device has acted on it, if it acts at once: the reaction time of the
+    /// options plus the delays of bus and host.
     pub fn shortly(&self) -> Duration {
         self.timing().reaction + self.bus_delay() + self.host_delay()
     }
 
-    /// By how much a single period may differ: what the user tolerates, and what the bus itself takes.
+    /// Maximum difference of a single period: the tolerance of the user plus the delay of the bus.
     pub fn tolerance(&self, period: Duration) -> Duration {
         self.timing().tolerance(period) + self.bus_delay()
     }
 
-    /// What was on the bus since the case began.
+    /// The frames on the bus since the case began.
     pub fn evidence(&self) -> &Evidence {
         self.traffic.evidence()
     }
 
-    /// Whether the run is to end: the user has cancelled it, or its time is over.
+    /// Whether the run must end: the user has cancelled it, or its time is over.
     pub fn is_cancelled(&self) -> bool {
         self.traffic.is_cancelled()
     }
 
-    /// Takes what a check found wrong, and lets the case go on.
+    /// Records the breach of a check, and lets the case continue.
     ///
     /// # Errors
-    /// Those of later waits only: a breach that the rest of the case can't be judged after is returned with `?` instead.
+    /// Only errors of later waits. If the rest of the case can't be judged after a breach, the case returns it with `?`
+    /// instead.
     pub fn check(&mut self, check: Check) -> Judged {
         if let Err(breach) = check {
             self.record(*breach);
@@ -228,10 +230,10 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Runs a check for each of several subjects: a breach of one does not keep the others from being judged.
+    /// Runs a check for each of several subjects. After a breach of one subject the others are still judged.
     ///
     /// # Errors
-    /// What ends the case: the bus failed, or a precondition of one subject can't be reached.
+    /// The reason that ends the case: the bus failed, or a precondition of one subject can't be reached.
     pub fn each<T>(
         &mut self,
         subjects: impl IntoIterator<Item = T>,
@@ -250,7 +252,7 @@ impl<'a> Bench<'a> {
         self.log.record(breach, self.traffic.evidence().last());
     }
 
-    /// What the case has found wrong so far; `last` ended it.
+    /// The breaches of the case so far; `last` is the breach that ended it.
     pub(crate) fn take_breaches(&mut self, last: Option<Box<Breach>>) -> Vec<Breach> {
         if let Some(last) = last {
             self.record(*last);
@@ -273,29 +275,29 @@ impl<'a> Bench<'a> {
         self.log.measure(name.into(), value, Unit::Count);
     }
 
-    /// Says in the case's report which object served it.
+    /// Names in the case's report the object that served it.
     pub(crate) fn uses(&mut self, multiplexer: Multiplexer, purpose: &'static str) {
         self.log.uses(Use { multiplexer, purpose });
     }
 
-    /// How often the device was told to write its non-volatile memory since the start of the run.
+    /// Number of commands since the start of the run that made the device write its non-volatile memory.
     pub fn stores(&self) -> u32 {
         self.traffic.watch.stores()
     }
 
-    /// Says that the case provokes errors: EMCYs are not noted as unasked.
+    /// Declares that the case provokes errors: the report then does not note EMCYs as unexpected.
     pub fn expect_emergencies(&mut self) {
         self.traffic.watch.expect_emergencies();
     }
 
-    /// Forgets the case before: nothing of it counts for the next one.
+    /// Begins a case: forgets all that belongs to the last case.
     pub(crate) fn begin(&mut self) {
         self.traffic.begin();
         self.log = CaseLog::default();
         self.knowledge.promptness.begin();
     }
 
-    /// Ends a case: puts back what it changed and hands over what it left behind.
+    /// Ends a case: puts back its changes and returns the contents of its report.
     pub(crate) fn finish(&mut self) -> Remains {
         self.traffic.bear_lost_frames();
         self.restore();

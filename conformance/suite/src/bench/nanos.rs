@@ -1,4 +1,4 @@
-//! Times in documents: whole nanoseconds.
+//! Times in documents, in whole nanoseconds.
 
 use canvass_traces::Duration;
 use serde::{Deserialize, Deserializer, Serializer};

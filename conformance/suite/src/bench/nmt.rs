@@ -10,45 +10,45 @@ use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_traces::{Duration, Frame, Record, Timestamp};
 
-/// After a boot-up: pending EMCYs and first heartbeats are sent now, not in the middle of the case.
+/// Wait after a boot-up: pending EMCYs and first heartbeats come now, not in the middle of the case.
 const AFTER_BOOT_UP: Duration = Duration::from_millis(50);
 
-/// Between two NMT commands: some stacks keep only one pending command.
+/// Wait between two NMT commands: some stacks keep only one pending command.
 const BETWEEN_COMMANDS: Duration = Duration::from_millis(20);
 
-/// How long a device that sends no boot-up message is left alone after a reset: before it, it may still answer.
+/// Wait after the reset of a device without boot-up message: before its restart it may still answer.
 const SILENT_START: Duration = Duration::from_millis(1_000);
 
-/// What the device sent between a reset command and the end of its start.
+/// The frames of the device between a reset command and the end of its start.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// Each error control message of state 0, whatever its length.
+    /// All error control messages with state 0, of any length.
     pub boot_ups: Vec<Record>,
-    /// What the device sent before the first of them.
+    /// The frames of the device before the first boot-up message.
     pub before: Vec<Record>,
 }
 
 impl Bench<'_> {
-    /// Commands the device under test.
+    /// Sends an NMT command to the device under test.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(self.node().raw(), command)
     }
 
-    /// Commands all nodes.
+    /// Sends an NMT command to all nodes.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command_all(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(0, command)
     }
 
-    /// Sends an NMT command to any node-ID byte, a reserved one too.
+    /// Sends an NMT command with any node-ID byte, even a reserved one.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
         let concerned = node == 0 || node == self.node().raw();
         if concerned && command.is_reset() {
@@ -60,25 +60,26 @@ impl Bench<'_> {
         self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))
     }
 
-    /// Says that the device may restart because of what the case does next: no surprise, but no duty either.
+    /// Declares that the device may restart because of the next action of the case: a restart is no surprise, but not
+    /// required either.
     pub fn watch_restart(&mut self) {
         self.traffic.watch.expect_boot_up();
     }
 
-    /// Whether a frame is a boot-up message of the device under test, and nothing else: one byte, 00h.
+    /// Whether a frame is a correct boot-up message of the device under test: one byte, 00h.
     pub fn is_boot_up(&self, frame: &Frame) -> bool {
         self.is_error_control(frame) && frame.data() == [0]
     }
 
-    /// Whether a frame is an error control message of the device under test, whatever its content.
+    /// Whether a frame is an error control message of the device under test, with any content.
     pub fn is_error_control(&self, frame: &Frame) -> bool {
         frame.cob_id() == Some(error_control::CAN_ID_BASE + u16::from(self.node().raw()))
     }
 
-    /// Waits for the boot-up message; `None` if there is none in time.
+    /// Waits for the boot-up message; `None` if it does not come in time.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Stop> {
         self.wait_for_boot_up_within(self.timing().boot_up)
     }
@@ -92,8 +93,8 @@ impl Bench<'_> {
         })
     }
 
-    /// Resets the device and sees it start. A device that does not send its boot-up message but answers SDOs again
-    /// has started too: that the message is missing is the matter of the cases on boot-up, not of all others.
+    /// Resets the device and waits for its start. A device that sends no boot-up message but answers SDOs again counts
+    /// as started: only the cases on boot-up judge the missing message.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device does not come back.
@@ -101,7 +102,7 @@ impl Bench<'_> {
         self.drain()?;
         self.command(command)?;
         if !self.has_started()? {
-            // In stopped some devices ignore resets.
+            // Some devices ignore resets in stopped.
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
             self.listen(BETWEEN_COMMANDS)?;
             self.command(command)?;
@@ -117,8 +118,8 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Whether the device starts: it says so, or answers again where it is known to say nothing. Else each reset of such a
-    /// device would take the longest time that a start may take.
+    /// Whether the device starts: it sends its boot-up message, or, if it is known to send none, answers again.
+    /// Otherwise each reset of such a device would take the longest time of a start.
     fn has_started(&mut self) -> Result<bool, Stop> {
         if !self.knowledge.starts_silently {
             return Ok(self.wait_for_boot_up()?.is_some());
@@ -136,15 +137,15 @@ impl Bench<'_> {
         Ok(false)
     }
 
-    /// Resets the device and records its start: from the command until `after` has passed since the first
-    /// boot-up, or until there was none in time.
+    /// Resets the device and records its start: from the command until `after` has passed since the first boot-up, or
+    /// until the boot-up time has passed without one.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Stop> {
         self.drain()?;
         self.command(command)?;
-        // The command itself must be on the bus first: what the device sent before it does not belong to the start.
+        // The command itself must be on the bus first: frames before it do not belong to the start.
         self.wait_for_own(nmt::CAN_ID)?;
         let deadline = self.now() + self.timing().boot_up;
         let mut start = Start::default();
@@ -159,8 +160,8 @@ impl Bench<'_> {
         Ok(start)
     }
 
-    /// Whether each start of the device has a second boot-up message, as where a bootloader sends one of its own. Found out once,
-    /// by one more reset. A device that does not start is not known to have only one.
+    /// Whether each start of the device has a second boot-up message, for example one of a bootloader. One more reset
+    /// finds this out, once in a run. If the device does not start, nothing is proved.
     pub(crate) fn boots_twice(&mut self) -> bool {
         if let Some(known) = self.knowledge.boots_twice {
             return known;
@@ -192,12 +193,12 @@ impl Bench<'_> {
         self.is_error_control(frame) && is_state_zero(frame)
     }
 
-    /// Waits until an own frame of that CAN-ID was on the bus.
+    /// Waits until an own frame with this CAN-ID was on the bus.
     fn wait_for_own(&mut self, cob_id: u16) -> Result<(), Stop> {
         let deadline = self.now() + self.timing().reaction;
         while let Some(record) = self.traffic.receive(deadline)? {
             let is_own = record.direction == canvass_traces::Direction::Tx;
-            // Where own frames do not come back, a bus with much traffic must not prolong the wait.
+            // If own frames do not come back, a bus with much traffic must not prolong the wait.
             if is_own && record.frame.cob_id() == Some(cob_id) || record.timestamp > deadline {
                 break;
             }
@@ -208,12 +209,13 @@ impl Bench<'_> {
     /// Whether the SDO server answers at all.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn answers(&mut self) -> Result<bool, Stop> {
         Ok(!self.upload(Multiplexer::new(object::DEVICE_TYPE, 0))?.is_silent())
     }
 
-    /// What every case starts from: reset, boot-up seen, pre-operational even if the device starts by itself.
+    /// Establishes the state in which every case starts: reset, boot-up seen, pre-operational even if the device starts
+    /// by itself.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device does not get there.
@@ -226,14 +228,15 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Whether the device is operational after a reset without being told: 1F80h, or an object of its own, can make it
-    /// so. A device that does not show its state is taken for one that may. Found out once, by one more reset.
+    /// Whether the device becomes operational after a reset without a command: 1F80h or an object of the manufacturer
+    /// can cause that. A device that does not show its state counts as one that may. One more reset finds this out,
+    /// once in a run.
     pub(crate) fn starts_by_itself(&mut self) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.starts_by_itself {
             return Ok(known);
         }
         if !self.answers()? && self.answers_in_pre_operational()? {
-            // Only in stopped a server may be silent; whether this one started itself can't be seen by SDO.
+            // The server is silent, which only stopped allows. SDO can't show whether this device started itself.
             self.knowledge.starts_by_itself = Some(true);
             return Ok(true);
         }
@@ -245,7 +248,7 @@ impl Bench<'_> {
             }
         };
         self.knowledge.starts_by_itself = Some(found);
-        // A firmware that keeps values over a reset must not keep this one.
+        // A firmware that keeps values over a reset must not keep this heartbeat time.
         self.restore();
         self.reset(Command::RESET_NODE)?;
         Ok(found)

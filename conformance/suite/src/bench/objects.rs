@@ -1,4 +1,4 @@
-//! Which objects of this device serve a case.
+//! The objects of this device that can serve a case.
 
 use super::Bench;
 use super::profile::{self, Profile};
@@ -17,32 +17,32 @@ pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION
 pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 2);
 /// Inhibit time of TPDO 1, in 100 µs.
 pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 3);
-/// How many objects TPDO 1 carries.
+/// Number of objects that TPDO 1 carries.
 pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 0);
 /// The first object that TPDO 1 carries.
 pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
 /// Event timer of TPDO 1, in ms.
 pub const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 
-/// An object that can be written and read back without consequence.
+/// An object that can be written and read back without side effects.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Scratch {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// Its value now.
+    /// The current value of the object.
     pub value: Vec<u8>,
-    /// A legal value that differs from it.
+    /// A legal value other than `value`.
     pub other: Vec<u8>,
 }
 
-/// An object that may serve as scratch, with two values that are legal wherever it exists.
+/// An object that may serve as scratch, with two values that are legal on every device that has the object.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// The object.
     pub multiplexer: Multiplexer,
-    /// Its required data type.
+    /// The data type that the object must have.
     pub data_type: DataType,
-    /// The values.
+    /// The two legal values.
     pub values: [u32; 2],
 }
 
@@ -51,35 +51,35 @@ pub const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2
     Candidate { multiplexer: Multiplexer::new(index, sub), data_type, values }
 }
 
-/// The best first: what takes effect only with something else that no case switches on, then what merely changes a
-/// period.
+/// Candidates, best first: objects that take effect only together with another object that no case enables, then
+/// objects that only change a period.
 const CANDIDATES: [Candidate; 7] = [
     candidate(object::PRODUCER_HEARTBEAT_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
     // Without life time factor (100Dh = 0) the guard time does nothing.
     candidate(object::GUARD_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
     candidate(object::INHIBIT_TIME_EMCY, 0, DataType::UNSIGNED16, [0, 100]),
     candidate(object::TPDO_COMMUNICATION_PARAMETER, 5, DataType::UNSIGNED16, [100, 200]),
-    // Error behaviour on communication errors: none is provoked.
+    // Error behaviour on communication errors: no case provokes one.
     candidate(object::ERROR_BEHAVIOR, 1, DataType::UNSIGNED8, [0, 1]),
-    // Only a SYNC producer uses the period, only synchronous PDOs the window.
+    // Only a SYNC producer uses the period, and only synchronous PDOs use the window.
     candidate(object::COMMUNICATION_CYCLE_PERIOD, 0, DataType::UNSIGNED32, [100_000, 200_000]),
     candidate(object::SYNCHRONOUS_WINDOW_LENGTH, 0, DataType::UNSIGNED32, [0, 100_000]),
 ];
 
-/// The types of text.
+/// The data types of texts.
 const TEXTS: [DataType; 3] = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
 
-/// For devices that have none of them: nothing is sent before the device is operational.
+/// Candidates if the device has none of the others: no PDO is sent before the device is operational.
 const LAST_CANDIDATES: [Candidate; 2] = [
     candidate(object::TPDO_COMMUNICATION_PARAMETER, 2, DataType::UNSIGNED8, [1, 2]),
     candidate(object::TPDO_COMMUNICATION_PARAMETER, 3, DataType::UNSIGNED16, [0, 100]),
 ];
 
 impl Bench<'_> {
-    /// The scratch objects that the device has, best first, with their values of now.
+    /// The scratch objects that the device has, best first, with their current values.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found = Vec::new();
         for candidate in CANDIDATES.iter().chain(profile::all().flat_map(Profile::scratch)) {
@@ -93,8 +93,8 @@ impl Bench<'_> {
                 }
             }
         }
-        // One that the device refuses to write, though it is described otherwise, makes no case decisive that is about
-        // something else; where it refuses all, that is their matter.
+        // An object that the device refuses to write despite its description must not decide a case about something
+        // else. If the device refuses all, the cases judge that.
         let mut willing = Vec::new();
         for scratch in &found {
             if self.takes_its_own(scratch)? {
@@ -104,7 +104,7 @@ impl Bench<'_> {
         Ok(if willing.is_empty() { found } else { willing })
     }
 
-    /// Whether the device lets an object be written with the value that it has. Found out once.
+    /// Whether the device accepts a write of an object's current value. Found out once per object.
     fn takes_its_own(&mut self, scratch: &Scratch) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.willing.get(&scratch.multiplexer) {
             return Ok(*known);
@@ -115,7 +115,7 @@ impl Bench<'_> {
         Ok(takes)
     }
 
-    /// Values that RPDOs carry are made to be written: one of each length.
+    /// Objects that RPDOs carry are made to be written. Returns one of each length.
     fn received_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found: Vec<Scratch> = Vec::new();
         for mapped in self.rpdo_objects() {
@@ -128,7 +128,7 @@ impl Bench<'_> {
         Ok(found)
     }
 
-    /// An object with its value of now, and one that differs from it in its lowest bit.
+    /// An object with its current value, and a value that differs in the lowest bit.
     fn flipped(&mut self, at: Multiplexer) -> Result<Option<Scratch>, Stop> {
         let Outcome::Uploaded(value) = self.upload(at)?.outcome else { return Ok(None) };
         let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
@@ -149,13 +149,13 @@ impl Bench<'_> {
         Ok(Some(Scratch { multiplexer: candidate.multiplexer, value, other }))
     }
 
-    /// Whether a device refuses to change a parameter of a PDO while that is valid: even the value that it has.
+    /// Whether a device refuses to write a parameter of a valid PDO, even with its current value.
     fn is_locked(&mut self, at: Multiplexer, value: &[u8]) -> Result<bool, Stop> {
         let is_of_pdo = matches!(at.index.0, 0x1400..=0x1BFF);
         Ok(is_of_pdo && self.download_as(at, value, Mode::Shortest)?.outcome != Outcome::Downloaded)
     }
 
-    /// The best scratch object of that many bytes.
+    /// The best scratch object with one of these lengths.
     ///
     /// # Errors
     /// [`Stop::NotApplicable`] if the device has none.
@@ -171,17 +171,18 @@ impl Bench<'_> {
         })
     }
 
-    /// Without a description every object may be writable.
+    /// Whether the description allows writing an object. Without a description every object may be writable.
     pub(super) fn is_described_as_writable(&self, multiplexer: Multiplexer) -> bool {
         self.target.description.as_ref().is_none_or(|description| {
             description.dictionary.entry(multiplexer).is_ok_and(|entry| entry.access.is_writable())
         })
     }
 
-    /// A readable object of at least that many bytes: a name or version, else one that the description calls long.
+    /// A readable object of at least `at_least` bytes: a name or version, otherwise an object that is long according to
+    /// the description.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
             if self.is_long(multiplexer, at_least)? {
@@ -192,10 +193,11 @@ impl Bench<'_> {
         Ok(None)
     }
 
-    /// Names, versions and strings of at least that many bytes, which don't change by themselves; no more than `most`.
+    /// Names, versions and strings of at least `at_least` bytes that don't change by themselves; at most `most` of
+    /// them.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
         let mut found = Vec::new();
         for multiplexer in self.long_candidates() {
@@ -215,7 +217,8 @@ impl Bench<'_> {
 
     fn is_long(&mut self, multiplexer: Multiplexer, at_least: usize) -> Result<bool, Stop> {
         let attempt = self.upload(multiplexer)?;
-        // What the server announces decides, not what it then delivers: that is what cases judge.
+        // The size that the server announces decides, not the bytes that it then sends: these are for the cases to
+        // judge.
         let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
         Ok(match announced {
             Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,
@@ -239,13 +242,13 @@ impl Bench<'_> {
         candidates
     }
 
-    /// An object of the application, 2000h and above, that can be written and read back without consequence: one that
-    /// the tester knows, or one in the manufacturer's area that is there for the user to keep what he likes.
+    /// An object of the application (2000h and above) that can be written and read back without side effects: an object
+    /// that the tester knows, or an object in the manufacturer's area that stores a value for the user.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Stop> {
-        /// In the manufacturer's area.
+        /// Known scratch objects in the manufacturer's area.
         const KNOWN: [Candidate; 1] = [candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2])];
         for candidate in profile::all().flat_map(Profile::application_scratch).chain(&KNOWN) {
             if let Some(scratch) = self.scratch_of(candidate)? {
@@ -253,7 +256,7 @@ impl Bench<'_> {
                 return Ok(Some(scratch));
             }
         }
-        // A value that RPDOs carry is made to be written.
+        // Objects that RPDOs carry are made to be written.
         let (profile, own): (Vec<_>, Vec<_>) =
             self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
         for mapped in profile.into_iter().chain(own) {
@@ -265,7 +268,7 @@ impl Bench<'_> {
         Ok(None)
     }
 
-    /// A string that the description lets be written and read, and that is long enough to be worth segments.
+    /// A string that is writable and readable according to the description, and long enough for a segmented transfer.
     ///
     /// # Errors
     /// [`Stop::NotApplicable`] if there is none.
@@ -282,10 +285,10 @@ impl Bench<'_> {
 
     pub(crate) fn long_writable(&self) -> Option<Multiplexer> {
         let description = self.target.description.as_ref()?;
-        // Not a DOMAIN: that may be a program, or a block whose length never changes.
+        // No DOMAIN object: it may be a program, or a block of fixed length.
         let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING];
         let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
-            // 1F50h and its like load programs.
+            // Objects such as 1F50h load programs.
             let is_own = matches!(multiplexer.index.0, 0x2000..=0x9FFF);
             let is_free = !entry.flags.refuses_write_on_download() && !entry.flags.refuses_read_on_scan();
             let is_restorable = entry.access.is_writable() && entry.access.is_readable();
@@ -294,10 +297,10 @@ impl Bench<'_> {
         entries.next().map(|(multiplexer, _)| multiplexer)
     }
 
-    /// An object whose description gives it no characters, if the device agrees or says nothing.
+    /// An object with an empty text according to the description, if the device confirms this or does not answer.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
         let Some(description) = &self.target.description else { return Ok(None) };
         let node = self.node();
@@ -311,17 +314,17 @@ impl Bench<'_> {
             match self.upload(multiplexer)?.outcome {
                 Outcome::Uploaded(value) if !value.is_empty() => {}
                 Outcome::Aborted(abort) if abort.code != AbortCode::NO_DATA => {}
-                // Silence too: how it is answered is the matter of the case.
+                // Also if the device is silent: the case judges how the device answers for this object.
                 _ => return Ok(Some(multiplexer)),
             }
         }
         Ok(None)
     }
 
-    /// The device's name and versions, as far as it has them. They come from the device: they may hold anything.
+    /// The device's name and versions, if it has them. The texts come from the device: they may hold anything.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn names(&mut self) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
         let mut found = Vec::new();
         for multiplexer in NAMES {

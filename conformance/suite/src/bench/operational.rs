@@ -1,5 +1,5 @@
-//! Whether the device can be operational at all. A case that needs it there and fails, or passes, may have found no more than
-//! that it can't.
+//! Whether the device can become operational at all. If it can't, a case that needs operational may pass or fail only
+//! for this reason.
 
 use super::Bench;
 use crate::verdict::{Breach, Reason, Stop};
@@ -13,26 +13,26 @@ const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
 /// A device that does not become operational.
 pub(crate) enum KeptOut {
-    /// It was operational before in this run: the last case, or one shortly before, has ended that.
+    /// The device was operational before in this run: the last case, or a case shortly before it, has ended that.
     Newly(Breach),
-    /// As far as is known it never was, or an earlier case has told that it is no more.
+    /// The device was never operational as far as is known, or an earlier case has reported that it no longer can be.
     Known(Reason),
 }
 
 impl Bench<'_> {
-    /// Whether the last case has told the device to become operational.
+    /// Whether the last case has commanded the device to become operational.
     pub(crate) const fn has_started_it(&self) -> bool {
         self.traffic.watch.has_started()
     }
 
-    /// Resets the device and tells it to become operational; `None` if it does, or shows no state. What is sent here is no part of
-    /// the case before. `case`: that one, if it can fail.
+    /// Resets the device and commands it to become operational; `None` if it does, or if it does not show its state.
+    /// Frames sent here do not belong to the case before. `case`: the id of that case, if it can fail.
     pub(crate) fn kept_out_of_operational(&mut self, case: Option<&'static str>) -> Option<KeptOut> {
         self.traffic.watch.forget();
         let found = self.unjudged(Self::state_after_start);
         self.restore();
         self.changes.settle_journal();
-        // If the look is cut short, nothing is known.
+        // If the check was interrupted, nothing is known.
         let found = found.ok()?;
         self.knowledge.shows_no_state = found.is_none();
         let Some((state, reason)) = found.filter(|(state, _)| *state != State::OPERATIONAL) else {
@@ -56,7 +56,8 @@ impl Bench<'_> {
         })
     }
 
-    /// The state that the device shows after a reset and the command to become operational, and the words for it.
+    /// The state that the device shows after a reset and the command to become operational, with a reason for the
+    /// report.
     fn state_after_start(&mut self) -> Result<Option<(State, Reason)>, Stop> {
         self.prepare()?;
         self.show_state()?;
@@ -66,7 +67,8 @@ impl Bench<'_> {
         Ok(found.map(|state| (state, self.not_reached(State::OPERATIONAL, found))))
     }
 
-    /// The device is not in the state that a case needs. An error that it reports may be why.
+    /// The reason that the device is not in the state that a case needs. It includes an error that the device reports,
+    /// which may be the cause.
     pub(super) fn not_reached(&mut self, expected: State, found: Option<State>) -> Reason {
         let mut actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
         if expected == State::OPERATIONAL
@@ -77,7 +79,7 @@ impl Bench<'_> {
         Reason::new(format!("the device can be brought into {expected}"), expected.to_string(), actual)
     }
 
-    /// The last error that the device has reported, or that its error register shows.
+    /// The last error that the device has reported, or the error that its error register shows.
     fn reported_error(&mut self) -> Option<String> {
         if let Some((_, emcy)) = self.traffic.watch.emergencies().last() {
             return Some(format!("EMCY {emcy}"));

@@ -1,4 +1,5 @@
-//! PDO parameters: read, changed in the order that CiA 301 prescribes, and which objects a PDO can carry.
+//! PDO parameters: reading them, changing them in the order that CiA 301 prescribes, and the objects that a PDO can
+//! carry.
 
 use super::Bench;
 use super::sdo::number;
@@ -10,12 +11,12 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
 use canvass_traces::{Duration, Record};
 
-/// A PDO by the indexes of its parameters.
+/// A PDO, given by the indexes of its parameters.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Pdo {
-    /// 1400h and the following, or 1800h and the following.
+    /// Index of the communication parameter: from 1400h, or from 1800h.
     pub communication: u16,
-    /// 1600h and the following, or 1A00h and the following.
+    /// Index of the mapping parameter: from 1600h, or from 1A00h.
     pub mapping: u16,
 }
 
@@ -29,14 +30,14 @@ pub const TPDO: Pdo =
 /// An object that a PDO carries.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Mapped {
-    /// The object; an index below 20h is a dummy.
+    /// The object. An index below 20h is a dummy entry.
     pub at: Multiplexer,
-    /// How many bits of the PDO it takes.
+    /// Number of bits that the object occupies in the PDO.
     pub bits: u8,
 }
 
 impl Mapped {
-    /// The entry as it stands in a mapping object.
+    /// The entry as encoded in the mapping parameter.
     pub const fn entry(self) -> u32 {
         (self.at.index.0 as u32) << 16 | (self.at.sub.0 as u32) << 8 | self.bits as u32
     }
@@ -47,24 +48,25 @@ impl Mapped {
 }
 
 impl Pdo {
-    /// The PDO of that number, from 1, of the same direction.
+    /// The PDO with this number, from 1, in the same direction.
     pub const fn numbered(self, number: u16) -> Self {
         Self { communication: self.communication + number - 1, mapping: self.mapping + number - 1 }
     }
 
-    /// What a breach of this PDO as a whole is about.
+    /// The subject of a breach of this PDO as a whole.
     pub const fn subject(self) -> Subject {
         let transmit = self.communication >= TPDO.communication;
         let first = if transmit { TPDO.communication } else { RPDO.communication };
         Subject::Pdo { transmit, number: self.communication - first + 1 }
     }
 
-    /// A communication parameter: 1 COB-ID, 2 transmission type, 3 inhibit time, 5 event timer, 6 SYNC start value.
+    /// The multiplexer of a communication parameter: 1 COB-ID, 2 transmission type, 3 inhibit time, 5 event timer, 6
+    /// SYNC start value.
     pub const fn parameter(self, sub: u8) -> Multiplexer {
         Multiplexer::new(self.communication, sub)
     }
 
-    /// A mapping parameter: 0 the number of objects, from 1 the objects.
+    /// The multiplexer of a mapping parameter: 0 the number of objects, from 1 the objects.
     pub const fn entry(self, sub: u8) -> Multiplexer {
         Multiplexer::new(self.mapping, sub)
     }
@@ -74,34 +76,34 @@ impl Bench<'_> {
     /// The COB-ID of a PDO.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if it can't be read.
+    /// [`Stop::Inconclusive`] if the COB-ID can't be read.
     pub fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         self.read_number(pdo.parameter(1)).map(CobId)
     }
 
-    /// Switches a PDO off (bit 31 of its COB-ID); returns the COB-ID before.
+    /// Switches a PDO off (bit 31 of its COB-ID); returns the earlier COB-ID.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the write.
     pub fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let before = self.pdo_cob_id(pdo)?;
         self.write(pdo.parameter(1), &(before.0 | CobId::INVALID).to_le_bytes())?;
         Ok(before)
     }
 
-    /// Switches a PDO on with the CAN-ID of a COB-ID, or with the predefined one where that has none.
+    /// Switches a PDO on with the CAN-ID of a COB-ID, or with the predefined CAN-ID if the COB-ID has none.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the write.
     pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Stop> {
         self.write(pdo.parameter(1), &self.valid_cob_id(pdo, cob_id).0.to_le_bytes())
     }
 
-    /// Changes communication parameters while the PDO is off. On again, it has its old CAN-ID. A timer that the device
-    /// does not have is off: 0 is not written to it.
+    /// Changes communication parameters while the PDO is off, and switches it on again with its CAN-ID. A timer that
+    /// the device does not have is off: 0 is not written to it.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses a write.
     pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Stop> {
         let cob_id = self.pdo_off(pdo)?;
         for (sub, value) in parameters {
@@ -113,10 +115,11 @@ impl Bench<'_> {
         self.pdo_on(pdo, cob_id)
     }
 
-    /// Sets the event timer of a PDO; where the device changes nothing of a PDO in use, while it is off.
+    /// Sets the event timer of a PDO. If the device refuses this while the PDO is on, the timer is set while the PDO is
+    /// off.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the write.
     pub fn set_event_timer(&mut self, pdo: Pdo, milliseconds: u16) -> Result<(), Stop> {
         let value = milliseconds.to_le_bytes();
         let attempt = self.download(pdo.parameter(5), &value)?;
@@ -126,20 +129,20 @@ impl Bench<'_> {
         attempt.expect_confirmation().or_inconclusive()
     }
 
-    /// What a PDO carries.
+    /// The mapping of a PDO.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if it can't be read.
+    /// [`Stop::Inconclusive`] if the mapping can't be read.
     pub fn mapping(&mut self, pdo: Pdo) -> Result<Vec<Mapped>, Stop> {
         let count = self.read_number(pdo.entry(0))?;
         let subs = 1..=u8::try_from(count.min(64)).unwrap_or(0);
         subs.map(|sub| self.read_number(pdo.entry(sub)).map(Mapped::from_entry)).collect()
     }
 
-    /// Demands that a PDO carries something as delivered: one that carries nothing is not sent, and has no entry in use.
+    /// Requires that a PDO has a mapping as delivered: an empty PDO is not sent, and has no entry in use.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if it carries nothing, [`Stop::Inconclusive`] if that can't be read.
+    /// [`Stop::NotApplicable`] if the mapping is empty, [`Stop::Inconclusive`] if it can't be read.
     pub fn require_mapped(&mut self, pdo: Pdo) -> Judged {
         if self.read_number(pdo.entry(0))? > 0 {
             return Ok(());
@@ -160,20 +163,20 @@ impl Bench<'_> {
         Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")))
     }
 
-    /// Switches a PDO and its mapping off, so that entries can be written; returns the COB-ID before.
+    /// Switches a PDO and its mapping off, so that entries can be written; returns the earlier COB-ID.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses a write.
     pub fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let cob_id = self.pdo_off(pdo)?;
         self.write(pdo.entry(0), &[0])?;
         Ok(cob_id)
     }
 
-    /// Gives a PDO another mapping, in the five steps of CiA 301.
+    /// Changes the mapping of a PDO in the five steps of CiA 301.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses one of them.
+    /// [`Stop::Inconclusive`] if the device refuses a step.
     pub fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Stop> {
         let cob_id = self.open_mapping(pdo)?;
         for (sub, mapped) in (1..=u8::MAX).zip(mapping) {
@@ -183,10 +186,10 @@ impl Bench<'_> {
         self.pdo_on(pdo, cob_id)
     }
 
-    /// Gives a PDO this mapping and COB-ID in the five steps of CiA 301, each of which the device has to confirm.
+    /// Sets this mapping and COB-ID of a PDO in the five steps of CiA 301. The device must confirm each step.
     ///
     /// # Errors
-    /// [`Stop::Breach`] of the first step that is refused.
+    /// [`Stop::Breach`] of the first step that the device refuses.
     pub fn remap(&mut self, pdo: Pdo, mapping: &[Mapped], cob_id: CobId) -> Judged {
         let off = (pdo.parameter(1), (cob_id.0 | CobId::INVALID).to_le_bytes().to_vec());
         let entries = (1..=u8::MAX).zip(mapping);
@@ -196,7 +199,7 @@ impl Bench<'_> {
         let steps = [off, (pdo.entry(0), vec![0])].into_iter().chain(entries).chain([(pdo.entry(0), vec![count]), on]);
         for (multiplexer, value) in steps {
             self.download(multiplexer, &value)?.expect_confirmation()?;
-            // Some devices heed what was last read of a COB-ID.
+            // Some devices use the COB-ID that was last read.
             if multiplexer == pdo.entry(0) {
                 self.expect_effect(multiplexer, &value)?;
             }
@@ -204,7 +207,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Another value for an object than that of now, within the limits of its description: the nearest one.
+    /// A value of an object that differs from `now`, within the limits of its description: the nearest such value.
     pub fn other_value(&self, at: Multiplexer, now: &[u8]) -> Vec<u8> {
         let flipped = || now.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
         let node = self.node();
@@ -221,13 +224,13 @@ impl Bench<'_> {
             value != now && is_high_enough && high.is_none_or(|high| number.is_none_or(|number| number <= high))
         };
         let encoded = |number: i128| number.to_le_bytes().into_iter().take(now.len()).collect();
-        // At a limit the value with another lowest bit may be beyond it.
+        // At a limit, the value with the other lowest bit may be out of range.
         let next = number(now).into_iter().flat_map(|number| [number + 1, number - 1]);
         let others = next.chain([low, high].into_iter().flatten()).map(encoded);
         std::iter::once(flipped()).chain(others).find(fits).unwrap_or_else(flipped)
     }
 
-    /// Whether the description names no limit that a number is beyond.
+    /// Whether a number is within the limits of the description.
     pub fn is_within_limits(&self, at: Multiplexer, number: i128) -> bool {
         let node = self.node();
         let entry = self.target.description.as_ref().and_then(|description| description.dictionary.entry(at).ok());
@@ -239,10 +242,10 @@ impl Bench<'_> {
             && limit(entry.high_limit.as_ref()).is_none_or(|high| number <= high)
     }
 
-    /// The inhibit time of a PDO; zero where it has none.
+    /// The inhibit time of a PDO; zero if it has none.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn pdo_inhibit_time(&mut self, pdo: Pdo) -> Result<Duration, Stop> {
         let units = match self.upload(pdo.parameter(3))?.outcome {
             canvass_bus::client::Outcome::Uploaded(value) => u64::from(number(&value)),
@@ -251,40 +254,42 @@ impl Bench<'_> {
         Ok(Duration::from_micros(100 * units))
     }
 
-    /// Objects that the description lets a TPDO carry, each with its length.
+    /// Objects that a TPDO can carry according to the description, each with its length.
     pub fn tpdo_objects(&self) -> Vec<Mapped> {
         self.mappable(|entry| entry.access.allows_tpdo())
     }
 
-    /// Objects that the description lets an RPDO carry and an SDO read: what an RPDO does can be seen.
+    /// Objects that an RPDO can carry and SDO can read according to the description, so that the effect of an RPDO can
+    /// be seen.
     pub fn rpdo_objects(&self) -> Vec<Mapped> {
         let mut objects = self.mappable(|entry| entry.access.allows_rpdo() && entry.access.is_readable());
-        // A PDO that carries a preset moves the zero point with every frame.
+        // A PDO with a preset would move the zero point with every frame.
         objects.retain(|mapped| !self.acts(mapped.at));
         objects
     }
 
     fn mappable(&self, allowed: impl Fn(&canvass_analyzer::dictionary::Entry) -> bool) -> Vec<Mapped> {
         let Some(description) = &self.target.description else { return Vec::new() };
-        // Communication objects for PDOs, such as 1001h and 1013h, change by themselves.
+        // Mappable communication objects, such as 1001h and 1013h, change by themselves.
         let entries = description.dictionary.entries();
         let entries = entries.filter(|(at, entry)| at.index.0 >= 0x2000 && entry.pdo_mappable && allowed(entry));
         let mapped = entries.filter_map(|(at, entry)| {
-            // Whole bytes only: a BOOLEAN takes one bit of a PDO, but a byte of an SDO. No type of fixed length has more than 64.
+            // Whole bytes only: a BOOLEAN takes one bit in a PDO, but a byte in an SDO. No type of fixed length has
+            // more than 64 bits.
             let bits = entry.data_type.bits().filter(|bits| bits % 8 == 0)?;
             Some(Mapped { at, bits: u8::try_from(bits).ok()? })
         });
         mapped.collect()
     }
 
-    /// An object that a TPDO can carry and an SDO can write: so its value can be made to change. With a value that
-    /// differs from the one it has.
+    /// An object that a TPDO can carry and SDO can write, so that the tester can change its value. Returns also a value
+    /// that differs from the current one.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if there is none.
+    /// [`Stop::NotApplicable`] if the device has none.
     pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
         let mut objects = self.tpdo_objects();
-        // What SDOs carry in one frame first.
+        // Values that fit into an expedited SDO come first.
         objects.sort_by_key(|mapped| mapped.bits > 32);
         for mapped in objects {
             if self.is_described_as_writable(mapped.at) {
@@ -298,10 +303,10 @@ impl Bench<'_> {
         Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")))
     }
 
-    /// The frames with a CAN-ID that come within a time.
+    /// The frames with this CAN-ID within `span`.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
         const MOST: usize = 20_000;
         let mut heard = Vec::new();
@@ -314,10 +319,10 @@ impl Bench<'_> {
         Ok(heard)
     }
 
-    /// Sets the period of SYNC to 0, so that 1019h can be changed. A mere consumer need not have 1006h.
+    /// Sets the SYNC period to 0, so that 1019h can be changed. A device that only consumes SYNC need not have 1006h.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the write.
     pub fn stop_sync_period(&mut self) -> Result<(), Stop> {
         let period = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
         if self.has(period)? && self.read_number(period)? != 0 {
@@ -326,10 +331,10 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Makes a SYNC without data right, where the device awaits one with a counter as delivered.
+    /// Configures the device for SYNC without data, if it expects a counter as delivered.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the write.
     pub fn expect_plain_sync(&mut self) -> Result<(), Stop> {
         let overflow = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
         if self.has(overflow)? && self.read_number(overflow)? != 0 {
@@ -339,10 +344,10 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// The CAN-ID of SYNC by 1005h; the predefined one where there is no such object.
+    /// The CAN-ID of SYNC according to 1005h; the predefined one if the device has no 1005h.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn sync_id(&mut self) -> Result<u16, Stop> {
         let object = Multiplexer::new(object::COB_ID_SYNC, 0);
         if !self.has(object)? {

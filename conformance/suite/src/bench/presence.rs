@@ -1,4 +1,5 @@
-//! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
+//! The nodes on the bus: whether the device is still there, since a device that was switched off fails no case, and
+//! which others are.
 
 use super::{Bench, Met};
 use crate::touch::Touch;
@@ -11,12 +12,13 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
-/// A device that is gone is looked for this long before each case, so that a run still comes to its end.
+/// Time for which the tester looks for a device that has left before each case. It is short, so that a run still comes
+/// to its end.
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {
-    /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
-    /// `regain` gives a device its node-ID again that has lost it, where the user allows that.
+    /// Whether the device has left the bus during a case: it neither answers nor starts when it is reset. `regain`
+    /// restores the node-ID of a device that has lost it, if the user allows that.
     pub(crate) fn has_left(&mut self, case: &'static str, regain: impl FnOnce(&mut Self)) -> bool {
         if self.knowledge.gone.is_some() {
             return false;
@@ -35,7 +37,8 @@ impl Bench<'_> {
         matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok()
     }
 
-    /// Switches the supply of the device off and on by the user's own command. Says whether there is one.
+    /// Switches the supply of the device off and on with the user's own command. Returns whether there is such a
+    /// command.
     ///
     /// # Errors
     /// [`Stop::Error`] if the command can't be run or fails.
@@ -54,10 +57,10 @@ impl Bench<'_> {
         Ok(true)
     }
 
-    /// Whether the device is the only one on the bus, or the user allows that others are commanded too.
+    /// Whether the device is alone on the bus, or the user allows commands to other nodes.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn is_alone(&mut self) -> Result<Met, Stop> {
         if self.options.allow.contains(&Touch::OtherNodes) {
             return Ok(Ok(()));
@@ -69,24 +72,24 @@ impl Bench<'_> {
         })
     }
 
-    /// The other nodes that were heard since the start of the run.
+    /// The other nodes heard since the start of the run.
     pub(crate) fn others(&self) -> &BTreeSet<NodeId> {
         self.traffic.watch.others()
     }
 
-    /// Says that the device under test is given that node-ID: a node that uses it is not another one. 255, no node-ID, says
-    /// nothing.
+    /// Declares that the device under test may get this node-ID: a node that uses it is not another node. 255 means no
+    /// node-ID and has no effect.
     pub(crate) fn gives_node_id(&mut self, node_id: u8) {
         if let Some(node) = NodeId::new(node_id) {
             self.traffic.watch.add_given(node);
         }
     }
 
-    /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
-    /// changes nothing in them.
+    /// Looks for other nodes, once in a run: nodes without heartbeats are found by their SDO servers. Reading changes
+    /// nothing in them.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn look_for_others(&mut self) -> Result<(), Stop> {
         if std::mem::replace(&mut self.knowledge.others_known, true) {
             return Ok(());
@@ -94,7 +97,7 @@ impl Bench<'_> {
         let request = Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
         let own = self.node();
         let others: Vec<NodeId> = NodeId::all().filter(|node| *node != own).collect();
-        // As many at a time as the queues of interfaces hold.
+        // The queues of interfaces hold this many frames.
         let mut answering = Vec::new();
         for some in others.chunks(8) {
             for node in some {
@@ -109,7 +112,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Which of these nodes answer an SDO request within that time.
+    /// Adds the nodes that answer an SDO request within `span`.
     fn hear_answers(&mut self, of: &[NodeId], span: Duration, answering: &mut Vec<NodeId>) -> Result<(), Stop> {
         self.wait_for(span, |record| {
             let cob_id = record.frame.cob_id().filter(|_| Response::read(record.data()).is_ok())?;
@@ -120,16 +123,16 @@ impl Bench<'_> {
         .map(|_| ())
     }
 
-    /// Whether nobody was heard at that node-ID.
+    /// Whether no node with this node-ID was heard.
     pub fn is_vacant(&self, node: u8) -> bool {
         NodeId::new(node).is_some_and(|node| !self.traffic.watch.others().contains(&node))
     }
 
-    /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
+    /// Looks for a device that has left. If the user has given a command that switches the device off and on, it runs
     /// first.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if it is still away.
+    /// [`Stop::Inconclusive`] if the device is still away.
     pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
         let Some(case) = self.knowledge.gone else { return Ok(()) };
         if self.power_cycle()? && self.is_there() {
@@ -154,12 +157,12 @@ impl Bench<'_> {
     }
 }
 
-/// A command of the user's, for the shell that the user types it into.
+/// A command of the user, run by the shell in which the user would type it.
 fn shell(command: &str) -> std::process::Command {
     #[cfg(windows)]
     {
         use std::os::windows::process::CommandExt;
-        // With /S it takes off these two quotation marks, and leaves those in the command alone.
+        // With /S, `cmd` removes these two quotation marks and keeps those inside the command.
         let mut shell = std::process::Command::new("cmd");
         shell.args(["/D", "/S", "/C"]).raw_arg(format!("\"{command}\""));
         shell
@@ -176,7 +179,7 @@ fn shell(command: &str) -> std::process::Command {
 mod tests {
     use crate::scripted::{table, with_bench};
 
-    /// Node 64 sends nothing by itself, but answers: `640#40..` is asked and `5C0#43..` said.
+    /// Node 64 sends nothing by itself, but answers the request `640#40..` with `5C0#43..`.
     const SILENT_NEIGHBOUR: &[(&str, &str)] = &[("640#4000100000000000", "5C0#4300100096010200")];
 
     #[test]

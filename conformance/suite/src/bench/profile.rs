@@ -1,5 +1,5 @@
-//! The seam for device profiles: the objects of a profile that the bench needs. The bench asks the registered
-//! profiles and names none.
+//! The interface to device profiles: the objects of a profile that the bench needs. The bench asks the registered
+//! profiles and knows none by name.
 
 use super::Bench;
 use super::objects::Candidate;
@@ -9,35 +9,35 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DeviceDescription;
 use std::sync::LazyLock;
 
-/// What a profile knows of a device.
+/// A device profile as the bench sees it.
 pub trait Profile: Sync {
-    /// Its number, as in the low word of 1000h.
+    /// The number of the profile, as in the low word of 1000h.
     fn number(&self) -> u16;
 
-    /// The objects of its zero point; `None`: the device is of another profile, or nothing moves its zero point.
+    /// The objects of the zero point; `None` if the device is of another profile, or nothing moves its zero point.
     ///
     /// # Errors
-    /// Those of asking the device.
+    /// The errors of asking the device.
     fn zero_point(&self, _: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
         Ok(None)
     }
 
-    /// Its objects that can be written and read back without side effects on devices that have them, the best first.
+    /// The objects of the profile that can be written and read back without side effects, best first.
     fn scratch(&self) -> &'static [Candidate] {
         &[]
     }
 
-    /// As [`Profile::scratch`], for cases that need an object of the application.
+    /// The objects of [`Profile::scratch`] for cases that need an object of the application.
     fn application_scratch(&self) -> &'static [Candidate] {
         &[]
     }
 
-    /// Whether an object is a parameter that keeps its value, neither a measured value nor a command.
+    /// Whether an object is a parameter that keeps its value, rather than a measured value or a command.
     fn is_parameter(&self, _: Multiplexer) -> bool {
         false
     }
 
-    /// Whether an object shows how the device scales its values: it differs only if the device was set up in another way.
+    /// Whether an object shows how the device scales its values: it changes only if the device is configured anew.
     fn is_scaling(&self, _: Multiplexer) -> bool {
         false
     }
@@ -48,7 +48,7 @@ pub struct Registered(pub &'static dyn Profile);
 
 inventory::collect!(Registered);
 
-/// All profiles by number: the order does not depend on the linker.
+/// All profiles by number, so that their order does not depend on the linker.
 static PROFILES: LazyLock<Vec<&'static dyn Profile>> = LazyLock::new(|| {
     let mut profiles: Vec<_> = inventory::iter::<Registered>.into_iter().map(|registered| registered.0).collect();
     profiles.sort_by_key(|profile| profile.number());
@@ -63,7 +63,7 @@ pub(crate) fn all() -> impl Iterator<Item = &'static dyn Profile> {
 /// The objects of the zero point of the device under test.
 ///
 /// # Errors
-/// Those of asking the device.
+/// The errors of asking the device.
 pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
     for profile in all() {
         if let Some(objects) = profile.zero_point(bench)? {
@@ -73,7 +73,7 @@ pub(super) fn zero_point(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop>
     Ok(None)
 }
 
-/// Whether an object of the device under test shows how it scales its values.
+/// Whether an object shows how the device under test scales its values.
 pub(super) fn is_scaling(bench: &Bench<'_>, at: Multiplexer) -> bool {
     let profile = bench.target.description.as_ref().and_then(DeviceDescription::device_profile);
     all().any(|known| profile == Some(known.number()) && known.is_scaling(at))

@@ -1,5 +1,5 @@
-//! How promptly the device answers what costs it nothing: one that gets no processor is late as a whole, and its times say nothing
-//! of its clock.
+//! How promptly the device answers cheap requests. A device without processor time is late as a whole, and its times
+//! say nothing about its clock.
 
 use super::sdo::DEVICE_TYPE;
 use super::{Bench, HOST_LATE};
@@ -8,24 +8,26 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Duration, Timestamp};
 
-/// Reads beside a case, at most.
+/// Maximum number of reads beside a case.
 const READS: usize = 100;
 
-/// As many reads at least tell whether a device is late now and then, or answers now sooner and now later by its nature.
+/// Minimum number of reads that show whether a device is late now and then, or has response times that vary by its
+/// nature.
 const FEWEST_READS: u32 = 20;
 
-/// From one read to the next.
+/// Wait between two reads.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// How long the device took to answer reads of an object that does not change.
+/// Response times of the device to reads of an object that does not change.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Promptness {
-    /// The least time in the run.
+    /// The shortest time in the run.
     usual: Option<Duration>,
-    /// The longest in the case, and in the run.
+    /// The longest time in the case.
     longest: Duration,
+    /// The longest time in the run.
     longest_of_run: Duration,
-    /// The reads of the run, and how many of them took much longer than usual.
+    /// Number of reads in the run, and number of those that took much longer than usual.
     reads: u32,
     late: u32,
 }
@@ -44,18 +46,18 @@ impl Promptness {
         self.longest = Duration::ZERO;
     }
 
-    /// The least time, or zero as long as nothing was answered.
+    /// The shortest time in the run; zero before the first answer.
     pub fn usual(self) -> Duration {
         self.usual.unwrap_or_default()
     }
 
-    /// Whether one answer in four comes late: the device answers so by its nature, and that says nothing of its timers. One that
-    /// gets too little processor now and then is prompt most of the time.
+    /// Whether at least one answer in four comes late: then the response times vary by nature and say nothing about
+    /// timers. A device that sometimes gets too little processor time is prompt most of the time.
     const fn varies(self) -> bool {
         self.reads >= FEWEST_READS && self.late * 4 >= self.reads
     }
 
-    /// By how much the device was later than usual in the case.
+    /// The longest delay beyond the usual time in the case.
     fn lateness(self) -> Duration {
         if self.varies() { Duration::ZERO } else { self.beyond_usual(self.longest) }
     }
@@ -64,23 +66,23 @@ impl Promptness {
         Duration(longest.0.saturating_sub(self.usual().0))
     }
 
-    /// Whether nothing is to be learned by one more read.
+    /// Whether one more read would add nothing.
     fn is_known(self, enough: Duration) -> bool {
         self.reads >= FEWEST_READS && (self.varies() || self.lateness() >= enough)
     }
 }
 
 impl Bench<'_> {
-    /// The device has answered a read of its device type, which was asked for then.
+    /// Records that the device has answered a read of its device type sent at `asked`.
     pub(super) fn note_answer(&mut self, asked: Timestamp) {
         self.knowledge.promptness.note(self.traffic.taken_at().since(asked));
     }
 }
 
-/// By how much the device was later than usual, in the case or right beside it: it is asked again and again until that is
-/// `enough`, or often enough. One that does not answer is not late.
+/// The delay of the device beyond its usual time, in the case or right after it. The device is asked until the delay
+/// reaches `enough`, or until it was asked often enough. A device that does not answer is not late.
 pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
-    // Frames on the bus delay an answer, too: that is no lateness of the device.
+    // Frames on the bus delay an answer too: that is no lateness of the device.
     let by_bus = bench.bus_delay();
     let enough = enough + by_bus;
     let beyond = |lateness: Duration| Duration(lateness.0.saturating_sub(by_bus.0));
@@ -88,13 +90,13 @@ pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
         return beyond(bench.knowledge.promptness.lateness());
     }
     let looked = bench.uncancelled(|bench| bench.unjudged(|bench| look_beside(bench, enough)));
-    // A look that ends early has seen what it has seen.
+    // If the measurement ends early, its reads so far still count.
     drop(looked);
     beyond(bench.knowledge.promptness.lateness())
 }
 
-/// By how much the device was later than usual at some time in the run, frames on the bus left out. That excuses nothing, so it
-/// does not matter whether its answers vary.
+/// The longest delay beyond the usual time in the run, without the delay by frames on the bus. It excuses no breach, so response
+/// times that vary count too.
 pub(crate) fn lateness_of_run(bench: &Bench<'_>) -> Duration {
     let promptness = bench.knowledge.promptness;
     Duration(promptness.beyond_usual(promptness.longest_of_run).0.saturating_sub(bench.bus_delay().0))
@@ -102,7 +104,7 @@ pub(crate) fn lateness_of_run(bench: &Bench<'_>) -> Duration {
 
 fn look_beside(bench: &mut Bench<'_>, enough: Duration) -> Result<(), Stop> {
     if !bench.answers()? {
-        // Stopped, for example.
+        // The device does not answer, for example because it is stopped.
         bench.prepare()?;
     }
     for _ in 0..READS {

@@ -1,5 +1,5 @@
-//! A TPDO for cases that need one where the device is delivered with its PDOs off, or with nothing in them: TPDO 1 is mapped
-//! and switched on as CiA 301 7.5.2.38 says, and put back after the case.
+//! Provides a TPDO for cases that need one, if the device is delivered with its PDOs off or without mapping: TPDO 1 is
+//! mapped and switched on as CiA 301 7.5.2.38 says, and put back after the case.
 
 use super::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use super::pdo::{Mapped, Pdo, RPDO, TPDO};
@@ -11,17 +11,17 @@ use canvass_analyzer::wire::pdo;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
 
-/// The error register, which every device has; many can map it.
+/// The error register. Every device has it, and many can map it.
 const ERROR_REGISTER: Mapped = Mapped { at: Multiplexer::new(object::ERROR_REGISTER, 0), bits: 8 };
 
-/// As many objects are tried until the device takes one.
+/// Maximum number of objects that are tried until the device accepts one.
 const TRIED: usize = 4;
 
 impl Bench<'_> {
-    /// Sees that TPDO 1 is on and carries something; as delivered where it is so, else by setting it up for this case.
+    /// Makes sure that TPDO 1 is on and has a mapping. If it is not so as delivered, it is set up for this case.
     ///
     /// # Errors
-    /// As [`Bench::has_all`].
+    /// The errors of [`Bench::has_all`].
     pub(crate) fn provide_tpdo(&mut self) -> Result<Met, Stop> {
         if let Err(why) = self.has_all(&[TPDO_COB_ID, TPDO_MAPPED])? {
             return Ok(Err(why));
@@ -75,7 +75,7 @@ impl Bench<'_> {
         Ok(met)
     }
 
-    /// Writes a value; whether the device takes it is the matter of `301/pdo/mapping/procedure`.
+    /// Writes a value. Whether the device accepts it is judged by `301/pdo/mapping/procedure`.
     fn tried(&mut self, at: Multiplexer, value: &[u8], state: &str) -> Result<Met, Stop> {
         let outcome = self.download(at, value)?.outcome;
         Ok(match outcome {
@@ -84,7 +84,8 @@ impl Bench<'_> {
         })
     }
 
-    /// Objects that TPDO 1 may carry, best first: what SDOs can write, so that the PDO can be made to change.
+    /// Objects that TPDO 1 may carry, best first: objects that SDO can write, so that the tester can make the PDO
+    /// change.
     fn tpdo_candidates(&self) -> Vec<Mapped> {
         let (mut found, others): (Vec<_>, Vec<_>) =
             self.tpdo_objects().into_iter().partition(|mapped| self.is_described_as_writable(mapped.at));
@@ -98,12 +99,12 @@ impl Bench<'_> {
         found
     }
 
-    /// What `301/pdo/mapping/procedure` writes where TPDO 1 maps nothing as delivered.
+    /// The object that `301/pdo/mapping/procedure` maps if TPDO 1 has no mapping as delivered.
     pub(crate) fn tpdo_candidate(&self) -> Option<Mapped> {
         self.target.description.as_ref().and_then(|_| self.tpdo_candidates().first().copied())
     }
 
-    /// The COB-ID with which a PDO is on: its own CAN-ID, or the predefined one where it has none.
+    /// The COB-ID of a PDO that is on: with its own CAN-ID, or with the predefined one if it has none.
     pub(crate) fn valid_cob_id(&self, pdo: Pdo, CobId(own): CobId) -> CobId {
         let bits = own & !CobId::INVALID;
         if bits & 0x1FFF_FFFF != 0 {

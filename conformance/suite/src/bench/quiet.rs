@@ -7,12 +7,12 @@ use canvass_traces::Duration;
 /// A client that polls asks again within this time.
 const POLL: Duration = Duration::from_millis(1_100);
 
-/// The least and the most time that an answer to others is waited for.
+/// Minimum and maximum wait for an answer to others.
 const PATIENCE: (Duration, Duration) = (Duration::from_millis(10), Duration::from_millis(200));
 
 impl Traffic<'_> {
-    /// Waits until the SDO server has answered all requests of others, or can't be expected to. `slowest`: the longest that an
-    /// answer took so far.
+    /// Waits until the SDO server has answered all requests of others, or no answer is expected any more. `slowest`:
+    /// the longest response time so far.
     pub(super) fn wait_for_quiet(&mut self, slowest: Duration) -> Result<(), Stop> {
         let begun = self.now();
         let patience = slowest.times(3).clamp(PATIENCE.0, PATIENCE.1);
@@ -26,8 +26,8 @@ impl Traffic<'_> {
         Ok(())
     }
 
-    /// Waits for a moment at which a dialogue of several messages has time before others ask again: not where they are likely to
-    /// do so soon.
+    /// Waits for a moment that leaves time for a dialogue of several messages: not shortly before others are likely to
+    /// ask again.
     pub(super) fn wait_for_time(&mut self, slowest: Duration) -> Result<(), Stop> {
         match self.clients.next_request() {
             Some((period, next)) if period < POLL && next > self.now() && next.since(self.now()).0 < period.0 / 2 => {
@@ -37,7 +37,7 @@ impl Traffic<'_> {
         }
     }
 
-    /// Waits until others have asked once more, and have their answer: then they pause.
+    /// Waits until others have asked once more and have got their answer: then they pause.
     pub(super) fn wait_for_pause(&mut self, slowest: Duration) -> Result<(), Stop> {
         let (before, deadline) = (self.clients.requests(), self.now() + POLL);
         while self.clients.requests() == before && self.now() < deadline {

@@ -10,7 +10,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Outcome};
 use canvass_traces::hex;
 
-/// Stores all parameters.
+/// The object that stores all parameters.
 pub(super) const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 
 /// Brings a device back to its normal operation after a case that could not go on. The flag says whether the case
@@ -28,17 +28,17 @@ impl Bench<'_> {
         Ok(self.has(STORE)? && matches!(self.read_number(STORE)?, 0b10 | 0b11))
     }
 
-    /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
+    /// Keeps the value of an object before it is written. An object that can't be read can't be put back.
     pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         if self.changes.knows(multiplexer) || self.acts(multiplexer) {
             return Ok(());
         }
-        // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
+        // A PDO is switched off while its mapping is put back, and then on again: that needs its COB-ID, too.
         companions(multiplexer).into_iter().flatten().try_for_each(|companion| keep(self, companion))?;
         keep(self, multiplexer)
     }
 
-    /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
+    /// Runs `act` to its end even if the user has cancelled, so that putting the device back does not stop half-way.
     pub(crate) fn uncancelled<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.traffic.restoring, true);
         let result = act(self);
@@ -46,19 +46,20 @@ impl Bench<'_> {
         result
     }
 
-    /// The case was cancelled, or could not go on: it has not come to what it does at its end. Its node-ID and bit rate are put
-    /// right by `rescue`; what it stored, by [`super::baseline::settle_memory`].
+    /// Cleans up after a case that was cancelled or could not go on, and so has not run its own end. `rescue` restores
+    /// the node-ID and bit rate; [`super::baseline::settle_memory`] restores the memory.
     pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
         let stored = self.traffic.watch.has_stored();
-        // What can fail here shows in the answers of the device, which are compared after the run.
+        // A failure here shows in the comparison after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
-    /// Puts back what the case changed, and what could not be put back before; also after a failure and after Ctrl-C. What
-    /// the device does not have again is kept.
+    /// Puts back the changes of the case, and earlier changes that could not be put back; also after a failure and
+    /// after Ctrl-C. Values that the device refuses are kept for the next attempt.
     pub(super) fn restore(&mut self) {
         let originals = self.changes.take();
-        // Where the device has gone there is nobody to write to: it is tried after the first case in which the device is back.
+        // If the device has gone, no write can succeed: the bench tries again after the first case in which the device
+        // is back.
         let unrestored = if self.knowledge.has_gone() {
             originals
         } else {
@@ -84,7 +85,7 @@ fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Origina
         bench.note(format!("not restored: {}", stop.reason()));
     }
     let mut stuck = rewrite::write_back(bench, originals);
-    // What was not stored is back after a reset.
+    // A reset brings back values that were not stored.
     if !stuck.is_empty() && bench.reset(Command::RESET_NODE).is_ok() {
         stuck = rewrite::write_back(bench, originals);
     }
@@ -94,7 +95,7 @@ fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Origina
     stuck
 }
 
-/// What cases could not put back and the dictionary does not show: objects that nobody described.
+/// Changes that cases could not put back and that are not in `known`: objects without a description.
 pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change> {
     let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
     let stuck: Vec<Original> =
@@ -107,8 +108,8 @@ pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change
     stuck.into_iter().map(change).collect()
 }
 
-/// The commands that would give the device these values again, each object's before those that can only follow it. Nothing
-/// that acts is written: no value of it puts anything back.
+/// The commands that give the device these values again, in an order in which it accepts them. Objects that act are
+/// left out: writing them restores nothing.
 ///
 /// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
 /// values, so that storing takes only these, and the values that were in use are written after it.
@@ -163,7 +164,7 @@ fn command_to_write(bench: &Bench<'_>, bus: &str, (at, value): (Multiplexer, Vec
     format!("canvass sdo write {} {} {index:04X}:{sub:02X} {digits} --type bytes", quoted(bus), bench.node())
 }
 
-/// Only in stopped the SDO server must not answer.
+/// Brings a stopped device to pre-operational: only in stopped an SDO server must not answer.
 fn wake(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if !bench.answers()? {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
@@ -172,13 +173,13 @@ fn wake(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// The COB-IDs that the device has now, where a run has changed them.
+/// The current COB-IDs of the device that the run has changed.
 fn settings_now(changes: &[Change]) -> impl Iterator<Item = (Multiplexer, u32)> {
     let cob_ids = changes.iter().filter(|change| is_cob_id(change.multiplexer));
     cob_ids.filter_map(|change| Some((change.multiplexer, super::sdo::number(change.after.as_ref()?))))
 }
 
-/// A bus as it can be typed into a shell.
+/// The name of a bus, quoted for a shell.
 fn quoted(bus: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.:/@+,".contains(c);
     if !bus.is_empty() && bus.chars().all(is_plain) {

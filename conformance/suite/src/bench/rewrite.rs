@@ -1,7 +1,7 @@
-//! Values are written back in the order that CiA 301 asks for: a PDO, an EMCY or a SYNC is switched off, its parameters
-//! and its mapping follow, its COB-ID is the last (7.5.2.37, 7.5.2.38).
+//! Writes values back in the order that CiA 301 requires: a PDO, EMCY or SYNC is switched off, its parameters and
+//! mapping follow, and its COB-ID is last (7.5.2.37, 7.5.2.38).
 //!
-//! A device that refuses what is written to a PDO in use is right; one that takes it in any order does not mind this one.
+//! A device may refuse writes to a PDO in use; a device that accepts any order accepts this one, too.
 
 use super::Bench;
 use canvass_analyzer::object;
@@ -22,10 +22,10 @@ impl From<&(Multiplexer, Vec<u8>)> for Original {
     }
 }
 
-/// What is written to, and in which step.
+/// A write, with its place in the order.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 struct RewriteStep {
-    /// Objects of one communication object are written together.
+    /// Objects of one communication object are written together: their group is the index of its COB-ID.
     group: u16,
     order: Order,
     multiplexer: Multiplexer,
@@ -35,9 +35,9 @@ struct RewriteStep {
 /// The order within a communication object.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Order {
-    /// With the identifier that it has: bits 0 to 29 of a valid COB-ID must not change (7.5.2.17, 7.5.2.37).
+    /// Switches off with the current identifier: bits 0 to 29 of a valid COB-ID must not change (7.5.2.17, 7.5.2.37).
     SwitchOff,
-    /// With its own identifier, and still off: some devices take an identifier only so.
+    /// Writes the own identifier while still off: some devices accept an identifier only this way.
     OwnIdentifier,
     Parameter,
     MappingOff,
@@ -54,12 +54,12 @@ const SYNC_PERIOD: u16 = object::COMMUNICATION_CYCLE_PERIOD;
 const SYNC_OVERFLOW: u16 = object::SYNCHRONOUS_COUNTER_OVERFLOW;
 const TIME_ID: u16 = object::COB_ID_TIME;
 
-/// Bit 30 of 1005h and 1012h: the device produces SYNC, TIME.
+/// Bit 30 of 1005h and 1012h: the device produces SYNC or TIME.
 const PRODUCES: u32 = 1 << 30;
 /// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 
-/// Writes values back, but no object that acts; returns those that the device does not have again.
+/// Writes values back, except to objects that act; returns the values that the device does not have again.
 pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
     let settings: Vec<&Original> = originals.iter().filter(|original| !bench.acts(original.multiplexer)).collect();
     let wrong: Vec<&Original> = settings.iter().copied().filter(|original| !has_again(bench, original)).collect();
@@ -76,7 +76,7 @@ pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<O
         })
         .collect();
     for RewriteStep { multiplexer, value, .. } in steps(rewritten, &held) {
-        // What is refused shows when it is read back.
+        // A refusal shows when the value is read back.
         let _ = bench.download_as(multiplexer, &value, Mode::Shortest);
     }
     let again: Vec<&Original> =
@@ -84,23 +84,23 @@ pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<O
     again.into_iter().filter(|original| !has_again(bench, original)).cloned().collect()
 }
 
-/// Whether an object has its value again. One that can't be read has not.
+/// Whether an object has its value again. An object that can't be read has not.
 fn has_again(bench: &mut Bench<'_>, original: &Original) -> bool {
     let now = bench.upload(original.multiplexer).map(|attempt| attempt.outcome);
     matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)
 }
 
-/// What has to be written, in this order, so that objects have their values again. `held`: COB-IDs that the device has now.
+/// The writes, in order, that give objects their values again. `held`: the current COB-IDs of the device.
 pub(super) fn writes(originals: &[Original], held: &[(Multiplexer, u32)]) -> Vec<(Multiplexer, Vec<u8>)> {
     steps(originals, held).into_iter().map(|step| (step.multiplexer, step.value)).collect()
 }
 
-/// Whether an object holds a COB-ID that is switched off before it changes.
+/// Whether an object holds a COB-ID that must be switched off before it changes.
 pub(super) const fn is_cob_id(at: Multiplexer) -> bool {
     matches!((at.index.0, at.sub.0), (0x1400..=0x15FF | 0x1800..=0x19FF, 1) | (EMCY_ID | TIME_ID | SYNC_ID, 0))
 }
 
-/// A COB-ID whose communication object is off.
+/// The COB-ID with its communication object switched off.
 const fn switched_off(index: u16, cob_id: u32) -> u32 {
     match index {
         SYNC_ID => cob_id & !PRODUCES,
@@ -109,7 +109,7 @@ const fn switched_off(index: u16, cob_id: u32) -> u32 {
     }
 }
 
-/// The writes that give objects their values again, in their order.
+/// The steps, in order, that give objects their values again.
 fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>, held: &[(Multiplexer, u32)]) -> Vec<RewriteStep> {
     let mut steps: Vec<RewriteStep> = Vec::new();
     for Original { multiplexer, value } in originals {
@@ -143,20 +143,20 @@ fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>, held: &[(Multipl
     steps
 }
 
-/// The communication object that an object belongs to: that of its COB-ID.
+/// The communication object to which an object belongs, given by the index of its COB-ID.
 const fn group_of(index: u16) -> u16 {
     match index {
         0x1600..=0x17FF | 0x1A00..=0x1BFF => index - 0x200,
         EMCY_INHIBIT => EMCY_ID,
         SYNC_PERIOD | SYNC_OVERFLOW => SYNC_ID,
-        // The date of the configuration is cleared by every other write (7.5.2.23): it comes last.
+        // Every other write clears the date of the configuration (7.5.2.23), so it comes last.
         object::VERIFY_CONFIGURATION => u16::MAX,
         _ => index,
     }
 }
 
-/// What has to be written, too, when an object is: a PDO whose mapping changes is switched off and on again, and its mapping
-/// is, even where neither has changed. The object itself may be among them.
+/// Objects that must be written together with an object: if the mapping of a PDO changes, the PDO and its mapping are
+/// switched off and on again, even if they have not changed themselves. The object itself may be among them.
 pub(super) fn companions(multiplexer: Multiplexer) -> [Option<Multiplexer>; 2] {
     let (index, group) = (multiplexer.index.0, group_of(multiplexer.index.0));
     let cob_id = match group {
@@ -197,7 +197,7 @@ mod tests {
                 "1800h:01 [BF, 01, 00, 40]",
             ]
         );
-        // It is valid with another identifier: that stays until it is off.
+        // The COB-ID is valid with another identifier, which stays until the COB-ID is off.
         let cob_id = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
         let moved = written(&[(cob_id, 0x4000_06B0)]);
         assert_eq!(moved[1..3], ["1800h:01 [B0, 06, 00, C0]", "1800h:01 [BF, 01, 00, C0]"]);

@@ -1,4 +1,4 @@
-//! SDO transfers and single SDO messages, each judged by what it had to lead to.
+//! SDO transfers and single SDO messages, with the judgement of their outcomes.
 
 pub use super::attempt::{Attempt, Reply};
 
@@ -15,10 +15,10 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::borrow::Cow;
 
-/// A transfer that others disturb is tried again this many times.
+/// Number of attempts of a transfer that others disturb.
 const TRIES: usize = 3;
 
-/// An object that every device has.
+/// The device type, which every device has.
 pub const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 impl Bench<'_> {
@@ -31,19 +31,19 @@ impl Bench<'_> {
         self.transfer(transfer, request, format!("upload of {multiplexer}"))
     }
 
-    /// Writes an object, in the shortest way. Its value before is put back after the case.
+    /// Writes an object in the shortest way. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn download(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Shortest)
     }
 
-    /// Writes an object in segments, even where it is short. Its value before is put back after the case.
+    /// Writes an object in segments, even if its value is short. The bench puts the earlier value back after the case.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Segmented)
@@ -56,11 +56,11 @@ impl Bench<'_> {
         self.transfer(transfer, request, format!("{how} of {} byte{plural} to {multiplexer}", value.len()))
     }
 
-    /// Reads a value that the case needs but is not about.
+    /// Reads a value that the case needs but does not test.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device does not give it, or less of it than its described type has. More is right where the
-    /// response says no size (CiA 301, 7.2.4.3.6), and where a description is wrong.
+    /// [`Stop::Inconclusive`] if the device returns no value, or fewer bytes than the described type has. More bytes
+    /// are right if the response gives no size (CiA 301, 7.2.4.3.6), and if a description is wrong.
     pub fn read(&mut self, multiplexer: Multiplexer) -> Result<Vec<u8>, Stop> {
         let value = self.upload(multiplexer)?.value().or_inconclusive()?;
         match self.described_length(multiplexer) {
@@ -77,62 +77,63 @@ impl Bench<'_> {
         description.dictionary.entry(multiplexer).ok()?.data_type.bytes()
     }
 
-    /// Reads a number of up to four bytes that the case needs but is not about.
+    /// Reads a number of up to four bytes that the case needs but does not test.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device does not give it.
+    /// [`Stop::Inconclusive`] if the device returns no value.
     pub fn read_number(&mut self, multiplexer: Multiplexer) -> Result<u32, Stop> {
         let value = self.read(multiplexer)?;
         Ok(number(&value))
     }
 
-    /// Writes a value that the case needs but is not about.
+    /// Writes a value that the case needs but does not test.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it, or confirms it and keeps the value from before.
+    /// [`Stop::Inconclusive`] if the device refuses the value, or confirms it but keeps the earlier value.
     pub fn write(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.write_confirmed(multiplexer, value)?;
         self.expect_effect(multiplexer, value)
     }
 
-    /// Writes a value whose effect the case judges: the device only has to confirm it.
+    /// Writes a value whose effect the case itself judges: the device only has to confirm it.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device refuses it.
+    /// [`Stop::Inconclusive`] if the device refuses the value.
     pub fn write_confirmed(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download(multiplexer, value)?.expect_confirmation().or_inconclusive()
     }
 
-    /// The number that an object holds; `None`: it can't be read.
+    /// The number that an object holds; `None` if it can't be read.
     pub(super) fn number_at_last(&mut self, at: Multiplexer) -> Result<Option<u32>, Stop> {
         Ok(self.value_at_last(at)?.map(|value| number(&value)))
     }
 
-    /// The value of an object. One answer that is lost is not a value that is lost: it is asked for again.
+    /// The value of an object; `None` if it can't be read. A lost answer is not a lost value, so the object is read
+    /// again.
     pub(super) fn value_at_last(&mut self, at: Multiplexer) -> Result<Option<Vec<u8>>, Stop> {
-        /// As often as a bad connection loses answers in a row.
+        /// Maximum number of answers that a bad connection loses in a row.
         const ASKED: usize = 3;
         for _ in 0..ASKED {
             match self.upload(at)?.outcome {
                 Outcome::Uploaded(value) => return Ok(Some(value)),
                 Outcome::Aborted(_) => return Ok(None),
-                // Silence, or an answer that fits no question.
+                // The device is silent, or its answer fits no request.
                 _ => {}
             }
         }
         Ok(None)
     }
 
-    /// Writes an object now, and remembers nothing of it.
+    /// Writes an object without keeping its earlier value.
     pub(crate) fn download_now(&mut self, at: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download_as(at, value, Mode::Shortest).map(|_| ())
     }
 
-    /// What follows from a write says nothing about a device that confirms it and does nothing. Looked at once in a run, when
-    /// an object is first given another value than it had before the case.
+    /// Checks that a write had an effect: the consequences of a write prove nothing about a device that confirms it and
+    /// does nothing. Checked once per object in a run, when it first gets a value other than the one before the case.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the object has the value from before.
+    /// [`Stop::Inconclusive`] if the object still has its earlier value.
     pub(crate) fn expect_effect(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         let Some(before) = self.changes.value_before(multiplexer).filter(|before| *before != value).map(<[u8]>::to_vec)
         else {
@@ -153,22 +154,22 @@ impl Bench<'_> {
     /// Sends one SDO message, in or out of place, and waits for one response.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn exchange(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.exchange_within(request, what.into(), self.timing().sdo_response)
     }
 
-    /// Sends one SDO message that must not be answered, and waits as long as silence takes.
+    /// Sends one SDO message that must not be answered, and waits for the time of silence.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.exchange_within(request, what.into(), self.silence())
     }
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
-        // The first message of a dialogue names an object.
+        // The first message of a dialogue names an object, so only it waits for a quiet moment.
         if request.multiplexer().is_some() {
             self.traffic.wait_for_time(self.knowledge.slowest_answer)?;
         } else {
@@ -176,7 +177,7 @@ impl Bench<'_> {
         }
         self.send_request(request)?;
         let frame = self.wait_for_response(span)?;
-        // After these a segment of a block may follow, which has no command specifier.
+        // After these requests a segment of a block may follow, which has no command specifier.
         let is_block = matches!(request, Request::StartBlockUpload | Request::ConfirmBlockUpload { .. });
         if let Some(frame) = frame.filter(|frame| !is_block || frame.bytes()[0] == ABORT) {
             self.judge_answer(request.multiplexer(), &frame);
@@ -185,10 +186,10 @@ impl Bench<'_> {
         Ok(Reply { subject: subject_of(request), what, response, frame })
     }
 
-    /// Reads an object and demands that value; `duty` says why it has to have it.
+    /// Reads an object and requires this value; `duty` says why the object must have it.
     ///
     /// # Errors
-    /// A breach if it can't be read.
+    /// A breach if the object can't be read.
     pub fn expect_value(
         &mut self,
         multiplexer: Multiplexer,
@@ -202,26 +203,26 @@ impl Bench<'_> {
         }))
     }
 
-    /// A response that comes though nothing was asked since.
+    /// Waits for a response without sending a request.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
         self.wait_for_response(self.silence())
     }
 
-    /// Reads an object again and demands that it still has the value of before.
+    /// Reads an object again and requires that it still has its earlier value.
     ///
     /// # Errors
-    /// A breach if it can't be read any more.
+    /// A breach if the object can't be read any more.
     pub fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
         self.expect_value(multiplexer, before, format!("{multiplexer} keeps its value"))
     }
 
-    /// Demands that the server serves a right request, after what the case did to it.
+    /// Requires that the server still serves a correct request after the stimulus of the case.
     ///
     /// # Errors
-    /// A breach if it does not.
+    /// A breach if the server does not.
     pub fn expect_served(&mut self, circumstance: &str) -> Judged {
         let usual = self.knowledge.device_type.clone();
         let value = self.upload(DEVICE_TYPE)?.under(circumstance).value()?;
@@ -237,7 +238,7 @@ impl Bench<'_> {
             matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
         });
         let multiplexer = transfer.multiplexer();
-        // A memory that wears out is written once.
+        // Non-volatile memory wears out, so it is written only once.
         let has_succeeded = |(outcome, _): &(Outcome, Vec<Frame>)| {
             stores || matches!(outcome, Outcome::Uploaded(_) | Outcome::Downloaded)
         };
@@ -257,8 +258,8 @@ impl Bench<'_> {
         Ok(Attempt { multiplexer, what, outcome, responses })
     }
 
-    /// Carries out a transfer, and again if it ended badly while others asked the server: one client's request ends another
-    /// one's transfer. What was found wrong in a try that does not count is forgotten.
+    /// Performs a transfer, and repeats it if it ended badly while others used the server: one client's request ends
+    /// another client's transfer. The breaches of a discarded attempt are forgotten.
     pub(super) fn between_others<T>(
         &mut self,
         has_succeeded: impl Fn(&T) -> bool,
@@ -286,7 +287,7 @@ impl Bench<'_> {
     /// Sends one SDO message and does not wait.
     ///
     /// # Errors
-    /// As [`Bench::send`].
+    /// The errors of [`Bench::send`].
     pub fn send_request(&mut self, request: &Request) -> Result<(), Stop> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
@@ -298,11 +299,11 @@ impl Bench<'_> {
     }
 }
 
-/// The device's default SDO server, for the transfer of one object.
+/// The device's default SDO server, as the line for the transfer of one object.
 struct BenchLine<'l, 'b> {
     bench: &'l mut Bench<'b>,
     multiplexer: Multiplexer,
-    /// Storing takes longer than any other access.
+    /// Whether the transfer stores parameters, which takes longer than any other access.
     stores: bool,
     asked: Timestamp,
     responses: Vec<Frame>,
@@ -321,7 +322,7 @@ impl ServerLine for BenchLine<'_, '_> {
     }
 
     fn receive(&mut self) -> Result<Option<Frame>, Stop> {
-        /// Of a long upload the first frames tell enough of their form.
+        /// The first frames of a long upload show its form well enough.
         const KEPT: usize = 256;
         let timing = self.bench.timing();
         let patience = if self.stores { timing.store } else { timing.sdo_response };
@@ -330,7 +331,7 @@ impl ServerLine for BenchLine<'_, '_> {
             let duration = self.bench.now().since(self.asked);
             self.bench.knowledge.slowest_answer = self.bench.knowledge.slowest_answer.max(duration);
         }
-        // A device that writes its memory has a reason to answer late, and its timers have none.
+        // A device that writes its memory may answer late although its timers are right.
         let is_idle = !self.bench.traffic.watch.has_stored();
         if self.multiplexer == DEVICE_TYPE && self.responses.is_empty() && is_idle {
             self.bench.note_answer(self.asked);
@@ -343,7 +344,7 @@ impl ServerLine for BenchLine<'_, '_> {
     }
 }
 
-/// The first four bytes as a little-endian number.
+/// The first four bytes of a value as a little-endian number.
 pub fn number(value: &[u8]) -> u32 {
     value.iter().take(4).rev().fold(0, |number, &byte| number << 8 | u32::from(byte))
 }
@@ -356,7 +357,7 @@ mod tests {
     use crate::verdict::Grade;
     use canvass_analyzer::wire::sdo::AbortCode;
 
-    /// Background traffic of this and of other nodes does not disturb a transfer.
+    /// Other traffic of this node and of others does not disturb a transfer.
     #[test]
     fn other_traffic_goes_by() {
         let script = |request: &Frame| {
@@ -407,7 +408,7 @@ mod tests {
         assert_eq!(breach.found_text(), "abort 0609 0011h sub-index does not exist");
     }
 
-    /// What a case writes is put back.
+    /// The bench puts back a value that a case has written.
     #[test]
     fn values_are_restored() {
         use std::cell::RefCell;

@@ -1,4 +1,4 @@
-//! What the device does by itself after a start, and in operational.
+//! The behaviour of the device after a start and in operational, without further commands.
 
 use super::Bench;
 use super::traffic::is_tpdo;
@@ -10,10 +10,10 @@ use canvass_analyzer::wire::error_control::{self, ErrorControl};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::Duration;
 
-/// A device shows what it does by itself for this long after a start, and once more in operational.
+/// Time for which the tester watches the device after a start, and again in operational.
 const SHOWN: Duration = Duration::from_millis(250);
 
-/// What the device does after a start, now.
+/// Restarts the device and records its behaviour.
 pub(super) fn behaviour(bench: &mut Bench<'_>) -> Result<Behaviour, Stop> {
     bench.drain()?;
     bench.command(Command::RESET_NODE)?;
@@ -49,10 +49,10 @@ pub(super) fn behaviour(bench: &mut Bench<'_>) -> Result<Behaviour, Stop> {
     Ok(found)
 }
 
-/// What it does otherwise than before the run.
+/// The differences between the current behaviour and the one before the run.
 pub(super) fn changed_behaviour(bench: &mut Bench<'_>) -> Vec<Changed> {
     let Some(before) = bench.changes.baseline.behaviour.clone() else { return Vec::new() };
-    // Whether the device starts at all shows in the dictionary.
+    // Whether the device starts at all shows in the comparison of the dictionary.
     let after = bench.uncancelled(|bench| bench.unjudged(behaviour));
     after.map(|after| before.changed(&after)).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! NMT states: how they are seen, and how they are reached.
+//! NMT states: how the tester sees them, and how it reaches them.
 
 use super::traffic::{is_from, is_tpdo};
 use super::{Bench, baseline};
@@ -19,42 +19,42 @@ pub const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
 /// Life time factor.
 pub const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
-/// The periods at which a case lets the device say its state, the first that it takes: short, and no burden on the bus. A
-/// right device may have a least time of its own.
+/// Heartbeat periods by which a case makes the device show its state. The case uses the first that the device accepts:
+/// short, but no burden on the bus. A correct device may have a minimum period of its own.
 const PERIODS_MS: [u16; 4] = [50, 100, 250, 1_000];
 
-/// How often a write that nobody answers is tried.
+/// Number of attempts of a write that is not answered.
 const TRIES: usize = 2;
 
-/// A device whose heartbeats are further apart is not recognised as being at work.
+/// Maximum time between heartbeats by which a device is recognised as operational before the run.
 const LONGEST_HEARTBEAT: Duration = Duration::from_millis(1_100);
 
-/// How many periods without a heartbeat mean that there is none.
+/// Number of periods without a heartbeat after which the producer counts as off.
 const PERIODS: u64 = 4;
 
-/// What the heartbeat producer of a device can do.
+/// The abilities of the device's heartbeat producer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Heartbeats {
-    /// There is none, or it is off for good.
+    /// The device has no heartbeat producer, or it is permanently off.
     None,
-    /// 1017h takes this time, in milliseconds.
+    /// 1017h accepts this time, in milliseconds.
     Settable(u16),
-    /// 1017h can't be written: the period is that of the device.
+    /// 1017h can't be written: the device has a fixed period.
     Fixed(Duration),
 }
 
 impl Heartbeats {
-    /// Whether 1017h takes a time.
+    /// Whether 1017h accepts a time.
     pub(crate) const fn is_settable(self) -> bool {
         matches!(self, Self::Settable(_))
     }
 }
 
 impl Bench<'_> {
-    /// What the device's heartbeat producer can do. Found out once.
+    /// The abilities of the device's heartbeat producer. Found out once.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub(crate) fn heartbeats(&mut self) -> Result<Heartbeats, Stop> {
         if let Some(known) = self.knowledge.heartbeats {
             return Ok(known);
@@ -64,13 +64,13 @@ impl Bench<'_> {
         Ok(found)
     }
 
-    /// Some descriptions name a 1017h that the device does not have, or that can't be written: that is the matter of one case,
-    /// not of all that look at the NMT state.
+    /// Reads and tries 1017h. Some descriptions contain a 1017h that the device does not have, or that can't be
+    /// written: one case judges that, not all cases that look at the NMT state.
     fn heartbeats_of_object(&mut self) -> Result<Heartbeats, Stop> {
         let value = match self.upload(HEARTBEAT_TIME)?.outcome {
             Outcome::Uploaded(value) => value,
             Outcome::Aborted(_) => return Ok(Heartbeats::None),
-            // A server that answers nothing, or nonsense, says nothing of 1017h.
+            // A server without a valid answer says nothing about 1017h.
             _ => return Ok(Heartbeats::Settable(PERIODS_MS[0])),
         };
         if self.can_write(HEARTBEAT_TIME)? {
@@ -88,7 +88,8 @@ impl Bench<'_> {
         })
     }
 
-    /// Whether 1017h takes a time: everything but an abort is a matter of the cases on downloads. `None` where nobody answers.
+    /// Whether 1017h accepts a time. The cases on downloads judge any answer but an abort. `None` if the device does
+    /// not answer.
     fn takes_period(&mut self, milliseconds: u16) -> Result<Option<bool>, Stop> {
         for _ in 0..TRIES {
             let attempt = self.download(HEARTBEAT_TIME, &milliseconds.to_le_bytes())?;
@@ -99,11 +100,11 @@ impl Bench<'_> {
         Ok(None)
     }
 
-    /// Makes the device show its state: lets it send heartbeats, where it can. Works only where SDOs work, so
-    /// before the device is stopped; a reset ends it. One with a fixed period shows it by itself.
+    /// Makes the device show its state by heartbeats, if it can send them. Works only while SDO works, so before the
+    /// device is stopped; a reset ends the heartbeats. A device with a fixed period shows its state without this.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not accept the time.
     pub fn show_state(&mut self) -> Result<(), Stop> {
         match self.heartbeats()? {
             Heartbeats::Settable(milliseconds) => self.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes()),
@@ -113,11 +114,11 @@ impl Bench<'_> {
         }
     }
 
-    /// Gives guarding a life time of a quarter of an hour, where it can be set: some devices answer guarding requests only
-    /// with one. One that refuses it keeps its own.
+    /// Sets a life time of a quarter of an hour for guarding, if it can be set: some devices answer guarding requests
+    /// only with a life time. A device that refuses keeps its own.
     ///
     /// # Errors
-    /// As [`Bench::upload`].
+    /// The errors of [`Bench::upload`].
     pub fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
         if self.can_write(GUARD_TIME)? && self.can_write(LIFE_TIME_FACTOR)? {
             self.download(GUARD_TIME, &10_000_u16.to_le_bytes())?;
@@ -126,10 +127,10 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Ends the heartbeats of the device, a stored time too: only then guarding is answered.
+    /// Ends the heartbeats of the device, even with a stored time: a device answers guarding only without heartbeats.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not accept the time.
     pub fn prefer_guarding(&mut self) -> Result<(), Stop> {
         if self.heartbeats()?.is_settable() && self.read_number(HEARTBEAT_TIME)? != 0 {
             self.write(HEARTBEAT_TIME, &[0, 0])?;
@@ -140,7 +141,7 @@ impl Bench<'_> {
     /// The state that the device shows from now on; `None` if it shows none.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn state(&mut self) -> Result<Option<State>, Stop> {
         let found = self.shown_state()?;
         self.knowledge.was_operational |= found == Some(State::OPERATIONAL);
@@ -157,10 +158,10 @@ impl Bench<'_> {
         self.wait_for_state(period.times(PERIODS))
     }
 
-    /// Asks for the state by node guarding.
+    /// Requests the state by node guarding.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn guard(&mut self) -> Result<Option<State>, Stop> {
         self.ask_for_state()?;
         self.wait_for_state(self.timing().silence)
@@ -169,7 +170,7 @@ impl Bench<'_> {
     /// Sends the remote frame of node guarding, without waiting for the answer.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub fn ask_for_state(&mut self) -> Result<(), Stop> {
         self.drain()?;
         let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
@@ -188,13 +189,13 @@ impl Bench<'_> {
         })
     }
 
-    /// Brings the device into a state and sees it there.
+    /// Brings the device into a state and checks that it shows it.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if it does not get there.
+    /// [`Stop::Inconclusive`] if the device does not reach the state.
     pub fn reach(&mut self, state: State) -> Result<(), Stop> {
         self.show_state()?;
-        // A command for the state that it is in already is a stimulus of its own.
+        // A command for the current state would be a stimulus of its own.
         if self.state()? == Some(state) {
             return Ok(());
         }
@@ -204,10 +205,10 @@ impl Bench<'_> {
         self.require_state(state)
     }
 
-    /// Demands that the device now is in that state, `after` something. Gives it the time to get there.
+    /// Requires that the device is in this state, `after` something. Allows the device its reaction time.
     ///
     /// # Errors
-    /// Those of the waits; another state, or none, is recorded as a breach.
+    /// Only the errors of the waits. Another state, or none, is recorded as a breach.
     pub fn expect_state(&mut self, expected: State, after: &str) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
@@ -219,27 +220,27 @@ impl Bench<'_> {
         }))
     }
 
-    /// As [`Bench::expect_state`], of a state that a case needs first but is not about.
+    /// Requires a state that a case needs but does not test; see [`Bench::expect_state`].
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device shows another or none.
+    /// [`Stop::Inconclusive`] if the device shows another state or none.
     pub(crate) fn require_state(&mut self, expected: State) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
         if found == Some(expected) { Ok(()) } else { Err(Stop::Inconclusive(self.not_reached(expected, found))) }
     }
 
-    /// Whether the device says by itself that it is operational: it was at work before the run.
+    /// Whether the device shows by itself that it is operational, which means that it was at work before the run.
     ///
     /// # Errors
-    /// As [`Bench::wait_for`].
+    /// The errors of [`Bench::wait_for`].
     pub(crate) fn is_operational(&mut self) -> Result<bool, Stop> {
         if let Some(state) = self.heard_state(LONGEST_HEARTBEAT)? {
             return Ok(state == State::OPERATIONAL);
         }
         let heartbeat_time = self.unjudged(|bench| bench.upload(HEARTBEAT_TIME))?;
         if heartbeat_time.is_silent() {
-            // Nobody who can be asked, and nobody who says anything.
+            // The tester can't ask for the state, and the device sends no sign of it.
             return Ok(false);
         }
         let time = heartbeat_time.value().map_or(0, |value| super::sdo::number(&value));
@@ -248,10 +249,10 @@ impl Bench<'_> {
             return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
         }
         if !self.traffic.clients.messages_of_run().is_empty() {
-            // Nothing is sent but reads until the user has allowed to test beside others.
+            // Until the user has allowed a test beside others, the tester only reads.
             return Ok(false);
         }
-        // The first request would begin life guarding, and a device that nobody guards then reports an error.
+        // The first guarding request would start life guarding, and a device that is then not guarded reports an error.
         let mut product = 1;
         for at in [GUARD_TIME, LIFE_TIME_FACTOR] {
             product *= self.unjudged(|bench| bench.number_at_last(at))?.unwrap_or_default();
@@ -259,8 +260,8 @@ impl Bench<'_> {
         Ok(product == 0 && self.guard()? == Some(State::OPERATIONAL))
     }
 
-    /// The state by the last sign of life in a span: an error control message, or a PDO, which only comes in operational. The span is
-    /// waited for to its end, as that shows who else is there.
+    /// The state according to the last sign of life within `span`: an error control message, or a PDO, which is sent
+    /// only in operational. The whole span is waited for, because it also shows which other nodes there are.
     fn heard_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
         let (node, mut state) = (self.node(), None);
         let cob_id = error_control::CAN_ID_BASE + u16::from(node.raw());
@@ -276,9 +277,10 @@ impl Bench<'_> {
         Ok(state)
     }
 
-    /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.
+    /// Ends the run: leaves the device as after power-on, and operational if it was operational before. Works after
+    /// Ctrl-C too.
     pub(crate) fn leave(&mut self, operational: bool) {
-        // What can fail here has failed before, and is in the reports of the cases.
+        // A failure here has occurred before, and is in the reports of the cases.
         self.uncancelled(|bench| {
             let _ = baseline::restart_at_last(bench);
             if operational {
@@ -288,7 +290,7 @@ impl Bench<'_> {
     }
 }
 
-/// The command that leads to a state from every other.
+/// The NMT command that leads to a state from every other state.
 pub const fn command_to(state: State) -> Option<Command> {
     match state {
         State::PRE_OPERATIONAL => Some(Command::ENTER_PRE_OPERATIONAL),

@@ -1,4 +1,4 @@
-//! What is tested, and under which conditions.
+//! The device under test, and the conditions of its test.
 
 use super::nanos;
 use crate::quarantine::Quarantine;
@@ -16,74 +16,75 @@ use std::path::PathBuf;
 /// The device under test.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// Its node-ID.
+    /// The node-ID of the device.
     pub node: NodeId,
-    /// What the user calls it: the id of a model or the path of an EDS. Empty if neither was given.
+    /// The user's name for the device: the id of a model or the path of an EDS. Empty if neither was given.
     pub model: String,
-    /// What its EDS or model says about it.
+    /// The description of the device: its EDS, or the description of its model.
     pub description: Option<DeviceDescription>,
-    /// What its manual adds; empty where nobody gave it.
+    /// Facts from the manual of the device; empty if there is no manual.
     pub manual: Manual,
-    /// Where its own documentation announces that it differs from the standard.
+    /// Differences from the standard that the device's own documentation announces.
     pub deviations: Vec<Deviation>,
     /// Cases whose failures do not count yet.
     pub quarantines: Vec<Quarantine>,
-    /// Whether it is simulated from its description and nothing else, so that what is wrong with it is wrong there.
+    /// Whether the device is simulated from its description alone, so that each failure is one of the description.
     pub described_alone: bool,
 }
 
-/// How to test. A bundle of evidence holds it, but for what only concerns the machine of the tester.
+/// The options of a test. A bundle of evidence contains them, except those that only concern the tester's machine.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Options {
-    /// What the cases may do beyond what leaves no trace.
+    /// The actions that the user allows, beyond those without lasting effects.
     pub allow: BTreeSet<Touch>,
-    /// How long to wait for what.
+    /// The maximum waits.
     pub timing: Timing,
-    /// How often each case runs; 0 and 1: once.
+    /// Number of runs of each case; 0 and 1 mean one.
     pub repeat: u32,
-    /// How often a case that fails is run again until it passes.
+    /// Maximum number of repetitions of a case that fails, until it passes.
     pub retries: u32,
-    /// Whether the run ends with the first case that fails.
+    /// Whether the run ends after the first case that fails.
     pub fail_fast: bool,
     /// A command of the user, for `sh`, that switches the supply of the device off and on.
     #[serde(skip)]
     pub power_cycle: Option<String>,
-    /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
+    /// Whether cases that normally try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
-    /// How long the whole run may take on the clock of the bus, with all but putting the device back.
+    /// Maximum duration of the whole run on the clock of the bus, including everything except putting the device back.
     #[serde(rename = "limit_ns", with = "nanos::optional")]
     pub limit: Option<Duration>,
-    /// Whether the user says that the zero point of the device is stored: a reset does not lose it.
-    // Bundles of earlier programs do not have it.
+    /// Whether the user states that the zero point of the device is stored, so that a reset does not lose it.
+    // Bundles of earlier programs lack this option.
     #[serde(default)]
     pub zero_point_is_stored: bool,
-    /// Where what is changed is written down beforehand, so that the device can be put back if the tester is killed.
+    /// The file in which changes are recorded before they are made, so that the device can be put back if the tester is
+    /// killed.
     #[serde(skip)]
     pub journal: Option<PathBuf>,
 }
 
-/// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
+/// The maximum waits. CiA 301 gives no numbers for any of them: all are chosen by the tester.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Timing {
-    /// For each response of an SDO server.
+    /// Wait for each response of an SDO server.
     #[serde(rename = "sdo_response_ns", with = "nanos")]
     pub sdo_response: Duration,
-    /// For the response to a store or restore command (1010h, 1011h).
+    /// Wait for the response to a store or restore command (1010h, 1011h).
     #[serde(rename = "store_ns", with = "nanos")]
     pub store: Duration,
-    /// For each response of an LSS or LMT slave.
+    /// Wait for each response of an LSS or LMT slave.
     #[serde(rename = "lss_ns", with = "nanos")]
     pub lss: Duration,
-    /// From a reset command to the boot-up message.
+    /// Maximum time from a reset command to the boot-up message.
     #[serde(rename = "boot_up_ns", with = "nanos")]
     pub boot_up: Duration,
-    /// From an NMT command to the state it leads to.
+    /// Maximum time from an NMT command to the commanded state.
     #[serde(rename = "reaction_ns", with = "nanos")]
     pub reaction: Duration,
-    /// How long nothing must come where nothing may come.
+    /// Time without a frame that counts as silence.
     #[serde(rename = "silence_ns", with = "nanos")]
     pub silence: Duration,
-    /// How far the mean of a period may be off, in percent (but see [`Timing::PERIOD_FLOOR`]).
+    /// Maximum difference of the mean of a period, in percent (but see [`Timing::PERIOD_FLOOR`]).
     pub period_tolerance: u32,
 }
 
@@ -94,13 +95,13 @@ impl Default for Timing {
             sdo_response: Duration::from_millis(1_000),
             // EEPROMs are written in 10 ms to 3 s, and some devices are silent meanwhile.
             store: Duration::from_millis(10_000),
-            // The answer to "store configuration" comes when all is written, which may take seconds.
+            // The response to "store configuration" comes when all is written, which may take seconds.
             lss: Duration::from_millis(5_000),
             // Sensors with a bootloader and a self-test take up to 2 s, drives 5 s.
             boot_up: Duration::from_millis(10_000),
             // Stacks handle NMT in their main loop, every 1 to 20 ms.
             reaction: Duration::from_millis(50),
-            // Twice what a slow server takes to answer.
+            // Twice the response time of a slow server.
             silence: Duration::from_millis(200),
             period_tolerance: 5,
         }
@@ -108,10 +109,10 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// A period is never held to less than this, whatever the percentage: timers tick in milliseconds.
+    /// Minimum tolerance of a period, whatever the percentage: timers tick in milliseconds.
     pub const PERIOD_FLOOR: Duration = Duration::from_millis(1);
 
-    /// By how much a mean period may differ.
+    /// Maximum difference of a mean period.
     pub fn tolerance(&self, period: Duration) -> Duration {
         let share = period.nanos() / 100 * u64::from(self.period_tolerance);
         Duration::from_nanos(share.max(Self::PERIOD_FLOOR.nanos()))
@@ -132,7 +133,7 @@ impl Target {
         }
     }
 
-    /// A device that the user calls so, and what is known of it.
+    /// A device with the user's name for it, and its description if there is one.
     pub fn known(node: NodeId, model: String, device: Option<KnownDevice>) -> Self {
         let (description, manual) = match device {
             Some(KnownDevice { description, manual }) => (Some(description), manual),
@@ -141,17 +142,18 @@ impl Target {
         Self { model, description, manual, ..Self::unknown(node) }
     }
 
-    /// A device of a built-in model: its description, and what its manual says that it does otherwise.
+    /// A device of a built-in model: its description, and the differences that its manual announces.
     pub fn of(model: &Model, node: NodeId) -> Self {
         Self::with_faults(model, node, Faults::NONE)
     }
 
-    /// As [`Target::of`], from a maker whose description has those faults; those of the firmware change nothing here.
+    /// The device of [`Target::of`], with the faults of these that change its description. Faults of the firmware
+    /// change nothing here.
     pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
         Self::with_firmware(model, node, faults.into())
     }
 
-    /// As [`Target::of`], from a maker whose description has what that firmware changes in it.
+    /// The device of [`Target::of`], with the changes that this firmware makes in its description.
     pub fn with_firmware(model: &Model, node: NodeId, firmware: Firmware) -> Self {
         Self {
             node,

@@ -1,4 +1,4 @@
-//! The bus and what goes over it: frames out and in, who sent them, and how well the tester keeps up.
+//! The bus and its traffic: sending and receiving frames, their senders, and how well the tester keeps up.
 
 use super::clients::Clients;
 use super::watch::Watch;
@@ -10,46 +10,46 @@ use canvass_bus::{Bus, BusError, Health};
 use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A wait on a live bus looks this often whether the user has cancelled.
+/// Interval at which a wait on a live bus checks whether the user has cancelled.
 const SLICE: Duration = Duration::from_millis(200);
 
-/// A listener keeps no more frames than this; more than any period or count needs.
+/// Maximum number of frames that listening keeps: more than any period or count needs.
 const LISTENED: usize = 20_000;
 
 /// Number of frames after which the bench checks whether frames were lost.
 const LOOK_AT_LOSSES: u64 = 512;
 
-/// The proof that a frame was handed to the bus, and when.
+/// Proof that a frame was handed to the bus, with its time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sent {
     /// The time of the bus when the frame was handed over.
     pub at: Timestamp,
 }
 
-/// What is on the bus. It knows nothing of what a frame changes in the device.
+/// The traffic on the bus. It knows nothing of the changes that a frame makes in the device.
 pub(crate) struct Traffic<'a> {
     pub(super) bus: &'a mut dyn Bus,
     annotate: &'a mut dyn Annotate,
     cancel: &'a AtomicBool,
     node: NodeId,
-    /// When the time of the run is over.
+    /// The time at which the time limit of the run ends it.
     ends: Timestamp,
     evidence: Evidence,
     pub(crate) watch: Watch,
     pub(crate) clients: Clients,
-    /// Waits end at once when the user cancels, except while things are being put back.
+    /// Whether the tester is putting something back. Otherwise waits end at once when the user cancels.
     pub(super) restoring: bool,
-    /// When the last frame was on the bus.
+    /// The time of the last frame on the bus.
     taken_at: Timestamp,
-    /// While a case runs: how many frames were lost before it.
+    /// Number of frames lost before the case; `None` if lost frames end no wait.
     lost_before: Option<u64>,
-    /// Frames taken since then.
+    /// Number of frames taken since `lost_before` was noted.
     taken: u64,
     fd_frames: u64,
 }
 
 impl<'a> Traffic<'a> {
-    /// `limit`: how long the run may take. `cancel` ends every wait once it is set.
+    /// `limit`: the time limit of the run. `cancel` ends every wait once it is set.
     pub(super) fn new(
         bus: &'a mut dyn Bus,
         target: &Target,
@@ -79,12 +79,12 @@ impl<'a> Traffic<'a> {
         self.bus.now()
     }
 
-    /// When the last frame was on the bus.
+    /// The time of the last frame on the bus.
     pub(super) const fn taken_at(&self) -> Timestamp {
         self.taken_at
     }
 
-    /// How well the bus and the tester's own machine work.
+    /// The state of the bus and of the tester's own machine.
     pub(crate) fn health(&self) -> Health {
         self.bus.health()
     }
@@ -94,13 +94,14 @@ impl<'a> Traffic<'a> {
         self.bus.is_live()
     }
 
-    /// The bit rate of the bus in bit/s, where it is known.
+    /// The bit rate of the bus in bit/s, if it is known.
     pub(crate) fn bit_rate(&self) -> Option<u32> {
         self.bus.bit_rate()
     }
 
-    /// By how much a frame can be late, or another early after it, through nobody's fault: one frame of the longest is on
-    /// the wire when it is due, and its own length. Where the bit rate is not known, that of 125 kbit/s.
+    /// Time by which a frame may be late, or the next frame early after it, only because of the bus: the longest frame
+    /// may occupy the wire when the frame is due, and the frame itself takes its time. If the bit rate is unknown, it
+    /// is assumed to be 125 kbit/s.
     pub(crate) fn bus_delay(&self) -> Duration {
         /// A 29-bit frame of eight bytes with all its stuff bits, and the intermission.
         const LONGEST: u64 = 160;
@@ -109,18 +110,18 @@ impl<'a> Traffic<'a> {
         Duration::from_nanos(2 * LONGEST * 1_000_000_000 / bit_rate)
     }
 
-    /// How late the tester's machine has been at most so far, from the bus or to it; what is later than the bound excuses the
+    /// The longest delay of the tester's machine so far, in receiving or sending. A delay above the bound excuses the
     /// device altogether.
     pub(crate) fn host_delay(&self) -> Duration {
         self.health().latest().unwrap_or_default().min(HOST_LATE)
     }
 
-    /// What was on the bus since the case began.
+    /// The frames on the bus since the case began.
     pub(crate) const fn evidence(&self) -> &Evidence {
         &self.evidence
     }
 
-    /// Whether the run is to end: the user has cancelled it, or its time is over.
+    /// Whether the run must end: the user has cancelled it, or its time is over.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed) || self.is_out_of_time()
     }
@@ -146,13 +147,13 @@ impl<'a> Traffic<'a> {
         self.watch.forget();
     }
 
-    /// A case during which frames are lost says nothing of the device: from now on its waits end as soon as that is seen.
+    /// Makes waits end as soon as lost frames are seen: a case that loses frames says nothing about the device.
     pub(crate) fn end_when_frames_are_lost(&mut self) {
         self.lost_before = Some(self.bus.health().lost);
         self.taken = 0;
     }
 
-    /// Lost frames end no wait any more: the device is put back in any case.
+    /// Lets waits continue despite lost frames: the device is put back in any case.
     pub(super) fn bear_lost_frames(&mut self) {
         self.lost_before = None;
     }
@@ -169,7 +170,7 @@ impl<'a> Traffic<'a> {
         Ok(Sent { at })
     }
 
-    /// The next frame on the bus until `deadline`, own frames among them. Each becomes evidence.
+    /// The next frame on the bus until `deadline`, including own frames. Each frame becomes evidence.
     pub(super) fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, Stop> {
         loop {
             self.check_cancelled()?;
@@ -193,13 +194,14 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// Whether the device under test sent a frame, with its node-ID or one that it was given.
+    /// Whether the device under test sent a frame, with its node-ID or with one that it was given.
     fn is_own(&self, frame: &Frame) -> bool {
         let of_given = || frame.cob_id().and_then(NodeId::of_cob_id).filter(|&node| self.watch.is_given(node));
         is_from(self.node, frame) || of_given().is_some_and(|node| is_from(node, frame))
     }
 
-    /// A tester that does not keep up with the bus (a node that babbles faster than any bus) must still come to an end.
+    /// Ends the wait if the tester does not keep up with the bus, for example with a node that floods it: the run must
+    /// still come to its end.
     fn check_lost(&mut self) -> Result<(), Stop> {
         self.taken += 1;
         let Some(before) = self.lost_before.filter(|_| !self.restoring && self.taken.is_multiple_of(LOOK_AT_LOSSES))
@@ -213,9 +215,8 @@ impl<'a> Traffic<'a> {
         Err(Stop::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 
-    /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by, answers of the SDO server to
-    /// other clients too. `None` when `span`
-    /// has passed without it.
+    /// Waits for a frame of another participant that `wanted` recognises. Skips all other traffic, including answers of
+    /// the SDO server to other clients. `None` if `span` passes without such a frame.
     ///
     /// # Errors
     /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
@@ -240,10 +241,10 @@ impl<'a> Traffic<'a> {
         Ok(None)
     }
 
-    /// Lets time pass and returns the frames that the device under test sent meanwhile.
+    /// Waits for `span` and returns the frames that the device under test sent meanwhile.
     ///
     /// # Errors
-    /// As [`Traffic::wait_for`].
+    /// The errors of [`Traffic::wait_for`].
     pub(crate) fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
         let node = self.node;
         let mut heard = Vec::new();
@@ -256,15 +257,16 @@ impl<'a> Traffic<'a> {
         Ok(heard)
     }
 
-    /// Takes in what was on the bus up to now, so that a late answer is not taken for that of the next request.
+    /// Takes all frames that are already on the bus, so that a late answer is not taken for the answer to the next
+    /// request.
     ///
     /// # Errors
-    /// As [`Traffic::wait_for`].
+    /// The errors of [`Traffic::wait_for`].
     pub(crate) fn drain(&mut self) -> Result<(), Stop> {
         self.wait_for(Duration::ZERO, |_| None::<()>).map(|_| ())
     }
 
-    /// What CAN FD frames on this bus mean, if any came: no device of classical CAN has sent them.
+    /// A notice about CAN FD frames on this bus, if any came: no device of classical CAN has sent them.
     pub(crate) fn fd_notice(&self) -> Option<String> {
         let frames = self.fd_frames;
         (frames > 0).then(|| {
@@ -277,8 +279,8 @@ impl<'a> Traffic<'a> {
     }
 }
 
-/// Whether a frame is one that this node sends by the predefined connection set: EMCY, TPDO 1 to 4, SDO response or
-/// error control. Other COB-IDs say nothing of their sender.
+/// Whether this node sends a frame according to the predefined connection set: EMCY, TPDO 1 to 4, SDO response or error
+/// control. Other COB-IDs do not show their sender.
 pub fn is_from(node: NodeId, frame: &Frame) -> bool {
     let Some(cob_id) = frame.cob_id() else { return false };
     NodeId::of_cob_id(cob_id) == Some(node)
@@ -291,7 +293,7 @@ pub const fn is_tpdo(cob_id: u16) -> bool {
     matches!(cob_id & 0x780, 0x180 | 0x280 | 0x380 | 0x480)
 }
 
-/// A failure of the bus is never the device's.
+/// The stop for a failure of the bus, which is never the device's fault.
 fn broken(error: &BusError) -> Stop {
     Stop::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
@@ -304,7 +306,7 @@ mod tests {
     use canvass_traces::{CanId, ChannelId};
     use std::sync::atomic::AtomicBool;
 
-    /// A bus that never falls silent, and of whose frames the tester gets every other one.
+    /// A bus that is never silent, and loses every other frame on the way to the tester.
     #[derive(Default)]
     struct Flooded(u64);
 
@@ -357,7 +359,7 @@ mod tests {
         bench.traffic.end_when_frames_are_lost();
         assert!(matches!(bench.wait_for(hour, |_| None::<()>), Err(Stop::Inconclusive(_))));
         assert_eq!(bench.now(), Timestamp(512 * 1_000), "it looks at every 512th frame");
-        // Five thousand frames.
+        // Five thousand frames come within this time.
         let more = Duration::from_millis(5);
         assert_eq!(bench.uncancelled(|bench| bench.wait_for(more, |_| None::<()>)), Ok(None));
         bench.finish();

@@ -1,14 +1,14 @@
-//! What must not go wrong because the way to the bus was interrupted: to know what the device holds before it is changed, and
-//! to put it back.
+//! Actions that must not fail because the connection to the bus was interrupted: reading the device's values before a
+//! change, and putting them back.
 
 use super::Bench;
 
-/// Maximum number of attempts if the way to the bus is interrupted each time.
+/// Maximum number of attempts if the connection to the bus is interrupted each time.
 const MOST_TRIES: u32 = 5;
 
 impl Bench<'_> {
-    /// Does something, and again if the way to the bus was interrupted meanwhile: what was not answered then may be there all
-    /// the same.
+    /// Runs `act`, and again if the connection to the bus was interrupted meanwhile: objects without an answer may
+    /// exist all the same.
     pub(super) fn undisturbed<T>(&mut self, mut act: impl FnMut(&mut Self) -> T) -> T {
         for _ in 1..MOST_TRIES {
             let before = self.health();
@@ -56,7 +56,7 @@ mod tests {
         }
     }
 
-    /// Without the value from before it could not be put back.
+    /// Without its earlier value the object could not be put back.
     #[test]
     fn a_value_that_is_about_to_be_changed_is_read_though_the_bus_was_interrupted() {
         let at = Multiplexer::new(0x1017, 0);

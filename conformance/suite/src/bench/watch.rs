@@ -1,4 +1,4 @@
-//! What is noticed in passing, whatever the case is about.
+//! Events that the bench notices in passing, whatever the case tests.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
@@ -10,10 +10,10 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
-/// A second boot-up so soon after the first belongs to the same start: the boot-up cases judge it, the others don't.
+/// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second one.
 pub(super) const SAME_START: Duration = Duration::from_millis(500);
 
-/// As many EMCYs are remembered: a storm needs no more.
+/// Maximum number of EMCYs that are remembered, enough even for a storm.
 const EMERGENCIES: usize = 16;
 
 /// Boot-up messages that no command explains: the first of each sort in a case.
@@ -21,8 +21,8 @@ const EMERGENCIES: usize = 16;
 pub struct Boots {
     /// The device restarted without being told to.
     pub unasked: Option<Timestamp>,
-    /// The second one of a start, though the device was sent something after the first: a restart, unless every start of the
-    /// device has two.
+    /// The second boot-up message of a start, if a frame was sent to the device after the first. It is a restart,
+    /// unless every start of the device has two.
     pub second: Option<Timestamp>,
 }
 
@@ -33,9 +33,9 @@ pub struct Watch {
     awaiting_boot_up: bool,
     last_boot_up: Option<Timestamp>,
     restarted: Option<Timestamp>,
-    /// The first boot-up so soon after another, though the device had been sent something since that one.
+    /// The first boot-up within [`SAME_START`] of another, if a frame was sent to the device in between.
     second_boot_up: Option<Timestamp>,
-    /// The tester has sent a frame since the last boot-up.
+    /// Whether the tester has sent a frame since the last boot-up.
     sent_since: bool,
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
@@ -43,11 +43,11 @@ pub struct Watch {
     /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another one.
     given: BTreeSet<NodeId>,
     stores: u32,
-    /// The case has stored something.
+    /// Whether the case has stored something.
     stored: bool,
-    /// The case has configured another bit rate by LSS.
+    /// Whether the case has configured another bit rate by LSS.
     configured_bit_rate: bool,
-    /// The case has told the device to become operational.
+    /// Whether the case has commanded the device to become operational.
     started: bool,
 }
 
@@ -71,27 +71,27 @@ impl Watch {
         }
     }
 
-    /// A reset was commanded: the next boot-up is no surprise.
+    /// Records a reset command: the next boot-up is no surprise.
     pub fn expect_boot_up(&mut self) {
         self.awaiting_boot_up = true;
     }
 
-    /// The device was told to become operational.
+    /// Records that the device was commanded to become operational.
     pub fn start(&mut self) {
         self.started = true;
     }
 
-    /// Whether the case has told the device to become operational.
+    /// Whether the case has commanded the device to become operational.
     pub const fn has_started(&self) -> bool {
         self.started
     }
 
-    /// Errors are provoked from now on: EMCYs are no surprise.
+    /// Declares that the case provokes errors: EMCYs are no surprise.
     pub fn expect_emergencies(&mut self) {
         self.provoked = true;
     }
 
-    /// Takes a frame of the bus.
+    /// Takes a frame from the bus.
     pub fn observe(&mut self, record: &Record) {
         let Some(cob_id) = record.frame.cob_id() else { return };
         if record.direction == Direction::Tx {
@@ -107,7 +107,7 @@ impl Watch {
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
         let is_error_control = cob_id & 0x780 == error_control::CAN_ID_BASE;
         if node != self.node {
-            // Heartbeats and boot-ups say for sure that the node is there.
+            // Heartbeats and boot-ups are certain signs that the node is there.
             if is_error_control && !self.given.contains(&node) {
                 self.others.insert(node);
             }
@@ -151,12 +151,12 @@ impl Watch {
         self.emergencies.iter()
     }
 
-    /// How often the device was told to write its non-volatile memory since the start of the run.
+    /// Number of commands since the start of the run that made the device write its non-volatile memory.
     pub fn stores(&self) -> u32 {
         self.stores
     }
 
-    /// Whether the device was told to write its non-volatile memory in this case.
+    /// Whether the device was commanded to write its non-volatile memory in this case.
     pub fn has_stored(&self) -> bool {
         self.stored
     }
@@ -166,25 +166,25 @@ impl Watch {
         self.configured_bit_rate
     }
 
-    /// A case of an earlier run may have configured another bit rate.
+    /// Records that a case of an earlier run may have configured another bit rate.
     pub fn assume_configured_bit_rate(&mut self) {
         self.configured_bit_rate = true;
     }
 
-    /// Another node has answered.
+    /// Records that another node has answered.
     pub fn add_other(&mut self, node: NodeId) {
         if !self.given.contains(&node) {
             self.others.insert(node);
         }
     }
 
-    /// The device under test may use that node-ID from now on.
+    /// Records that the device under test may use this node-ID from now on.
     pub fn add_given(&mut self, node: NodeId) {
         self.others.remove(&node);
         self.given.insert(node);
     }
 
-    /// Whether the device under test was given that node-ID.
+    /// Whether the device under test was given this node-ID.
     pub fn is_given(&self, node: NodeId) -> bool {
         self.given.contains(&node)
     }
@@ -206,8 +206,8 @@ impl Watch {
     }
 }
 
-/// Whether an own frame makes the device write its non-volatile memory: "save" to 1010h, "load" to 1011h (the defaults
-/// are marked there), or LSS store configuration.
+/// Whether an own frame makes the device write its non-volatile memory: "save" to 1010h, "load" to 1011h (which marks
+/// the defaults there), or LSS store configuration.
 pub(super) fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
     if cob_id == lss::MASTER_CAN_ID {
         return lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
@@ -257,7 +257,8 @@ mod tests {
         assert!(watch.others().contains(&NodeId::new(63).unwrap()));
     }
 
-    /// A second boot-up within half a second belongs to the same start; what follows later is a restart, and the first counts.
+    /// A second boot-up within half a second belongs to the same start; a later one is a restart, and the first restart
+    /// counts.
     #[test]
     fn one_start_may_have_two_boot_ups() {
         let restarted = |second: u64| {
@@ -280,7 +281,7 @@ mod tests {
         Record::new(Timestamp::ZERO, ChannelId(0), crate::scripted::frame(text)).with_direction(direction)
     }
 
-    /// "save" to 1010h, "load" to 1011h, and LSS store configuration, if it is the tester who sends them.
+    /// "save" to 1010h, "load" to 1011h and LSS store configuration count as a store if the tester sends them.
     #[test]
     fn what_makes_a_device_store() {
         let stores = |text: &str, direction: Direction| {
@@ -306,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Sixteen errors are enough of a storm; the end of errors is none, nor is an error of another node.
+    /// Sixteen errors are enough of a storm. The end of an error does not count, nor does an error of another node.
     #[test]
     fn the_first_errors_are_kept() {
         let mut watch = Watch::new(NodeId::new(63).unwrap());
@@ -321,7 +322,7 @@ mod tests {
         assert_eq!(kept, (0..16).collect::<Vec<u8>>());
     }
 
-    /// Only error control messages say for sure that another node is there.
+    /// Only error control messages are a certain sign of another node.
     #[test]
     fn others_are_those_that_send_error_control() {
         let heard = |text: &str| {

@@ -1,4 +1,4 @@
-//! Where the zero point is, and how it is put back: at rest, to the step.
+//! The position of the zero point, and how it is put back: at rest, to the step.
 
 use super::profile;
 use super::sdo::number;
@@ -10,25 +10,25 @@ use canvass_bus::Bus;
 use canvass_traces::{Duration, Record};
 use std::sync::atomic::AtomicBool;
 
-/// A position is at rest if it is the same in this many readings, this far apart.
+/// A position is at rest if it stays the same in [`READINGS`] readings, [`BETWEEN`] apart.
 const READINGS: usize = 4;
 const BETWEEN: Duration = Duration::from_millis(30);
 
-/// A number in whatever length the device has it: a zero point is known also where the description is wrong.
+/// Reads a number of any length, so that a zero point is known even if the description is wrong.
 fn number_of(bench: &mut Bench<'_>, at: Multiplexer) -> Result<u32, Stop> {
     Ok(number(&bench.upload(at)?.value().or_inconclusive()?))
 }
 
-/// The position. An angle is shown with a sign, or without.
+/// Reads the position. An angle may be signed or unsigned.
 fn shown(bench: &mut Bench<'_>, objects: &Objects) -> Result<i64, Stop> {
     let number = number_of(bench, objects.position)?;
     let is_negative = !objects.takes_position && u64::from(number) >= objects.range;
     Ok(if is_negative { i64::from(number as u16 as i16) } else { i64::from(number) })
 }
 
-/// Where the zero point of a device is; `None`: nothing moves one, or the device does not answer.
+/// The zero point of a device; `None` if nothing moves it, or the device does not answer.
 pub fn zero_point_of(bus: &mut dyn Bus, target: &Target) -> Option<ZeroPoint> {
-    /// Reading takes a moment; a device that sends without end is not waited for.
+    /// Reading takes a moment; a device that sends without end must not prolong it.
     const LONGEST: Duration = Duration::from_secs(3);
     let (options, cancel) = (Options { limit: Some(LONGEST), ..Options::default() }, AtomicBool::new(false));
     let mut annotate = |_: &Record| String::new();
@@ -36,10 +36,10 @@ pub fn zero_point_of(bus: &mut dyn Bus, target: &Target) -> Option<ZeroPoint> {
 }
 
 impl Bench<'_> {
-    /// Looks where the zero point is; `None`: the device has none that anything moves.
+    /// Reads the zero point; `None` if the device has none that can be moved.
     ///
     /// # Errors
-    /// Those of reading the position.
+    /// The errors of reading the position.
     pub(crate) fn look_at_zero_point(&mut self) -> Result<Option<ZeroPoint>, Stop> {
         let Some(objects) = profile::zero_point(self)? else { return Ok(None) };
         let first = shown(self, &objects)?;
@@ -55,10 +55,10 @@ impl Bench<'_> {
         Ok(Some(ZeroPoint::new(objects, first, around, offset, raw.map(i64::from))))
     }
 
-    /// Puts the zero point back where it was, by a preset at rest, and looks whether it is there. What is left is given back.
+    /// Puts the zero point back by a preset at rest, and checks it. Returns the remaining distance.
     ///
     /// # Errors
-    /// Those of the bus; and [`Stop::NotApplicable`] where the user has not allowed presets.
+    /// The errors of the bus; and [`Stop::NotApplicable`] if the user has not allowed presets.
     pub(crate) fn put_back_zero_point(&mut self, before: &ZeroPoint) -> Result<Option<Moved>, Stop> {
         /// A trembling position needs several tries: its step changes between reading and writing.
         const TRIES: usize = 6;

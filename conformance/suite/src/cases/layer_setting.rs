@@ -1,4 +1,4 @@
-//! What all LSS and LMT cases need: messages out and in, and what is made of an answer.
+//! Shared functions of the LSS and LMT cases: sending and receiving messages, and the observations of answers.
 
 use crate::bench::Bench;
 use crate::verdict::{Allowed, Breach, Check, Stop, demand};
@@ -10,27 +10,27 @@ use canvass_analyzer::wire::layer_setting::{
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// A dialect, and how reports tell what its slaves say.
+/// A dialect of layer setting, and the words for its responses in reports.
 pub trait Observed: Dialect {
-    /// Whose breaches they are.
+    /// The service of its breaches.
     const SERVICE: Service;
-    /// What a response is that the standard does not have.
+    /// The name of a response that the standard does not define.
     const UNKNOWN: &'static str;
-    /// A part of an address.
+    /// A part of an address as an observation.
     fn part(value: Self::Value) -> Observation;
 }
 
-/// Sends a message that the slave has to answer, and waits for its response; a slave may take seconds to store.
+/// Sends a message that the slave must answer, and waits for its response; a slave may take seconds to store.
 pub fn exchange<D: Dialect>(bench: &mut Bench<'_>, request: Request<D>) -> Result<Option<Response<D>>, Stop> {
     exchange_within(bench, request, bench.timing().lss)
 }
 
-/// Sends a message that nobody has to answer, and gives a response all the same if there is one.
+/// Sends a message that need not be answered, and returns the response, if any.
 pub fn tell<D: Dialect>(bench: &mut Bench<'_>, request: Request<D>) -> Result<Option<Response<D>>, Stop> {
     exchange_within(bench, request, bench.timing().silence)
 }
 
-/// Sends a message, and waits that long for a response.
+/// Sends a message, and waits for a response for at most `span`.
 pub fn exchange_within<D: Dialect>(
     bench: &mut Bench<'_>,
     request: Request<D>,
@@ -41,7 +41,7 @@ pub fn exchange_within<D: Dialect>(
     hear(bench, span)
 }
 
-/// The next response.
+/// The next response within `span`.
 pub fn hear<D: Dialect>(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Response<D>>, Stop> {
     bench.wait_for(span, |record| {
         let is_slave = record.frame.cob_id() == Some(SLAVE_CAN_ID);
@@ -53,7 +53,7 @@ pub fn shown<D: Dialect>(response: Option<Response<D>>) -> String {
     response.map_or_else(|| "no answer".to_owned(), |response| response.to_string())
 }
 
-/// What a slave answered, as an observation: the error code, the node-ID, the part of its address.
+/// A response as an observation: the error code, the node-ID, the part of its address.
 pub fn observed<D: Observed>(response: Option<Response<D>>) -> Observation {
     let Some(response) = response else { return Observation::Silence };
     match response {
@@ -67,7 +67,7 @@ pub fn observed<D: Observed>(response: Option<Response<D>>) -> Observation {
     }
 }
 
-/// Demands a confirmation with an error code that is right.
+/// Requires a confirmation with an allowed error code.
 pub fn expect_error<D: Observed>(
     duty: impl Into<String>,
     expected: impl Into<Allowed>,
@@ -80,7 +80,7 @@ pub fn expect_error<D: Observed>(
         _ => None,
     };
     demand(error.is_some_and(right), || {
-        // A confirmation of another command says nothing by its error code.
+        // The error code in a confirmation of another command has no meaning here.
         let actual = match found {
             Some(Response::Configured { .. }) if error.is_none() => {
                 Observation::named("the confirmation of another command")
@@ -91,7 +91,7 @@ pub fn expect_error<D: Observed>(
     })
 }
 
-/// Demands silence.
+/// Requires silence.
 pub fn expect_silence<D: Observed>(duty: String, found: Option<Response<D>>) -> Check {
     demand(found.is_none(), || {
         let breach = Breach::new(D::SERVICE, duty).expected(Observation::Silence);

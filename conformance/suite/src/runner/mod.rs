@@ -1,4 +1,4 @@
-//! Runs cases one after the other and says what happens: every report is made from its events.
+//! Runs cases one after the other and reports events, from which every report is made.
 
 mod event;
 mod nonsense;
@@ -24,13 +24,13 @@ use canvass_traces::Duration;
 use nonsense::Nonsense;
 use repetition::run_repeatedly;
 
-/// Why a run says nothing about the device.
+/// The reason why a run says nothing about the device.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum RunError {
-    /// No case was executed: a test that tests nothing is no success.
+    /// No case was executed: an empty test is no success.
     #[error("no case was executed: {reason}")]
     NothingToRun {
-        /// Why not.
+        /// The reason why none was executed.
         reason: String,
     },
     /// The device does not answer.
@@ -38,26 +38,26 @@ pub enum RunError {
     Unreachable {
         /// The node-ID that was asked.
         node: NodeId,
-        /// How long.
+        /// The time that the tester waited for an answer.
         waited: Duration,
     },
-    /// The first reset would lose what no case puts back.
+    /// The first reset would lose a value that no case puts back.
     #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
     WouldHarm {
         /// The node-ID.
         node: NodeId,
-        /// What it would lose.
+        /// The loss.
         harm: Harm,
     },
-    /// Others use the device, and the user has not allowed that it is tested all the same.
+    /// Others use the device, and the user has not allowed testing it meanwhile.
     #[error("others use node {node}, and the cases would reset it and change its settings: {}", told(.messages))]
     OtherClients {
         /// The node-ID.
         node: NodeId,
-        /// What they send.
+        /// The messages of the others.
         messages: Vec<ForeignMessages>,
     },
-    /// What is changed could not be written down beforehand.
+    /// The journal could not be written, without which nothing may be changed.
     #[error("the journal of the run can't be written: {0}")]
     Journal(String),
     /// The bus failed before the first case.
@@ -65,14 +65,14 @@ pub enum RunError {
     Bus(String),
 }
 
-/// Everything that a run needs beside its bench.
+/// The parameters of a run, besides its bench.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    /// The cases, in the order in which they run: see [`crate::catalogue::select`].
+    /// The cases in the order in which they run: see [`crate::catalogue::select`].
     pub cases: &'a [&'static Case],
     /// The bus, as the user addressed it.
     pub bus: &'a str,
-    /// The bit rate in bit/s, where it is known.
+    /// The bit rate in bit/s, if it is known.
     pub bit_rate: Option<u32>,
     /// The seed of everything random in the run.
     pub seed: u64,
@@ -81,8 +81,8 @@ pub struct Plan<'a> {
 /// Runs the cases of a plan. `report` gets every event.
 ///
 /// # Errors
-/// [`RunError`] if nothing was learned about the device. Where cases had been selected and the device was reached,
-/// the events are complete all the same.
+/// [`RunError`] if nothing was learned about the device. If cases were selected and the device was reached, the events
+/// are complete all the same.
 pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEvent<'_>)) -> Result<Summary, RunError> {
     if plan.cases.is_empty() {
         return Err(RunError::NothingToRun { reason: "none was selected".to_owned() });
@@ -115,7 +115,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     interrupted::begin_journal(bench, plan.bus, was_operational, &info.dictionary)
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
-    // If the dictionary was not read to its end, a reset would lose values that nobody knows.
+    // If the dictionary was not read completely, a reset would lose unknown values.
     let has_restarted = asks && !bench.is_cancelled() && has_learned_memory(bench, &info)?;
     let mut summary = Summary::default();
     let (undescribed, ended_by) = run_cases(bench, plan, &mut summary, report);
@@ -125,7 +125,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         let (run, of) = (summary.total(), plan.cases.len());
         report(&RunEvent::Noticed(&format!("the run ended after {run} of {of} cases: {why}")));
     }
-    // Where nothing was restarted and no case has run, nothing was changed.
+    // Without a restart and without a case, nothing was changed.
     summary.is_as_found = !asks;
     if has_restarted || asks && summary.total() > 0 {
         let comparison = baseline::put_back_device(bench, plan.bus, was_operational, &info.dictionary);
@@ -157,17 +157,17 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     Ok(summary)
 }
 
-/// Restarts the device and learns what that brings; `true`: it was restarted.
+/// Restarts the device and reads the values that the start loads. Returns whether the device was restarted.
 fn has_learned_memory(bench: &mut Bench<'_>, info: &RunInfo) -> Result<bool, RunError> {
     match baseline::learn_memory(bench, &info.dictionary) {
         Err(Stop::Error(reason)) => Err(RunError::Bus(reason.actual)),
-        // A device that does not start, and a user who cancels: the cases say so.
+        // If the device does not start, or the user cancels, the cases report it.
         _ => Ok(true),
     }
 }
 
-/// Runs one case after the other; gives how many could not be judged as nobody has described the device, and why the run
-/// ended before its last case, if it did.
+/// Runs one case after the other. Returns the number of cases that could not be judged without a description of the
+/// device, and the reason if the run ended before its last case.
 fn run_cases(
     bench: &mut Bench<'_>,
     plan: &Plan<'_>,
@@ -203,7 +203,7 @@ fn run_cases(
     (undescribed, late)
 }
 
-/// Puts back what an interrupted run has left behind, and says what is not as it was.
+/// Puts back the changes of an interrupted run, and returns the remaining differences.
 ///
 /// # Errors
 /// [`RunError::Unreachable`] if the device does not answer.
@@ -220,7 +220,7 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     interrupted::put_back(bench, run, rescue).ok_or(unreachable)
 }
 
-/// Whether a case could not be judged because nobody has described the device.
+/// Whether a case could not be judged because the device has no description.
 fn lacks_description(bench: &Bench<'_>, report: &CaseReport) -> bool {
     let Some(End::NotApplicable(reason)) = report.verdict.end() else { return false };
     let lacks = reason.lack == Lack::Description || report.case.requires(&crate::needs::DESCRIPTION);
@@ -235,18 +235,18 @@ fn without_description(cases: usize, found: usize) -> String {
     )
 }
 
-/// Sees that the device is there; says whether it was operational.
+/// Checks that the device is present; returns whether it was operational.
 fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
     let bus = |stop: Stop| RunError::Bus(stop.reason().actual);
     bench.begin();
     let was_operational = bench.is_operational().map_err(bus)?;
-    // What concerns every device, whatever it holds.
+    // These messages concern every device, whatever its dictionary holds.
     is_left_alone(bench, ForeignKind::concerns_all)?;
     if bench.answers().map_err(bus)? {
         return Ok(was_operational);
     }
     is_left_alone(bench, |_| true)?;
-    // Stopped, or with a server that does not work: a reset shows whether anyone is there.
+    // The device is stopped or its server is broken: a reset shows whether a device is present.
     match bench.reset(Command::RESET_NODE) {
         Ok(()) => Ok(was_operational),
         Err(stop @ Stop::Error(_)) => Err(bus(stop)),
@@ -254,7 +254,7 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
     }
 }
 
-/// A device that others use is not reset under them: only where the user says so.
+/// Fails if others use the device: a test would reset it. The user can allow it.
 fn is_left_alone(bench: &Bench<'_>, counts: impl Fn(ForeignKind) -> bool) -> Result<(), RunError> {
     let mut messages = bench.traffic.clients.messages_of_run();
     messages.retain(|sent| counts(sent.kind));

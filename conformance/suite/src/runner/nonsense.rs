@@ -1,30 +1,31 @@
-//! A device, or an adapter before it, that answers what no device answers: the run ends before it has waited for all of it.
+//! Detects a device, or an adapter in front of it, that answers nonsense: the run ends before it has waited for every
+//! case.
 
 use crate::bench::Bench;
 use crate::trial::CaseReport;
 use crate::verdict::{End, Kind, Reason, Verdict};
 use canvass_traces::Timestamp;
 
-/// As many cases in a row that could not be passed, however fast, and without one SDO transfer that came to its end: a
-/// device with faults, however many they are, answers some of what it is asked.
+/// Number of consecutive cases without a pass and without a completed SDO transfer that ends the run. A device with
+/// faults, even many, answers some requests correctly.
 const MANY: u32 = 40;
 
-/// As many of them if they took that long.
+/// Number of such cases that ends the run if they took [`SPAN_NANOS`].
 const SOME: u32 = 10;
 const SPAN_NANOS: u64 = 60_000_000_000;
 
-/// How the cases have ended lately.
+/// The verdicts of the latest cases.
 #[derive(Default)]
 pub(super) struct Nonsense {
     cases: u32,
-    /// Where the first of them began.
+    /// The begin of the first of these cases.
     since: Option<Timestamp>,
-    /// How many transfers the device had served then.
+    /// Number of transfers that the device had served at that time.
     served: u64,
 }
 
 impl Nonsense {
-    /// Takes in a case that began at that time; says whether the run is to end with it, which the verdict tells then.
+    /// Adds a case that began at this time. Returns whether the run must end with it; the verdict then says so.
     pub fn judge(&mut self, bench: &Bench<'_>, began: Timestamp, report: &mut CaseReport) -> bool {
         if bench.knowledge.served() != self.served {
             *self = Self { served: bench.knowledge.served(), ..Self::default() };
@@ -49,7 +50,7 @@ impl Nonsense {
         );
         let duty = "the device, and the adapter before it, follow the protocol";
         let reason = Reason::new(duty, "answers in the form and the time that CiA 301 gives them", actual);
-        // What came is in the evidence; what it breaks can't be said of each frame.
+        // The frames are in the evidence; there is no single violation to name.
         report.verdict = Verdict::new(Vec::new(), Some(End::Error(reason)));
         true
     }
@@ -68,14 +69,14 @@ mod tests {
     use std::collections::VecDeque;
     use std::sync::atomic::AtomicBool;
 
-    /// A live bus on which every request to node 63 is answered with rubbish, and a reset with a boot-up message.
+    /// A live bus that answers every request to node 63 with rubbish, and a reset with a boot-up message.
     #[derive(Default)]
     struct Babbler {
         now: Timestamp,
         coming: VecDeque<Record>,
-        /// It says nothing at all.
+        /// Whether the bus sends nothing at all.
         silent: bool,
-        /// It is a simulated one.
+        /// Whether the bus is simulated.
         simulated: bool,
     }
 
@@ -112,7 +113,7 @@ mod tests {
         }
     }
 
-    /// How many cases that end so, each of that length, it takes until the run is to end; `None`: more than a hundred.
+    /// Number of cases with this verdict and duration after which the run must end; `None` if more than a hundred.
     fn until(kind: Kind, each: Duration, repeat: u32, gone: bool) -> Option<u32> {
         until_on(Babbler { silent: gone, ..Babbler::default() }, kind, each, repeat, gone)
     }
@@ -174,7 +175,7 @@ mod tests {
         assert_eq!(until(Kind::Inconclusive, ms(6_000), 1, true), None, "one that is gone is waited for otherwise");
     }
 
-    /// One case that passes, or one transfer that is served, is no nonsense: the count begins anew.
+    /// A single case that passes, or a transfer that is served, restarts the count.
     #[test]
     fn a_sign_of_sense_begins_the_count_anew() {
         let (mut bus, cancel) = (Babbler::default(), AtomicBool::new(false));
@@ -190,7 +191,7 @@ mod tests {
         assert_eq!((nonsense.cases, nonsense.served), (1, 0));
     }
 
-    /// What was judged, the notices, and how long the run took.
+    /// The verdicts with their numbers, the notices, and the duration of the run.
     fn tested(options: &Options) -> (Vec<(Kind, usize)>, Vec<String>, Duration) {
         let (mut bus, cancel) = (Babbler::default(), AtomicBool::new(false));
         let target = Target::unknown(NodeId::new(63).unwrap());

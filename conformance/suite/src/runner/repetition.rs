@@ -1,4 +1,4 @@
-//! A case run several times: to find out whether it always ends the same way, or to give a failure another chance.
+//! Runs a case several times: to find out whether it always ends the same way, or to repeat a failed case.
 
 use crate::bench::Bench;
 use crate::case::Case;
@@ -7,13 +7,13 @@ use crate::trial::{CaseReport, doubt, run_case};
 use crate::verdict::{End, Kind, Lack, Reason, Verdict};
 use canvass_traces::Duration;
 
-/// A case that others disturbed is run again this many times at most.
+/// Maximum number of repetitions of a case that others disturbed.
 const REPETITIONS: usize = 3;
 
-/// A failure that the device's lateness may have made has to come this often again.
+/// Number of repetitions in which a failure that lateness can cause has to come again.
 const CONFIRMATIONS: u32 = 2;
 
-/// Runs a case as often as the options say.
+/// Runs a case as often as the options require.
 pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let started = bench.now();
     let (repeat, retries) = (bench.options().repeat, bench.options().retries);
@@ -25,7 +25,7 @@ pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> Case
     report
 }
 
-/// The report is that of the worst outcome, the first of them.
+/// Runs a case `times` times. The report is the first one with the worst outcome.
 fn repeated(bench: &mut Bench<'_>, case: &'static Case, times: u32) -> CaseReport {
     let mut worst = run_undisturbed(bench, case);
     for _ in 1..times {
@@ -44,7 +44,7 @@ fn repeated(bench: &mut Bench<'_>, case: &'static Case, times: u32) -> CaseRepor
     worst
 }
 
-/// The report is that of the last try; what failed before stands in its notes, so that nothing is passed over.
+/// Repeats a failing case. The report is that of the last attempt; its notes contain the earlier failures.
 fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseReport {
     let mut last = run_undisturbed(bench, case);
     for retry in 1..=retries {
@@ -62,7 +62,7 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
     last
 }
 
-/// Runs a case, and again if others disturbed it, or the device was or may have been late as a whole.
+/// Runs a case, and repeats it if others disturbed it, or if the device was or may have been late as a whole.
 fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let first = run_quietly(bench, case);
     match doubt(&first, bench) {
@@ -71,7 +71,8 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     }
 }
 
-/// A failure that lateness of the device may have made counts if it comes each time; the doubt says what it is if not.
+/// Repeats a case whose failure lateness of the device can cause: the failure counts if each repetition has it. If one has not,
+/// the doubt is the reason of the inconclusive verdict.
 fn confirmed(bench: &mut Bench<'_>, case: &'static Case, first: CaseReport, doubt: Reason) -> CaseReport {
     let mut last = first;
     for number in 1..=CONFIRMATIONS {
@@ -92,7 +93,7 @@ fn confirmed(bench: &mut Bench<'_>, case: &'static Case, first: CaseReport, doub
     last
 }
 
-/// Runs a case, and again where what kept it from a verdict comes and goes. Memory that wears out is not written again for that.
+/// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not repeated.
 fn run_quietly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {
@@ -108,12 +109,12 @@ fn run_quietly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     report
 }
 
-/// Whether the case may write the memory; some devices store a preset as soon as it is written.
+/// Whether the case may write the memory. Some devices store a preset as soon as it is written.
 fn may_wear_out(case: &Case) -> bool {
     case.touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset))
 }
 
-/// Whether a repetition may find a quieter moment: others that send to the device all the time leave none.
+/// Whether a repetition may meet a quieter moment: others that send to the device all the time leave none.
 fn may_end_otherwise(report: &CaseReport) -> bool {
     let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
     let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());
@@ -144,7 +145,7 @@ mod tests {
 
     static TRIES: AtomicU32 = AtomicU32::new(0);
 
-    /// Fails twice, then passes.
+    /// A case that fails twice, then passes.
     fn fails_twice(_: &mut Bench<'_>) -> Judged {
         if TRIES.fetch_add(1, Ordering::SeqCst) < 2 {
             let breach = Breach::new(Subject::Device, "it works").found(Observation::Silence);
@@ -183,7 +184,8 @@ mod tests {
         assert!(passed.notes[1].contains("no answer"), "{:?}", passed.notes);
     }
 
-    /// Ends in turn as the script says: `p` passes, `f` fails, `i` can't be reached, `n` is not applicable, `e` is an error.
+    /// A case with the outcomes of the script in turn: `p` passes, `f` fails, `i` is inconclusive, `n` is not
+    /// applicable, `e` is an error.
     fn ending(script: &'static str, options: &Options) -> CaseReport {
         static SCRIPT: std::sync::Mutex<Vec<char>> = std::sync::Mutex::new(Vec::new());
         static SERIAL: std::sync::Mutex<()> = std::sync::Mutex::new(());
@@ -222,7 +224,7 @@ mod tests {
         report.outcomes.iter().map(letter).collect()
     }
 
-    /// Of repetitions the worst is reported, the first of them, and all are counted.
+    /// Of several repetitions the first one with the worst outcome is reported, and all are counted.
     #[test]
     fn of_repetitions_the_worst_is_reported() {
         let repeated = |script: &'static str, repeat: u32| {
@@ -238,7 +240,7 @@ mod tests {
         assert_eq!(repeated("nieip", 5), told("nieip", "e"));
     }
 
-    /// A case is tried again where it failed, could not be judged, or the tester failed; the others say what they say.
+    /// A case is repeated if it failed, could not be judged, or the tester failed; the others are not repeated.
     #[test]
     fn what_has_not_failed_is_not_tried_again() {
         let retried = |script: &'static str, retries: u32| {
@@ -259,7 +261,7 @@ mod tests {
         assert!(notes[1].ends_with(": it ends: expected so, found i"), "{notes:?}");
     }
 
-    /// The user who ends a run ends its repetitions, too.
+    /// If the user ends a run, its repetitions end, too.
     #[test]
     fn a_cancelled_run_is_not_repeated() {
         static WAITS: Case = test_case("test/waits", |bench| bench.listen(Duration::from_secs(2)).map(|_| ()));

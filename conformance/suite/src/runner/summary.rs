@@ -9,34 +9,34 @@ use std::fmt;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Summary {
     counts: [usize; Kind::ALL.len()],
-    /// How long the run took on the clock of the bus.
+    /// The duration of the run on the clock of the bus.
     pub duration: Duration,
-    /// The user ended the run before all cases had run.
+    /// Whether the user ended the run before all cases had run.
     pub cancelled: bool,
-    /// Why the run ended before its last case, where the user has not ended it.
+    /// The reason why the run ended before its last case, if the user did not end it.
     pub ended_early: Option<EndedEarly>,
-    /// How many cases could not be judged for want of a description of the device.
+    /// Number of cases that could not be judged without a description of the device.
     pub undescribed: usize,
-    /// How well the tester's own machine kept up, on a live bus.
+    /// How well the tester's own machine kept up; `None` if the bus is not a live one.
     pub host: Option<HostTiming>,
-    /// How often the device was told to write its non-volatile memory: it wears out.
+    /// Number of commands that made the device write its non-volatile memory, which wears out.
     pub stores: u32,
-    /// How many cases ended differently when they were repeated.
+    /// Number of cases whose repetitions ended differently.
     pub flaky: usize,
-    /// How many of those that are not good do not count yet.
+    /// Number of failed, inconclusive and erroneous cases that do not count because of a quarantine.
     pub quarantined: usize,
-    /// The device is known to be as it was before the run. `false` too where that could not be seen.
+    /// Whether the device is known to be as before the run; `false` also if that could not be checked.
     pub is_as_found: bool,
 }
 
-/// Why a run ended before its last case.
+/// The reason why a run ended before its last case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EndedEarly {
-    /// What the device sends makes no sense.
+    /// The answers of the device make no sense.
     NoProtocol,
-    /// A case failed, and the user wants no more than the first failure.
+    /// A case failed, and the user wants the run to end with the first failure.
     FirstFailure,
-    /// It took as long as the user had given it.
+    /// The time limit of the run has passed.
     TimeIsOver,
 }
 
@@ -50,24 +50,24 @@ impl fmt::Display for EndedEarly {
     }
 }
 
-/// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.
+/// How well the tester's own machine kept up. Each bound is at most twice the longest delay that it covers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct HostTiming {
-    /// 99 of 100 frames reached the waiting tester within this time after their time on the bus.
+    /// Bound for 99 of 100 frames on the time from the bus to the waiting tester.
     pub receive_usually: Duration,
-    /// All within this.
+    /// Bound for all frames on the time from the bus to the waiting tester.
     pub receive_always: Duration,
-    /// From the tester's handing over a frame to its time on the bus: 99 of 100 within this.
+    /// Bound for 99 of 100 frames on the time from the tester's handover to the bus.
     pub transmit_usually: Duration,
-    /// All within this.
+    /// Bound for all frames on the time from the tester's handover to the bus.
     pub transmit_always: Duration,
-    /// Frames that did not reach the tester.
+    /// Number of frames that did not reach the tester.
     pub lost: u64,
-    /// How often the way to the bus was interrupted.
+    /// Number of interruptions of the connection to the bus.
     pub interruptions: u64,
-    /// For how long, all in all.
+    /// Total duration of the interruptions.
     pub interrupted_for: Duration,
-    /// What is wrong with the time stamps of the adapter.
+    /// The defect of the adapter's time stamps, if there is one.
     pub stamps: Option<StampTrouble>,
 }
 
@@ -89,23 +89,23 @@ impl HostTiming {
 }
 
 impl Summary {
-    /// How many cases ended that way.
+    /// Number of cases with this verdict.
     pub const fn count(&self, kind: Kind) -> usize {
         self.counts[kind as usize]
     }
 
-    /// How many cases there are reports of.
+    /// Number of cases that have a report.
     pub fn total(&self) -> usize {
         self.counts.iter().sum()
     }
 
-    /// How many cases ran to an end.
+    /// Number of cases that ran to an end.
     pub fn executed(&self) -> usize {
         Kind::ALL.into_iter().filter(|kind| kind.is_executed()).map(|kind| self.count(kind)).sum()
     }
 
-    /// Whether all that could be judged is good: no case failed, the tester did not fail, and no precondition was out
-    /// of reach, but for cases in quarantine. A device about which nothing could be found out must not look like a good one.
+    /// Whether every case that could be judged is good: apart from cases in quarantine, none failed, none was
+    /// inconclusive, and the tester did not fail. A device about which nothing could be found out must not look good.
     pub const fn is_good(&self) -> bool {
         self.count(Kind::Fail) + self.count(Kind::Error) + self.count(Kind::Inconclusive) == self.quarantined
     }

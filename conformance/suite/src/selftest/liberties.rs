@@ -1,5 +1,5 @@
-//! What the standard leaves free must be spared: every case on every liberty, alone and in random combinations; and a fault
-//! must be found whatever liberties the firmware takes beside it.
+//! Liberties that the standard allows must not fail a case: every case runs on every liberty, alone and in random
+//! combinations. And a fault must be found together with any liberties of the firmware.
 
 use super::{in_parallel, judge, judge_hearing, judge_knowing, node_of};
 use crate::bench::{Knowledge, Target};
@@ -10,29 +10,30 @@ use canvass_device::{Fault, Faults, Firmware, Liberties, Liberty};
 use canvass_traces::Record;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// How much is tried at random.
+/// The amount of random tests.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Chance {
-    /// From which the combinations are drawn: the same seed draws the same.
+    /// The seed of the random combinations: equal seeds give equal combinations.
     pub seed: u64,
-    /// How many combinations of [`Chance::TOGETHER`] liberties every case runs on.
+    /// Number of combinations of [`Chance::TOGETHER`] liberties on which every case runs.
     pub combinations: usize,
-    /// With how many combinations each fault is looked for.
+    /// Number of combinations with which each fault is tested.
     pub beside_faults: usize,
 }
 
-/// What the cases made of liberties.
+/// The results of the cases on firmware with liberties.
 #[derive(Clone, Debug, Default)]
 pub struct Sparing {
     /// One row for each liberty, in the order of their definition.
     pub alone: Vec<LibertyRow>,
     /// One row for each random combination.
     pub combined: Vec<LibertyRow>,
-    /// How often a fault was put beside liberties.
+    /// Number of pairs of a fault and a combination of liberties.
     pub tried: usize,
-    /// How often it showed there: to a case that names it, by another frame, time or description than without the fault.
+    /// Number of these pairs in which the fault showed: to a case that names it, by another frame, time or description
+    /// than without the fault.
     pub looked_for: usize,
-    /// Faults that showed beside liberties, and were not found.
+    /// Faults that showed together with these liberties but were not found.
     pub missed: Vec<(Fault, Liberties)>,
 }
 
@@ -43,18 +44,18 @@ pub struct LibertyRow {
     pub liberties: Liberties,
     /// The model.
     pub model: &'static str,
-    /// How many cases ran to an end.
+    /// Number of cases that ran to an end.
     pub executed: usize,
     /// The cases that failed, or in which the tester failed.
     pub alarms: Vec<(&'static Case, Kind, Reason)>,
 }
 
 impl Chance {
-    /// As many liberties are combined.
+    /// Number of liberties in a combination.
     pub const TOGETHER: usize = 5;
-    /// What `canvass selftest` tries.
+    /// The amount in `canvass selftest`.
     pub const WHOLE: Self = Self { seed: 1, combinations: 500, beside_faults: 50 };
-    /// Nothing at random.
+    /// No random tests.
     pub const NONE: Self = Self { seed: 1, combinations: 0, beside_faults: 0 };
 }
 
@@ -66,18 +67,18 @@ impl LibertyRow {
 }
 
 impl Sparing {
-    /// How many liberties no case failed.
+    /// Number of liberties on which no case failed.
     pub fn spared(&self) -> usize {
         self.alone.iter().filter(|row| row.is_spared()).count()
     }
 
-    /// Whether nothing right was failed and nothing wrong was missed.
+    /// Whether no liberty failed a case, and no fault was missed.
     pub fn is_good(&self) -> bool {
         self.missed.is_empty() && self.alone.iter().chain(&self.combined).all(LibertyRow::is_spared)
     }
 }
 
-/// Runs the cases on the liberties, and the faults beside them.
+/// Runs the cases on the liberties, and on the faults combined with liberties.
 pub(super) fn run(cases: &[&'static Case], faults: &[Fault], chance: Chance) -> Sparing {
     let mut dice = Dice::new(chance.seed);
     let combinations: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
@@ -97,7 +98,7 @@ pub(super) fn run(cases: &[&'static Case], faults: &[Fault], chance: Chance) -> 
     }
 }
 
-/// `None` if the liberty's model does not exist.
+/// The row of these liberties; `None` if their model does not exist.
 fn row(liberties: Liberties, cases: &[&'static Case]) -> Option<LibertyRow> {
     let model = Model::by_id(liberties.iter().next()?.model())?;
     let firmware = Firmware::from(liberties);
@@ -115,7 +116,7 @@ fn row(liberties: Liberties, cases: &[&'static Case]) -> Option<LibertyRow> {
     Some(row)
 }
 
-/// How often a fault showed, and beside which liberties it showed and was not found.
+/// Number of combinations in which a fault showed, and the combinations in which it showed but was not found.
 fn beside_liberties(fault: Fault, sets: &[Liberties], cases: &[&'static Case]) -> (usize, Vec<(Fault, Liberties)>) {
     let Some(model) = Model::by_id(fault.model()) else { return (0, Vec::new()) };
     let (mut shown, mut missed) = (0, Vec::new());
@@ -137,20 +138,19 @@ fn beside_liberties(fault: Fault, sets: &[Liberties], cases: &[&'static Case]) -
     (shown, missed)
 }
 
-/// What becomes of a fault beside liberties.
+/// The outcome of a fault combined with liberties.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Outcome {
-    /// A case fails for it.
+    /// A case fails because of the fault.
     Found,
-    /// A case that is about the fault applies, the device does something else there than it would without the fault, and no
-    /// case fails.
+    /// No case fails, although a case about the fault applies in which the device behaves differently than without the
+    /// fault.
     Missed,
-    /// In all that the cases that are about it ask, the device does as it would without the fault: a liberty takes away
-    /// what the fault is about.
+    /// In all cases about the fault the device behaves as without it: a liberty removes the feature with the fault.
     Hidden,
 }
 
-/// Faults that differ from right firmware beside a liberty, but not in what would be wrong there.
+/// Combinations in which the behaviour differs from that of correct firmware, but is not wrong.
 const HARMLESS: &[(Fault, &[Liberty], &str)] = &[
     (Fault::EdsCobIdTwice, &[Liberty::NoApplicationObjects, Liberty::PdosInvalid], "a PDO that is off has no CAN-ID"),
     (Fault::PdoIdNotPredefined, &[Liberty::NoApplicationObjects], "a PDO that is off has no CAN-ID"),
@@ -168,7 +168,7 @@ const HARMLESS: &[(Fault, &[Liberty], &str)] = &[
     (Fault::TpdoPositionLate, &[Liberty::AnswersIn900Ms], "the position is late by less than an answer takes"),
 ];
 
-/// Whether a fault does no harm beside these liberties.
+/// Whether a fault is harmless together with these liberties.
 fn is_harmless(fault: Fault, liberties: Liberties) -> bool {
     let rows = HARMLESS.iter().filter(|row| row.0 == fault);
     rows.flat_map(|row| row.1).any(|harmless| liberties.has(*harmless))
@@ -189,7 +189,7 @@ impl Beside {
         Self { model, fault, firmwares, targets }
     }
 
-    /// What becomes of a fault that the cases that name it did not find.
+    /// The outcome of a fault that the cases that name it did not find.
     fn outcome(&self, cases: &[&'static Case]) -> Outcome {
         let mut naming = cases.iter().filter(|case| case.catches.contains(&self.fault));
         if !naming.any(|case| self.shows(case)) {
@@ -204,7 +204,7 @@ impl Beside {
         if found { Outcome::Found } else { Outcome::Missed }
     }
 
-    /// Whether a case applies without the fault, and sees something else with it: a frame, a time, a description.
+    /// Whether a case applies without the fault, and sees a difference with it: a frame, a time, a description.
     fn shows(&self, case: &'static Case) -> bool {
         let [(_, faulty), (applies, healthy)] = [0, 1].map(|at| {
             let mut traffic = DefaultHasher::new();
@@ -227,17 +227,17 @@ fn finds(case: &Case, verdict: &Verdict) -> bool {
     matches!(verdict.kind(), Kind::Fail | Kind::Error) || super::records(case, verdict)
 }
 
-/// Numbers that only look random (SplitMix64).
+/// Pseudo-random numbers (SplitMix64).
 #[derive(Clone, Debug)]
 pub struct Dice(u64);
 
 impl Dice {
-    /// The same seed gives the same numbers.
+    /// Starts the sequence of this seed: equal seeds give equal numbers.
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next number.
+    /// The next number of the sequence.
     pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;

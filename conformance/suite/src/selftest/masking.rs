@@ -1,7 +1,7 @@
-//! What a manual documents must hide no fault: every fault on every model, judged by the cases that name it.
+//! Documented deviations must hide no fault: every fault on every model, judged by the cases that name it.
 //!
-//! On a model that deviates, a case finds its documented breaches with and without a fault. A fault that adds a breach must
-//! fail the case, whatever else the manual announces about it.
+//! On a model that deviates, a case finds the documented breaches with and without a fault. If the fault adds a breach,
+//! the case must fail, whatever the manual announces.
 
 use super::{judge, judge_knowing, node_of};
 use crate::bench::{Knowledge, Target};
@@ -11,34 +11,34 @@ use canvass_device::models::Model;
 use canvass_device::{Fault, Faults};
 use std::collections::BTreeMap;
 
-/// What the faults made of a model.
+/// The results of the faults on a model.
 #[derive(Clone, Debug, Default)]
 pub struct Masking {
-    /// How many pairs of a fault and a case that names it were run.
+    /// Number of pairs of a fault and a case that names it.
     pub tried: usize,
-    /// In how many of them the fault added a breach.
+    /// Number of these pairs in which the fault added a breach.
     pub shown: usize,
-    /// In how many of these the model deviates in the same case without the fault.
+    /// Number of these in which the model deviates in the same case without the fault.
     pub beside_deviations: usize,
-    /// Faults that added a breach and failed nothing.
+    /// Faults that added a breach without failing the case.
     pub masked: Vec<Masked>,
 }
 
 /// A fault that a documented deviation hides.
 #[derive(Clone, Debug)]
 pub struct Masked {
-    /// The model whose manual hides it.
+    /// The model whose manual hides the fault.
     pub model: &'static str,
     /// The fault.
     pub fault: Fault,
-    /// The case that names it.
+    /// The case that names the fault.
     pub case: &'static Case,
-    /// How the case ended.
+    /// The verdict of the case.
     pub kind: Kind,
 }
 
 impl Masking {
-    /// Adds what was found on another model.
+    /// Adds the results of another model.
     pub(super) fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.shown += other.shown;
@@ -56,7 +56,7 @@ pub(super) fn of_model(model: &'static Model, cases: &[&'static Case], faults: &
         let mut knowledge = Knowledge::default();
         for &case in cases.iter().filter(|case| case.catches.contains(&fault)) {
             let healthy = without.entry(case.id).or_insert_with(|| judge(case, model, Faults::NONE).verdict);
-            // A case that does not apply to the model has nothing to hide.
+            // A case that does not apply to the model can't hide a fault.
             if !healthy.kind().is_executed() {
                 continue;
             }
@@ -76,7 +76,7 @@ pub(super) fn of_model(model: &'static Model, cases: &[&'static Case], faults: &
     masking
 }
 
-/// Whether a case found something with the fault that it does not find without.
+/// Whether a case has a breach with the fault that it does not have without it.
 fn adds_a_breach(with: &Verdict, without: &Verdict) -> bool {
     let same = |a: &Breach, b: &Breach| a.subject == b.subject && a.actual == b.actual && a.duty() == b.duty();
     let is_known = |ruled: &Ruled| without.breaches().iter().any(|known| same(&known.breach, &ruled.breach));

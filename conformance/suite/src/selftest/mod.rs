@@ -1,8 +1,8 @@
-//! The tester is tested: every case on every fault, and on every model without one.
+//! Tests of the tester: every case on every fault, and on every model without fault.
 //!
-//! A fault is put into the firmware of the model that its row names, and every case runs against a device of its own.
-//! A fault is detected if a case that names it fails. A case that fails without naming the fault must at least belong
-//! to the chapter of one that does: else it judges something that it is not about.
+//! Each fault is put into the firmware of its model, and every case runs against a device of its own. A fault is
+//! detected if a case that names it fails. A case that fails without naming the fault must belong to the chapter of a
+//! case that does; otherwise it judges something outside its subject.
 
 mod liberties;
 mod masking;
@@ -31,12 +31,12 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// How many cells of the matrix are filled.
+/// The share of the matrix that is run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Extent {
-    /// All.
+    /// All cells.
     Whole,
-    /// The cells of each fault with the cases that name it, and of the other cells one in this number, evenly spread.
+    /// All cells of a fault with the cases that name it, and one in this number of the other cells, evenly spread.
     OneIn(usize),
 }
 
@@ -56,15 +56,15 @@ pub struct Matrix {
     pub faults: Vec<FaultRow>,
     /// One row for each model without fault.
     pub models: Vec<ModelRow>,
-    /// Whether what manuals document hides a fault.
+    /// The documented deviations that hide a fault.
     pub masking: Masking,
-    /// Whether what the standard leaves free is spared.
+    /// The liberties of the standard that fail a case.
     pub sparing: Sparing,
     /// The cases that ran.
     pub cases: Vec<&'static Case>,
 }
 
-/// What the cases made of a fault.
+/// The results of the cases on a fault.
 #[derive(Clone, Debug)]
 pub struct FaultRow {
     /// The fault.
@@ -75,16 +75,16 @@ pub struct FaultRow {
     pub failed: Vec<&'static Case>,
     /// Cases that name the fault and did not fail, each with its verdict.
     pub missed: Vec<(&'static Case, Kind)>,
-    /// Cases that failed and are no kin of those that name the fault.
+    /// Cases that failed but do not belong to the chapter of a case that names the fault.
     pub unrelated: Vec<&'static Case>,
 }
 
-/// What the cases made of a model without fault.
+/// The results of the cases on a model without fault.
 #[derive(Clone, Debug)]
 pub struct ModelRow {
     /// The model.
     pub model: &'static str,
-    /// How many cases ran to an end.
+    /// Number of cases that ran to an end.
     pub executed: usize,
     /// The cases that failed, or could not be judged, or in which the tester failed.
     pub alarms: Vec<(&'static Case, Kind, Reason)>,
@@ -98,12 +98,12 @@ impl FaultRow {
 }
 
 impl Matrix {
-    /// How many faults were detected.
+    /// Number of detected faults.
     pub fn detected(&self) -> usize {
         self.faults.iter().filter(|row| row.is_detected()).count()
     }
 
-    /// How many cases failed on a model without fault, or on a fault that is no business of theirs.
+    /// Number of failures on a model without fault, or on a fault outside the chapter of the case.
     pub fn false_alarms(&self) -> usize {
         let unrelated: usize = self.faults.iter().map(|row| row.unrelated.len()).sum();
         let alarms: usize = self.models.iter().map(|row| row.alarms.len()).sum();
@@ -116,8 +116,8 @@ impl Matrix {
         self.cases.iter().copied().filter(|case| !failed.contains(case.id)).collect()
     }
 
-    /// Whether every fault was detected, every case detects one, no case misses a fault that it names, there was no false
-    /// alarm, no manual hides a fault, and no liberty was taken for one.
+    /// Whether every fault was detected, every case detects a fault, no case misses a fault that it names, there was no
+    /// false alarm, no manual hides a fault, and no liberty fails a case.
     pub fn is_good(&self) -> bool {
         self.detected() == self.faults.len()
             && self.false_alarms() == 0
@@ -128,7 +128,7 @@ impl Matrix {
     }
 }
 
-/// Runs the cases on the faults and, without fault, on the models. On as many threads as the computer has cores.
+/// Runs the cases on the faults, and on the models without fault. Uses as many threads as the computer has cores.
 ///
 /// The order of the rows does not depend on the threads.
 pub fn run(
@@ -143,7 +143,7 @@ pub fn run(
     let fault_rows = in_parallel(&order, |fault| fault_row(*fault, cases, extent));
     let model_rows = in_parallel(models, |model| model_row(model, cases));
     let mut masking = Masking::default();
-    // The models whose manuals announce something.
+    // The models whose manuals announce deviations.
     let deviating: Vec<_> = models.iter().copied().filter(|model| !model.deviations().is_empty()).collect();
     in_parallel(&deviating, |model| masking::of_model(model, cases, &order))
         .into_iter()
@@ -159,19 +159,20 @@ pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
     named.into_iter().collect()
 }
 
-/// Whether all that a case found shows in whatever case meets it: an abort that names another object than was asked for.
+/// Whether all breaches of a case can show in any case: an abort that names another object than the request.
 fn shows_anywhere(verdict: &Verdict) -> bool {
     let is_everywhere =
         |ruled: &Ruled| matches!(ruled.breach.actual, Observation::Violation(Violation::Multiplexer(_)));
     verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail).all(is_everywhere)
 }
 
-/// A case about what the standard leaves open fails nobody: it detects a fault by what it records.
+/// Whether a case of level [`Level::Open`] has recorded a difference. Such a case never fails: it detects a fault by
+/// its record.
 pub fn records(case: &Case, verdict: &Verdict) -> bool {
     case.level == Level::Open && verdict.breaches().iter().any(|ruled| ruled.breach.grade == Grade::Open)
 }
 
-/// `None` if the fault's model does not exist.
+/// The row of this fault; `None` if its model does not exist.
 fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<FaultRow> {
     let model = Model::by_id(fault.model())?;
     let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
@@ -212,27 +213,27 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     row
 }
 
-/// Runs one case, with everything allowed, on a new device of that model with that firmware.
+/// Runs one case, with everything allowed, on a new device of this model with this firmware.
 pub fn judge(case: &'static Case, model: &'static Model, firmware: impl Into<Firmware>) -> CaseReport {
     let firmware = firmware.into();
     let target = Target::with_firmware(model, node_of(model), firmware);
     judge_target(case, model, firmware, &target)
 }
 
-/// The node-ID of delivery. A device without one as delivered has been given one.
+/// The node-ID as delivered. A device without one gets 127.
 pub fn node_of(model: &Model) -> NodeId {
     model.default_node().unwrap_or(GIVEN_NODE)
 }
 
 const GIVEN_NODE: NodeId = NodeId::MAX;
 
-/// The position at rest of the measured quantity, in steps of the physical resolution.
+/// The rest position of the measured quantity, in steps of the physical resolution.
 const REST: i64 = 0x4CBA;
 
-/// How fast it turns where a case needs that, in thousandths of a revolution per minute.
+/// The speed of the measured quantity if a case needs motion, in thousandths of a revolution per minute.
 const TURNING: i64 = 30_000;
 
-/// As [`judge`], with what the tester is to know of the device.
+/// Runs one case as [`judge`] does, with this target as the tester's knowledge of the device.
 pub fn judge_target(
     case: &'static Case,
     model: &'static Model,
@@ -242,7 +243,7 @@ pub fn judge_target(
     judge_knowing(case, model, firmware.into(), target, &mut Knowledge::default())
 }
 
-/// As [`judge_target`], with what the cases before found out about the device; what this one finds out is added.
+/// Runs one case as [`judge_target`] does, with the knowledge of earlier cases about the device, and adds to it.
 fn judge_knowing(
     case: &'static Case,
     model: &'static Model,
@@ -253,7 +254,7 @@ fn judge_knowing(
     judge_hearing(case, model, firmware, target, knowledge, &mut |_| ())
 }
 
-/// As [`judge_knowing`]; `hear` is told each frame of the case.
+/// Runs one case as [`judge_knowing`] does; `hear` gets each frame of the case.
 fn judge_hearing(
     case: &'static Case,
     model: &'static Model,
@@ -267,7 +268,7 @@ fn judge_hearing(
     judge_machine(case, new, model.default_bit_rate(), target, knowledge, hear)
 }
 
-/// As [`judge_hearing`], on a machine of that motion which `new` makes.
+/// Runs one case as [`judge_hearing`] does, on a machine with this motion, which `new` makes.
 fn judge_machine(
     case: &'static Case,
     new: impl FnOnce(Motion) -> Box<dyn Machine>,
@@ -291,7 +292,8 @@ fn judge_machine(
     report
 }
 
-/// A firmware of a model, judged by one case after the other: what one found out of the device, the next need not ask.
+/// A firmware of a model that several cases judge in turn. Each case uses the knowledge of the earlier ones about the
+/// device.
 pub struct Tried {
     model: &'static Model,
     firmware: Firmware,
@@ -300,21 +302,21 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Before the first case.
+    /// The firmware before the first case.
     pub fn new(model: &'static Model, firmware: impl Into<Firmware>) -> Self {
         let firmware = firmware.into();
         let target = Target::with_firmware(model, node_of(model), firmware);
         Self { model, firmware, target, knowledge: Knowledge::default() }
     }
 
-    /// Runs a case, with everything allowed, on a new device; `hear` is told each frame.
+    /// Runs a case, with everything allowed, on a new device; `hear` gets each frame.
     pub fn judge(&mut self, case: &'static Case, hear: &mut dyn FnMut(&Record)) -> CaseReport {
         judge_hearing(case, self.model, self.firmware, &self.target, &mut self.knowledge, hear)
     }
 }
 
-/// What a case is about, by the services that can't be distinguished from outside: a device shows its NMT state by its
-/// heartbeats, and its objects by its SDO server. A fault of one of them shows in the cases of all.
+/// The chapter of a case. Services that can't be distinguished from outside share one: a device shows its NMT state by
+/// its heartbeats, and its objects by its SDO server, so a fault of one of them shows in the cases of all.
 fn chapter(case: &'static Case) -> &'static str {
     match case.family() {
         "301/nmt"
@@ -333,8 +335,7 @@ fn chapter(case: &'static Case) -> &'static str {
     }
 }
 
-/// Works on all items, on as many threads as the computer has cores. The results are in the order of the items, whatever
-/// thread works on which.
+/// Works on all items, on as many threads as the computer has cores. The results are in the order of the items.
 pub fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(items.len())));

@@ -10,7 +10,7 @@ use crate::verdict::{Breach, End, Judged, Lack, Reason, Stop};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs the case, and gathers its breaches.
+/// Runs the case, and collects its breaches.
 pub(super) fn run(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     bench.begin();
     let judged = catch_unwind(AssertUnwindSafe(|| attempt(bench, trial.case)));
@@ -43,7 +43,8 @@ fn attempt(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     (case.run)(bench)
 }
 
-/// Resets the device. What a case has ordered may act only now: that the device has no node-ID any more, for example.
+/// Resets the device. An earlier command of a case may take effect only now: the device may have lost its node-ID, for
+/// example.
 fn prepare(bench: &mut Bench<'_>) -> Judged {
     match bench.prepare() {
         Err(Stop::Inconclusive(_)) if bench.options().allow.contains(&Touch::NodeId) && !bench.is_cancelled() => {
@@ -54,16 +55,16 @@ fn prepare(bench: &mut Bench<'_>) -> Judged {
     }
 }
 
-/// Gives a device its node-ID again that has lost it, where the user allows that.
+/// Restores the node-ID of a device that has lost it, if the user allows that.
 pub(super) fn regain(bench: &mut Bench<'_>) {
     let may_regain = bench.options().allow.contains(&Touch::NodeId);
     if let Some(rescue) = needs::LSS.rescue().filter(|_| may_regain) {
-        // What fails here shows in whether the device answers then.
+        // A failure here shows in whether the device answers afterwards.
         let _ = rescue(bench, true);
     }
 }
 
-/// The breach that ended a case, or why else it did not come to its own end.
+/// The breach that ended a case, or the other reason why it ended early.
 fn ended(judged: Judged) -> (Option<Box<Breach>>, Option<End>) {
     match judged {
         Ok(()) => (None, None),
@@ -92,8 +93,8 @@ mod tests {
     use crate::scripted::{table, with_options};
     use canvass_traces::Duration;
 
-    /// Without the user's leave a device that does not start is reset, and once more after it was woken; with it, its node-ID is
-    /// looked for, and it is reset anew. After the end of the run nothing more is tried.
+    /// Without the user's leave, a device that does not start is reset, brought to pre-operational and reset again;
+    /// with it, its node-ID is restored, and it is reset again. After the end of the run nothing more is tried.
     #[test]
     fn a_node_id_is_looked_for_with_leave_only() {
         let resets = |allow: &[Touch], limit: Option<Duration>| {

@@ -1,4 +1,4 @@
-//! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
+//! Failures that the device did not cause, but the bus, others on it, or the tester's own machine.
 
 use super::Trial;
 use crate::bench::{Bench, HOST_LATE, KEEPS_UP};
@@ -6,10 +6,10 @@ use crate::verdict::{Breach, End, Reason};
 use canvass_bus::Health;
 use canvass_traces::Duration;
 
-/// From that share of the bus on, in percent, others may be why a device does not get through.
+/// Bus load of others, in percent, above which their traffic may delay the device's frames.
 const OVERLOAD: u64 = 50;
 
-/// Who takes so much of the bus that the device may not get through.
+/// The others that load the bus so much that the device's frames may not get through.
 pub(super) fn overload(bench: &Bench<'_>, span: Duration) -> Option<String> {
     let foreign = bench.traffic.clients.foreign();
     let load = foreign.load(span, bench.bit_rate());
@@ -23,10 +23,10 @@ pub(super) fn judge(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     blameless(trial, &health)
 }
 
-/// Leaves out what the bus, others on it or the tester's own machine may have made.
+/// Removes the breaches that the bus, others on it or the tester's own machine may have caused.
 ///
-/// A machine that was late, or a bus that had no room, can make an answer late or seem missing; it can't change a code or a
-/// value. What does not rest on time stays.
+/// A late machine or a full bus can delay or hide an answer, but can't change a code or a value. Breaches that do not
+/// depend on time stay.
 fn blameless(mut trial: Trial, health: &Health) -> Trial {
     if trial.is_void() {
         return trial;
@@ -50,7 +50,7 @@ fn blameless(mut trial: Trial, health: &Health) -> Trial {
     trial
 }
 
-/// What of the bus or of the tester's own machine may have made the breach.
+/// The reason why the bus or the tester's own machine may have caused the breach.
 fn excuse(breach: &Breach, health: &Health, overload: Option<&str>) -> Option<Reason> {
     if let Some(overload) = overload {
         let reason = || Reason::new("the bus has room for the device", "a load below half", overload);
@@ -69,8 +69,8 @@ fn excuse(breach: &Breach, health: &Health, overload: Option<&str>) -> Option<Re
     ))
 }
 
-/// Whether the tester's own machine may have made the breach: it was late for longer than a case waits for a frame, or the
-/// frames have no time of their own and what was measured is outside by less than that.
+/// Whether the tester's own machine may have caused the breach: its delay exceeds the wait of a case for a frame, or
+/// frames have no time stamp of their own and the measured time is outside its limits by less than the delay.
 fn is_made_by_lateness(breach: &Breach, health: &Health, late: Duration) -> bool {
     let stamping = health.stamping.longest().unwrap_or_default();
     if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!(overload.reason().unwrap().actual, "123; meanwhile: the read is answered (no answer)");
     }
 
-    /// Frames without a time of their own: a small lateness excuses what is outside by little, and nothing else.
+    /// Without time stamps of frames, a small delay of the machine excuses only a time that is outside by less.
     #[test]
     fn a_time_is_excused_by_what_was_late() {
         let allowed = Allowed::Time { least: Duration::from_millis(90), most: Duration::from_millis(110) };
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(judged(vec![breach(Observation::Silence)], &late, None).kind(), Kind::Fail);
     }
 
-    /// What an adapter measured whose clock can't be trusted is no time; all else stays.
+    /// Times from an adapter with a faulty clock are not judged; other breaches stay.
     #[test]
     fn wrong_time_stamps_judge_no_time() {
         let allowed = Allowed::Time { least: Duration::from_millis(90), most: Duration::from_millis(110) };
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(judged(both, &late, None).kind(), Kind::Fail);
     }
 
-    /// From half of the bus on others are named; the device's own frames, and the tester's, are not theirs.
+    /// Others are named from half of the bus load on; frames of the device and the tester do not count.
     #[test]
     fn others_that_take_half_of_the_bus_are_named() {
         use crate::scripted::{frame, with_bench};
@@ -177,7 +177,7 @@ mod tests {
                 overload(bench, Duration(span))
             })
         };
-        // At the highest bit rate, as that of the bus is not known.
+        // The load refers to the highest bit rate, since the bit rate of the bus is unknown.
         let bits = u64::from(bit_length(&frame("123#0102030405060708")).unwrap()) * 100;
         let half = bits * 1_000 * 2;
         let named = "others took 50 % of the bus, most of them 100 frames with identifier 123";
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(told("1BF#0102030405060708", 1), None, "that is the device itself");
     }
 
-    /// What did not come to a verdict on the device is left as it is, and what others made hides no other reason.
+    /// A case without verdict on the device is left unchanged, and an excuse by others hides no other reason.
     #[test]
     fn what_was_found_meanwhile_is_told() {
         let reason = || Reason::new("it is reached", "yes", "no");

@@ -1,5 +1,5 @@
-//! A case that needs the device operational says nothing of a device that can't be: that is told by the cases of its state, or by
-//! that after which it could no longer be.
+//! A case that needs the device operational says nothing about a device that can't be: the cases on its state report
+//! that, or the case after which the device no longer could.
 
 use super::Trial;
 use crate::bench::{Bench, KeptOut};
@@ -29,8 +29,8 @@ pub(super) fn judge(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     }
 }
 
-/// Whether a device that is not operational may show that: its state, PDOs that don't come or have no effect, and what follows
-/// from them. It serves SDO as one that is.
+/// Whether a breach may show only that the device is not operational: its state, PDOs that don't come or have no
+/// effect, and their consequences. SDO works in pre-operational, too.
 fn needs_operational(breach: &Breach) -> bool {
     let is_application = |subject| matches!(subject, Subject::Entry(at) if at.index.0 >= 0x2000);
     let is_of_sdo = match breach.subject {
@@ -55,7 +55,7 @@ mod tests {
         Breach::new(Subject::Device, "the read is answered").expected("the value").found(actual)
     }
 
-    /// What a device shows that is not operational, and what none shows for that reason.
+    /// Breaches that a device shows because it is not operational, and breaches that no device shows for that reason.
     #[test]
     fn what_the_state_explains() {
         let tpdo = Subject::Pdo { transmit: true, number: 1 };

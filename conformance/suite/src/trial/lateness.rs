@@ -1,4 +1,5 @@
-//! A device that gets no processor, as a process on a busy machine, is late as a whole: that is no failure of its timers.
+//! A device without processor time, such as a process on a busy machine, is late as a whole: that is no failure of its
+//! timers.
 
 use super::{CaseReport, Trial, meanwhile};
 use crate::bench::{Bench, DEVICE_KEEPS_UP, HOST_LATE, Timing, promptness};
@@ -8,21 +9,21 @@ use canvass_analyzer::Service;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
-/// Leaves out the breaches that a device may have made that was as late with answers that cost it nothing. A precondition that
-/// was not reached may be its lateness, too.
+/// Removes the breaches that the lateness of the device may have caused, if its cheap answers were as late. The
+/// lateness may also be why a precondition was not reached.
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
-    // What an open case finds fails nobody; a device that has left is not late.
+    // An open case fails nobody; a device that has left is not late.
     let is_open = trial.case.level == Level::Open;
     if !trial.has_asked || trial.has_left || bench.knowledge.has_gone() || is_open || trial.is_void() {
         return trial;
     }
-    // The run is to end: nothing more is asked.
+    // The run must end: nothing more is asked.
     if bench.is_cancelled() {
         return trial;
     }
     let timing = bench.timing();
     let needed = |breach: &Breach| lateness_needed(breach, &timing);
-    // An earlier judge that ended the case knows better than this one.
+    // If an earlier judge ended the case, its reason is better than this one.
     let unreached = match &trial.end {
         Some(End::Inconclusive(reason)) => trial.unreached.clone().filter(|unreached| unreached == reason),
         _ => None,
@@ -71,7 +72,7 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     Some(reason.for_lack_of(Lack::Promptness))
 }
 
-/// How late the device would have had to be to make the breach; `None`: no lateness makes it.
+/// The lateness that could cause the breach; `None` if none could.
 fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
     if let (Allowed::Time { .. }, Observation::Time(_)) = (&breach.allowed, &breach.actual) {
         return breach.outside();
@@ -85,7 +86,7 @@ fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
         Observation::Silence if of_layers => Some(timing.silence),
         Observation::Silence if breach.subject == Subject::Service(Service::BootUp) => Some(timing.boot_up),
         Observation::Value(_) | Observation::Number(_) if of_dictionary => None,
-        // The form of an answer is wrong whenever it comes.
+        // The form of an answer is wrong at any time.
         Observation::Named(_) | Observation::Frame(_) if of_sdo || of_layers => None,
         // Cases give the device at least this long to act.
         Observation::Silence

@@ -1,4 +1,4 @@
-//! A case that judges an object that an earlier case has left behind says nothing of the device's own value.
+//! A case that judges an object changed by an earlier case says nothing about the device's own value.
 
 use super::Trial;
 use crate::bench::Bench;

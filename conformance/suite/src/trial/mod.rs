@@ -1,4 +1,4 @@
-//! One case from its precondition to its verdict.
+//! A single case from its precondition to its verdict.
 
 mod attempt;
 mod hindrance;
@@ -22,52 +22,53 @@ use crate::verdict::{Breach, End, Reason};
 use canvass_bus::Health;
 use canvass_traces::Timestamp;
 
-/// A case that was run: the breaches that the device is blamed for, and what its judges need to know.
+/// A case that has run: the breaches that are still blamed on the device, and the facts that its judges need.
 #[derive(Debug)]
 pub(crate) struct Trial {
     case: &'static Case,
     breaches: Vec<Breach>,
-    /// Why the case did not come to its own end.
+    /// The reason why the case ended early.
     end: Option<End>,
     /// The precondition that the case itself did not reach.
     unreached: Option<Reason>,
-    /// The case has asked the device, and nothing on the tester's side kept the device from answering.
+    /// Whether the case has asked the device, and nothing on the tester's side kept the device from answering.
     has_asked: bool,
-    /// The device left the bus during the case.
+    /// Whether the device left the bus during the case.
     has_left: bool,
-    /// Who took so much of the bus that the device may not have got through.
+    /// The others that loaded the bus so much that the device's frames may not have got through.
     overload: Option<String>,
-    /// What others sent to the device or for it during the case.
+    /// The messages that others sent to the device or for it during the case.
     foreign: Vec<ForeignMessages>,
     remains: Remains,
     started: Timestamp,
-    /// How well bus and tester worked before the case.
+    /// The state of the bus and the tester before the case.
     health: Health,
 }
 
-/// Takes a trial and gives it back with the breaches that are still the device's.
+/// A judge takes a trial and returns it without the breaches that have an excuse.
 type Judge = fn(Trial, &mut Bench<'_>) -> Trial;
 
-/// The judges in their order, which matters: each may change the device, and so what the next one finds.
+/// The judges in their order. The order matters: each may change the device, and so the findings of the next.
 const JUDGES: [Judge; 10] = [
-    // Putting the device back makes the bench forget what an earlier case has left behind.
+    // Putting the device back makes the bench forget the changes that an earlier case left.
     left_behind::judge,
-    // A device that has gone is looked for while its frames are still evidence.
+    // The tester looks for a device that has gone while its frames are still evidence.
     presence::look,
     restoration::make_idle,
-    // A restart explains what came after it, so it goes before the excuses of single breaches.
+    // A restart explains the later breaches, so it comes before the excuses of single breaches.
     restart::judge,
     hindrance::judge,
     kept_out::judge,
-    // The memory is put back once nobody needs the device as the case left it, and before messages of others are counted.
+    // The memory is put back when no judge needs the device in its state after the case, and before messages of others
+    // are counted.
     restoration::settle,
     presence::judge,
     others::judge,
-    // Asks the device most, and only for breaches that nothing else explains.
+    // This judge asks the device most, and only for breaches that nothing else explains.
     lateness::judge,
 ];
 
-/// Runs one case: precondition, stimulus, restoration, and what must be true after every case.
+/// Runs one case: precondition, stimulus, restoration, and the checks after every case.
 pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let trial = attempt::run(Trial::new(bench, case), bench);
     JUDGES.iter().fold(trial, |trial, judge| judge(trial, bench)).report(bench)
@@ -94,17 +95,18 @@ impl Trial {
         }
     }
 
-    /// Whether the case passes as far as it was judged.
+    /// Whether the case passes so far.
     const fn has_passed(&self) -> bool {
         self.breaches.is_empty() && self.end.is_none()
     }
 
-    /// Whether the case has not come to a verdict on the device: there is nothing to excuse.
+    /// Whether the case has no verdict on the device, so that there is nothing to excuse.
     const fn is_void(&self) -> bool {
         matches!(self.end, Some(End::NotApplicable(_) | End::Error(_)))
     }
 
-    /// Leaves out the breaches that have an excuse; the excuse of the first makes the case inconclusive. `true`: there was one.
+    /// Removes the breaches that have an excuse. The excuse of the first makes the case inconclusive. Returns whether
+    /// there was one.
     fn excuse(&mut self, excuse: impl Fn(&Breach) -> Option<Reason>) -> bool {
         let mut first = None;
         self.breaches.retain(|breach| match excuse(breach) {
@@ -119,14 +121,14 @@ impl Trial {
         is_excused
     }
 
-    /// The first breach, or why the case ended; empty if it has passed.
+    /// The first breach, or the reason why the case ended; empty if it has passed.
     fn meanwhile(&self) -> String {
         let ended = || self.end.as_ref().map(|end| end.reason().clone());
         self.breaches.first().map(Reason::from).or_else(ended).map(|reason| meanwhile(&reason)).unwrap_or_default()
     }
 }
 
-/// What was found while something else kept the case from a verdict.
+/// Words for a finding in a case that got no verdict for another reason.
 fn meanwhile(found: &Reason) -> String {
     format!("; meanwhile: {} ({})", found.duty, found.actual)
 }
@@ -139,12 +141,12 @@ mod tests {
 
     static CASE: Case = test_case("test/tried", |_| Ok(()));
 
-    /// A case that ended so; the bus and the tester had no trouble before it.
+    /// A case with these breaches and this end. The bus and the tester had no trouble before it.
     pub(super) fn trial(breaches: Vec<Breach>, end: Option<End>) -> Trial {
         Trial { breaches, end, ..Trial::at(&CASE, Timestamp::ZERO, Health::default()) }
     }
 
-    /// Its verdict, if nothing is documented.
+    /// The verdict of a trial, if nothing is documented.
     pub(super) fn verdict(trial: Trial) -> Verdict {
         Verdict::new(trial.breaches.into_iter().map(|breach| Ruled { breach, excuse: None }).collect(), trial.end)
     }

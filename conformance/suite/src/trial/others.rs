@@ -1,4 +1,4 @@
-//! What others on the bus may have made a case find is not blamed on the device.
+//! Findings that others on the bus may have caused are not blamed on the device.
 
 use super::{Trial, meanwhile};
 use crate::bench::Bench;
@@ -10,7 +10,7 @@ pub(super) fn judge(trial: Trial, _: &mut Bench<'_>) -> Trial {
     not_of_others(trial, case)
 }
 
-/// Leaves out the breaches that others may have caused.
+/// Removes the breaches that others may have caused.
 fn not_of_others(mut trial: Trial, case: &str) -> Trial {
     if trial.foreign.is_empty() || trial.is_void() {
         return trial;
@@ -38,7 +38,7 @@ fn chosen(messages: &[ForeignMessages], is_it: impl Fn(&ForeignMessages) -> bool
     messages.iter().copied().filter(is_it).collect()
 }
 
-/// Nothing can be said, as others did that; and what was found meanwhile.
+/// The reason that others disturbed the case, with the finding meanwhile, if any.
 fn disturbed(causes: &[ForeignMessages], found: Option<&Reason>) -> Reason {
     let actual = format!("{}{}", told(causes), found.map(meanwhile).unwrap_or_default());
     let reason = Reason::new("nobody else uses the device while the case runs", "no messages of others", actual);
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(judged("301/sdo/x", &[silent], None, &[]).kind(), Kind::Fail);
     }
 
-    /// What each sort of message explains, and something that it does not.
+    /// Breaches that each kind of message explains, and breaches that it does not explain.
     #[test]
     fn each_sort_explains_what_it_may_cause() {
         let entry = |index| Subject::Entry(Multiplexer::new(index, 1));
@@ -130,7 +130,8 @@ mod tests {
         assert_eq!(kind("305/identify/all", ForeignKind::LayerSetting), Kind::Inconclusive);
     }
 
-    /// Who else may be why is told where a precondition was not reached; what does not apply, or broke, is left as it is.
+    /// If a precondition was not reached, the report names others that may be the cause; cases that do not apply or
+    /// broke are unchanged.
     #[test]
     fn who_may_keep_a_case_from_its_precondition_is_told() {
         let reason = || Reason::new("it is reached", "yes", "no");

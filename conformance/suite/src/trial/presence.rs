@@ -1,4 +1,4 @@
-//! A device that left the bus: also a case that passed may have stopped it.
+//! A device that left the bus. Even a case that passed may have stopped it.
 
 use super::Trial;
 use super::attempt::regain;
@@ -6,7 +6,7 @@ use crate::bench::Bench;
 use crate::verdict::Breach;
 use canvass_bus::observation::{Observation, Subject};
 
-/// Looks whether the device is still there, where the case has asked it.
+/// Checks whether the device is still present, if the case has asked it.
 pub(super) fn look(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let was_interrupted = bench.health().since(&trial.health).interruptions > 0;
     let has_asked = trial.case.asks_the_device() && !was_interrupted && !trial.is_void();
@@ -14,7 +14,7 @@ pub(super) fn look(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     Trial { has_asked, has_left, ..trial }
 }
 
-/// A device that has left fails the case, whatever else the case found.
+/// Fails the case if the device has left, whatever else the case found.
 pub(super) fn judge(mut trial: Trial, _: &mut Bench<'_>) -> Trial {
     let gone = || {
         Breach::new(Subject::Device, "the device stays on the bus")

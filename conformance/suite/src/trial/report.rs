@@ -1,4 +1,4 @@
-//! What a case leaves for the reports.
+//! The report of a case.
 
 use crate::bench::{Evidence, Measurement, Use};
 use crate::case::Case;
@@ -12,23 +12,23 @@ use canvass_traces::Duration;
 pub struct CaseReport {
     /// The case.
     pub case: &'static Case,
-    /// How it ended.
+    /// The verdict of the case.
     pub verdict: Verdict,
     /// The frames that were on the bus.
     pub evidence: Evidence,
-    /// What else was noticed.
+    /// Other observations.
     pub notes: Vec<String>,
-    /// What was measured, whatever the verdict.
+    /// The measurements, for any verdict.
     pub measurements: Vec<Measurement>,
-    /// Which objects served it, where others could have.
+    /// The objects that the case chose among several.
     pub uses: Vec<Use>,
-    /// What others sent to the device or for it meanwhile.
+    /// The messages that others sent to the device or for it meanwhile.
     pub foreign: Vec<ForeignMessages>,
-    /// How each repetition ended; one where the case ran once.
+    /// The verdict of each repetition; a single one if the case ran once.
     pub outcomes: Vec<Kind>,
-    /// What keeps its failure from counting.
+    /// The quarantine that keeps a failure from counting.
     pub quarantine: Option<Quarantine>,
-    /// How long it took on the clock of the bus, with the way to the precondition and back.
+    /// The duration of the case on the clock of the bus, including precondition and restoration.
     pub duration: Duration,
 }
 

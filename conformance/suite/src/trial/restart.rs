@@ -1,4 +1,4 @@
-//! A device that restarted by itself: what a case found of it afterwards is what a restart leaves.
+//! A device that restarted by itself: later findings of the case show the state after the restart.
 
 use super::Trial;
 use crate::bench::Bench;
@@ -6,14 +6,14 @@ use crate::verdict::Breach;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
 
-/// Puts the breach of a restart in its place in time: it hides what follows it, such as silence or a state after a reset, and not
-/// what came before.
+/// Inserts the breach of a restart at its time. It hides later breaches, such as silence or a state after a reset, but
+/// not earlier ones.
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     if trial.is_void() {
         return trial;
     }
     let boots = trial.remains.boots;
-    // A second boot-up message soon after the first one is asked about only where something was lost with it.
+    // Whether a second boot-up message soon after the first is a restart is checked only if the case found a breach.
     let soon = || boots.second.filter(|_| !trial.has_passed() && !bench.boots_twice());
     if let Some(at) = boots.unasked.or_else(soon) {
         let place = trial.breaches.iter().position(|breach| breach.seen.is_none_or(|seen| seen >= at));

@@ -1,11 +1,11 @@
-//! The device is put back. That may panic, too; the run goes on.
+//! Puts the device back after a case. The run continues even if this panics.
 
 use super::Trial;
 use crate::bench::{Bench, Remains, baseline};
 use crate::verdict::End;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Puts back what the case changed, and takes what it leaves for its report.
+/// Puts back the changes of the case, and takes the contents of its report.
 pub(super) fn make_idle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let ended_early = matches!(trial.end, Some(End::Inconclusive(_) | End::Error(_)));
     let clean_up = || {
@@ -21,14 +21,14 @@ pub(super) fn make_idle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     Trial { remains, ..trial }
 }
 
-/// Puts back what the case may have stored, and tells the journal; then counts what others have sent.
+/// Puts back stored values and settles the journal; then counts the messages of others.
 pub(super) fn settle(trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let settled = catch_unwind(AssertUnwindSafe(|| {
         if trial.has_asked {
             baseline::settle_memory(bench, trial.case.touches);
         }
     }));
-    // If the tester fails here, the journal goes on telling of the case.
+    // If the tester fails here, the case stays in the journal.
     if settled.is_ok() {
         bench.changes.settle_journal();
     }

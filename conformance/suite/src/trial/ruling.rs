@@ -1,4 +1,4 @@
-//! The verdict: what is left of the breaches is graded, and excused where the device's manual or a waiver announces it.
+//! The verdict: the remaining breaches are graded, and excused if the device's manual or a waiver announces them.
 
 use super::{CaseReport, Trial};
 use crate::bench::{Bench, Remains, Target};
@@ -7,7 +7,7 @@ use crate::clause::Level;
 use crate::verdict::{Breach, Deviation, Excuse, Grade, Kind, Ruled, Verdict};
 
 impl Trial {
-    /// The trial is over.
+    /// The report at the end of the trial.
     pub(super) fn report(self, bench: &Bench<'_>) -> CaseReport {
         let Self { case, breaches, end, foreign, started, .. } = self;
         let Remains { evidence, notes, measurements, uses, .. } = self.remains;
@@ -21,20 +21,21 @@ impl Trial {
     }
 }
 
-/// What fails on a device that is simulated from its description alone is not its simulation.
+/// A note on a failure of a device that is simulated from its description alone: the description causes it, not the
+/// simulation.
 fn described_so(bench: &Bench<'_>, case: &Case, verdict: &Verdict) -> Option<String> {
     let Target { described_alone, model, .. } = bench.target();
     let is_it = *described_alone && case.asks_the_device() && verdict.kind() == Kind::Fail;
     is_it.then(|| format!("the device is simulated as {model} describes it: what is wrong is wrong there"))
 }
 
-/// What the standard leaves open is recorded and never fails.
+/// The breach with its grade: a breach of what the standard leaves open is recorded and never fails.
 fn graded(breach: Breach, case: &Case) -> Breach {
     if case.level == Level::Open { breach.open() } else { breach }
 }
 
-/// What the device's documentation or its user announces is excused: that case, that subject, that behaviour, and
-/// nothing else.
+/// Excuses a breach that the device's documentation or its user announces, for exactly this case, subject and
+/// behaviour.
 fn rule(breach: Breach, case: &Case, deviations: &[Deviation]) -> Ruled {
     let announced = deviations.iter().filter(|_| breach.grade == Grade::Wrong);
     let announced = announced.into_iter().find(|deviation| deviation.explains(case.id, &breach));

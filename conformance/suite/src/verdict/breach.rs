@@ -1,4 +1,4 @@
-//! What a check found wrong.
+//! Breaches: differences that a check found.
 
 use super::Reason;
 use crate::situation::Situation;
@@ -8,84 +8,84 @@ use canvass_traces::{Duration, Timestamp};
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a check found wrong: what it is about, when, what would have been right, what came.
+/// A difference that a check found: its subject, its time, the allowed behaviour, and the actual one.
 ///
-/// [`Breach::subject`] and [`Breach::actual`] are what manuals' sheets and waivers are compared with; the words are for
-/// people only.
+/// Sheets of manuals and waivers are compared with [`Breach::subject`] and [`Breach::actual`]; the words are only for
+/// people.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Breach {
-    /// What of the device it is about.
+    /// The part of the device with the breach.
     pub subject: Subject,
-    /// What the device was asked, or what happened to it.
+    /// The request to the device, or the event before the breach.
     pub situation: When,
-    /// What would have been right.
+    /// The allowed behaviour.
     pub allowed: Allowed,
-    /// What came instead.
+    /// The actual behaviour.
     pub actual: Observation,
-    /// What came, in more words than the observation has: the other values, the frame.
+    /// The actual behaviour with more details than the observation has: the other values, the frame.
     pub detail: Option<String>,
-    /// How bad it is.
+    /// The severity of the breach.
     pub grade: Grade,
-    /// When it was seen, on the clock of the bus.
+    /// The time of the breach on the clock of the bus.
     pub seen: Option<Timestamp>,
-    /// Of how many periods a time is the mean; 1: a single one.
+    /// Number of periods of which a time is the mean; 1 for a single period.
     pub periods: u64,
 }
 
-/// How bad a breach is.
+/// The severity of a breach.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Grade {
-    /// The standard leaves it open: it is recorded.
+    /// The standard leaves the behaviour open: the breach is recorded.
     Open,
-    /// Not what the standard says, but accepted by CiA's own test tool.
+    /// The behaviour violates the standard, but CiA's own test tool accepts it.
     Tolerated,
-    /// Not what the standard says.
+    /// The behaviour violates the standard.
     Wrong,
 }
 
 /// The situation of a breach.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum When {
-    /// One of the table of allowed answers, with what exactly was sent.
+    /// A row of the table of allowed answers, with the exact request.
     Listed {
         /// The row.
         situation: Situation,
-        /// `download of 1 byte to 1000h:00`.
+        /// The request in words: `download of 1 byte to 1000h:00`.
         stimulus: String,
     },
-    /// One that only its case knows: what has to happen then, in one sentence.
+    /// A situation that only its case knows: the required behaviour in one sentence.
     Own(Cow<'static, str>),
 }
 
-/// What would have been right.
+/// The allowed behaviour.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Allowed {
-    /// One of these; the best answer first.
+    /// One of these observations; the best comes first.
     OneOf(Vec<Observation>),
-    /// A time between these.
+    /// A time within limits.
     Time {
-        /// The shortest.
+        /// The shortest time.
         least: Duration,
-        /// The longest.
+        /// The longest time.
         most: Duration,
     },
-    /// As many between these.
+    /// A number within limits.
     Count {
-        /// The fewest.
+        /// The minimum.
         least: u64,
-        /// The most; `None`: no limit.
+        /// The maximum; `None` means no limit.
         most: Option<u64>,
     },
-    /// What can only be described.
+    /// A behaviour that can only be described.
     Described(Cow<'static, str>),
 }
 
-/// What a check found: nothing wrong, or a breach. `?` ends the case with the breach;
+/// The result of a check: success, or a breach. `?` ends the case with the breach;
 /// [`Bench::check`](crate::bench::Bench::check) records it and lets the case go on.
 pub type Check = Result<(), Box<Breach>>;
 
 impl Breach {
-    /// A breach in a situation that only its case knows: `duty` says what has to happen, in one sentence.
+    /// A breach in a situation that only its case knows: `duty` is the required behaviour in one sentence.
     pub fn new(subject: impl Into<Subject>, duty: impl Into<Cow<'static, str>>) -> Self {
         Self {
             subject: subject.into(),
@@ -99,60 +99,60 @@ impl Breach {
         }
     }
 
-    /// A breach in a situation of the table of allowed answers: `stimulus` says what was sent.
+    /// A breach in a situation of the table of allowed answers: `stimulus` describes the request.
     pub fn listed(subject: impl Into<Subject>, situation: Situation, stimulus: impl Into<String>) -> Self {
         let allowed = Allowed::OneOf(situation.allowed().to_vec());
         let situation = When::Listed { situation, stimulus: stimulus.into() };
         Self { situation, allowed, ..Self::new(subject, "") }
     }
 
-    /// What would have been right.
+    /// Sets the allowed behaviour.
     #[must_use]
     pub fn expected(self, allowed: impl Into<Allowed>) -> Self {
         Self { allowed: allowed.into(), ..self }
     }
 
-    /// What came instead.
+    /// Sets the actual behaviour.
     #[must_use]
     pub fn found(self, actual: Observation) -> Self {
         Self { actual, ..self }
     }
 
-    /// What came, in more words.
+    /// Adds details to the actual behaviour.
     #[must_use]
     pub fn told(self, detail: impl Into<String>) -> Self {
         Self { detail: Some(detail.into()), ..self }
     }
 
-    /// The time that was found is the mean of this many periods.
+    /// Declares that the measured time is the mean of this many periods.
     #[must_use]
     pub fn over(self, periods: u64) -> Self {
         Self { periods: periods.max(1), ..self }
     }
 
-    /// Accepted by CiA's own test tool.
+    /// Marks the breach as accepted by CiA's own test tool.
     #[must_use]
     pub fn tolerated(self) -> Self {
         Self { grade: Grade::Tolerated, ..self }
     }
 
-    /// Left open by the standard.
+    /// Marks the breach as left open by the standard.
     #[must_use]
     pub fn open(self) -> Self {
         Self { grade: Grade::Open, ..self }
     }
 
-    /// Whether a tester's machine that was late may have made it: it rests on a time, or on what did not come in time.
+    /// Whether a late machine of the tester may have caused the breach: it depends on a time, or on a missing message.
     pub fn depends_on_time(&self) -> bool {
         self.actual.depends_on_time() || matches!(self.allowed, Allowed::Time { .. })
     }
 
-    /// Whether a time was measured, or had to be.
+    /// Whether a time was measured or required.
     pub fn is_of_a_time(&self) -> bool {
         matches!(self.actual, Observation::Time(_)) || matches!(self.allowed, Allowed::Time { .. })
     }
 
-    /// By how much a time is outside of what is allowed, over all its periods; `None` if it is not, or is no time.
+    /// The distance of a time from its limits, over all its periods; `None` if it is within them, or is no time.
     pub fn outside(&self) -> Option<Duration> {
         let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else {
             return None;
@@ -161,12 +161,12 @@ impl Breach {
         (outside > 0).then(|| Duration(outside).times(self.periods))
     }
 
-    /// Whether it is a time that is outside of what is allowed, by no more than that over all its periods.
+    /// Whether a time is outside its limits by at most `at_most` over all its periods.
     pub fn is_outside_by(&self, at_most: Duration) -> bool {
         self.outside().is_some_and(|outside| outside <= at_most)
     }
 
-    /// What has to happen, in one sentence.
+    /// The required behaviour in one sentence.
     pub fn duty(&self) -> String {
         match &self.situation {
             When::Listed { situation, stimulus } => format!("{}: {stimulus}", situation.requirement()),
@@ -174,13 +174,13 @@ impl Breach {
         }
     }
 
-    /// What came, as people read it.
+    /// The actual behaviour in words.
     pub fn found_text(&self) -> String {
         self.detail.clone().unwrap_or_else(|| described(&self.actual))
     }
 }
 
-/// An observation as people read it: an abort code with its meaning.
+/// An observation in words: an abort code includes its meaning.
 fn described(observation: &Observation) -> String {
     match observation {
         Observation::Abort(code) => format!("abort {code}"),
@@ -195,7 +195,7 @@ fn described(observation: &Observation) -> String {
     }
 }
 
-/// What a transfer led to, as an observation.
+/// The outcome of a transfer as an observation.
 pub fn observed(outcome: &Outcome) -> Observation {
     match outcome {
         Outcome::Uploaded(value) => Observation::Value(value.clone()),
@@ -207,7 +207,7 @@ pub fn observed(outcome: &Outcome) -> Observation {
     }
 }
 
-/// What a response is, as an observation; one out of place is a violation.
+/// A response as an observation. An unexpected response is a violation.
 pub fn observed_response(response: &canvass_analyzer::wire::sdo::Response) -> Observation {
     use canvass_analyzer::wire::sdo::Response;
     match response {

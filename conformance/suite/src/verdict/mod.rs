@@ -1,7 +1,7 @@
-//! How a case ends.
+//! The outcomes of cases.
 //!
-//! A case reports [`Breach`]es to its bench and ends with [`Judged`]; the runner holds each breach against what the
-//! device's manual and its user announce, and makes the [`Verdict`] of both.
+//! A case reports [`Breach`]es to its bench and ends with [`Judged`]. The runner compares each breach with the
+//! announcements of the device's manual and its user, and makes the [`Verdict`] from both.
 
 mod breach;
 mod deviation;
@@ -20,30 +20,30 @@ pub struct Verdict {
     end: Option<End>,
 }
 
-/// A breach, and who announces it.
+/// A breach with its excuse.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ruled {
-    /// What was found wrong.
+    /// The breach.
     pub breach: Breach,
-    /// Who announces that the device does this.
+    /// The excuse, if the breach is announced.
     pub excuse: Option<Excuse>,
 }
 
-/// An announcement that a device differs from the standard in this.
+/// An announcement that the device differs from the standard in this way.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Excuse {
-    /// What the documentation or the waiver says, and where.
+    /// The text of the documentation or the waiver, with its source.
     pub documented: String,
-    /// Who says so.
+    /// The authority that announces it.
     pub by: Authority,
 }
 
-/// Why a case did not come to its own end.
+/// The reason why a case ended early.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum End {
-    /// The precondition could not be reached: nothing is known.
+    /// The precondition could not be reached, so nothing is known.
     Inconclusive(Reason),
-    /// The device does not have what the case is about, or the user has not allowed it.
+    /// The device lacks the feature that the case tests, or the user has not allowed the case.
     NotApplicable(Reason),
     /// The tester or the bus failed, not the device.
     Error(Reason),
@@ -54,30 +54,30 @@ pub enum End {
 pub enum Authority {
     /// The manufacturer: the device's own manual.
     Manual,
-    /// The user: a waiver that begins at that line of the waiver file.
+    /// The user, by a waiver in the waiver file.
     Waiver {
         /// The line of the waiver file, counted from 1.
         line: usize,
     },
 }
 
-/// Why a verdict is what it is.
+/// The reason for a verdict.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Reason {
-    /// What had to happen, in one sentence.
+    /// The required behaviour in one sentence.
     pub duty: String,
-    /// The exact answer, value or time that would have been right.
+    /// The exact answer, value or time that was expected.
     pub expected: String,
-    /// What was there instead.
+    /// The actual answer, value or time.
     pub actual: String,
-    /// What would help.
+    /// The kind of thing that was missing.
     pub lack: Lack,
 }
 
-/// What a case would need that could not be judged.
+/// The kind of thing that would have made a case applicable.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub enum Lack {
-    /// Something of the device or the bus.
+    /// A feature of the device or the bus.
     #[default]
     Feature,
     /// A description of the device.
@@ -86,24 +86,24 @@ pub enum Lack {
     Permission,
     /// A bus on which nobody else uses the device.
     Quiet,
-    /// A device that gets a processor when it needs one.
+    /// A device that gets processor time when it needs it.
     Promptness,
 }
 
 /// The kinds of verdict, for counting and for names.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Kind {
-    /// As the standard says.
+    /// The device behaves as the standard says.
     Pass,
-    /// Not what the standard says, but accepted by CiA's own test tool.
+    /// The device violates the standard, but CiA's own test tool accepts it.
     Tolerated,
-    /// Differs from the standard as the device's own documentation, or its user, says it does.
+    /// The device differs from the standard in the way that its own documentation or its user announces.
     Deviation,
-    /// Not as the standard says.
+    /// The device violates the standard.
     Fail,
-    /// The precondition could not be reached: nothing is known.
+    /// The precondition could not be reached, so nothing is known.
     Inconclusive,
-    /// The device does not have what the case is about, or the user has not allowed it.
+    /// The device lacks the feature that the case tests, or the user has not allowed the case.
     NotApplicable,
     /// The tester or the bus failed, not the device.
     Error,
@@ -121,12 +121,12 @@ impl Kind {
         Self::Error,
     ];
 
-    /// The kind of that name in JSON.
+    /// The kind with this name in JSON.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The word for it in JSON.
+    /// The name of the kind in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -139,7 +139,7 @@ impl Kind {
         }
     }
 
-    /// The word for people.
+    /// The name of the kind for people.
     pub const fn title(self) -> &'static str {
         match self {
             Self::NotApplicable => "not applicable",
@@ -147,7 +147,7 @@ impl Kind {
         }
     }
 
-    /// How bad it is, for choosing the worst of several outcomes: a case that failed once has failed.
+    /// The severity of the kind, for choosing the worst of several outcomes: a case that failed once has failed.
     pub const fn badness(self) -> u8 {
         match self {
             Self::Pass => 0,
@@ -160,7 +160,7 @@ impl Kind {
         }
     }
 
-    /// Whether the case ran to an end and says something about the device.
+    /// Whether the case ran to its end and says something about the device.
     pub const fn is_executed(self) -> bool {
         matches!(self, Self::Pass | Self::Tolerated | Self::Deviation | Self::Fail)
     }
@@ -173,55 +173,55 @@ impl fmt::Display for Kind {
 }
 
 impl Verdict {
-    /// The verdict on a case that found this and ended so.
+    /// The verdict on a case with these breaches and this end.
     pub fn new(breaches: Vec<Ruled>, end: Option<End>) -> Self {
         Self { breaches, end }
     }
 
-    /// As the standard says.
+    /// The verdict of a case without breach.
     pub const fn pass() -> Self {
         Self { breaches: Vec::new(), end: None }
     }
 
-    /// The precondition could not be reached.
+    /// The verdict of a case whose precondition could not be reached.
     pub const fn inconclusive(reason: Reason) -> Self {
         Self { breaches: Vec::new(), end: Some(End::Inconclusive(reason)) }
     }
 
-    /// The device does not have what the case is about.
+    /// The verdict of a case whose feature the device lacks.
     pub const fn not_applicable(reason: Reason) -> Self {
         Self { breaches: Vec::new(), end: Some(End::NotApplicable(reason)) }
     }
 
-    /// The tester or the bus failed.
+    /// The verdict of a case in which the tester or the bus failed.
     pub const fn error(reason: Reason) -> Self {
         Self { breaches: Vec::new(), end: Some(End::Error(reason)) }
     }
 
-    /// What was found wrong, in the order in which it was found.
+    /// The breaches in the order in which they were found.
     pub fn breaches(&self) -> &[Ruled] {
         &self.breaches
     }
 
-    /// Why the case did not come to its own end.
+    /// The reason why the case ended early.
     pub const fn end(&self) -> Option<&End> {
         self.end.as_ref()
     }
 
-    /// The verdict's kind: the worst of what was found and of how the case ended.
+    /// The kind of the verdict: the worst of the breaches and of the end.
     pub fn kind(&self) -> Kind {
         let breaches = self.breaches.iter().map(Ruled::kind);
         let kinds = breaches.chain(self.end.as_ref().map(End::kind));
         kinds.max_by_key(|kind| kind.badness()).unwrap_or(Kind::Pass)
     }
 
-    /// The breach that decides, the first of the worst.
+    /// The decisive breach: the first of the worst.
     pub fn worst(&self) -> Option<&Ruled> {
         let kind = self.kind();
         self.breaches.iter().find(|ruled| ruled.kind() == kind)
     }
 
-    /// The reason for the verdict; a pass has none.
+    /// The reason for the verdict; `None` for a pass.
     pub fn reason(&self) -> Option<Reason> {
         let kind = self.kind();
         if kind == Kind::Pass {
@@ -231,20 +231,20 @@ impl Verdict {
         end.or_else(|| self.worst().map(|ruled| Reason::from(&ruled.breach)))
     }
 
-    /// Where the device's documentation announces the deviation that decides.
+    /// The documentation that announces the decisive deviation.
     pub fn documented(&self) -> Option<&str> {
         let excuse = self.worst().filter(|_| self.kind() == Kind::Deviation)?.excuse.as_ref()?;
         Some(&excuse.documented)
     }
 
-    /// Who announces the deviation that decides.
+    /// The authority that announces the decisive deviation.
     pub fn authority(&self) -> Option<Authority> {
         self.worst().filter(|_| self.kind() == Kind::Deviation)?.excuse.as_ref().map(|excuse| excuse.by)
     }
 }
 
 impl Ruled {
-    /// What it would make of a case that found nothing else.
+    /// The kind of verdict that this breach alone would cause.
     pub const fn kind(&self) -> Kind {
         match (self.breach.grade, &self.excuse) {
             (Grade::Open, _) => Kind::Pass,
@@ -256,7 +256,7 @@ impl Ruled {
 }
 
 impl End {
-    /// What it makes of a case that found nothing wrong.
+    /// The kind of verdict of a case that ended this way without breach.
     pub const fn kind(&self) -> Kind {
         match self {
             Self::Inconclusive(_) => Kind::Inconclusive,
@@ -265,7 +265,7 @@ impl End {
         }
     }
 
-    /// Why, in words.
+    /// The reason in words.
     pub const fn reason(&self) -> &Reason {
         match self {
             Self::Inconclusive(reason) | Self::NotApplicable(reason) | Self::Error(reason) => reason,
@@ -274,12 +274,12 @@ impl End {
 }
 
 impl Reason {
-    /// A reason from its three parts.
+    /// A reason from the required, the expected and the actual behaviour.
     pub fn new(duty: impl Into<String>, expected: impl Into<String>, actual: impl Into<String>) -> Self {
         Self { duty: duty.into(), expected: expected.into(), actual: actual.into(), lack: Lack::Feature }
     }
 
-    /// A description of the device, or the user's permission, would help.
+    /// Sets the kind of thing that would help.
     #[must_use]
     pub fn for_lack_of(self, lack: Lack) -> Self {
         Self { lack, ..self }
@@ -293,10 +293,10 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Nothing wrong where `met`, else the breach: the usual end of a check.
+/// Success if `met`, otherwise the breach: the usual end of a check.
 ///
 /// # Errors
-/// The breach.
+/// The breach if not `met`.
 pub fn demand(met: bool, breach: impl FnOnce() -> Breach) -> Check {
     if met { Ok(()) } else { Err(Box::new(breach())) }
 }

@@ -1,25 +1,25 @@
-//! Why a case ends before its last line.
+//! Reasons why a case ends before its last line.
 
 use super::{Breach, Reason};
 
-/// Why a case ends before its last line.
+/// The reason why a case ends before its last line.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Stop {
-    /// After this breach the rest says nothing.
+    /// After this breach the rest of the case would prove nothing.
     Breach(Box<Breach>),
-    /// The precondition could not be reached: nothing is known.
+    /// The precondition could not be reached, so nothing is known.
     Inconclusive(Reason),
-    /// The device does not have what the case is about, or the user has not allowed it.
+    /// The device lacks the feature that the case tests, or the user has not allowed the case.
     NotApplicable(Reason),
     /// The tester or the bus failed, not the device.
     Error(Reason),
 }
 
-/// What a case returns: what it found wrong on its way is with the bench.
+/// The result of a case. The bench holds the breaches that it found on its way.
 pub type Judged = Result<(), Stop>;
 
 impl Stop {
-    /// A breach of what a case needs first, but is not about: the precondition was not reached.
+    /// Turns a breach of something that the case needs but does not test into an unreached precondition.
     #[must_use]
     pub fn unreached(self) -> Self {
         match self {
@@ -28,7 +28,7 @@ impl Stop {
         }
     }
 
-    /// Why, in words.
+    /// The reason in words.
     pub fn reason(&self) -> Reason {
         match self {
             Self::Breach(breach) => Reason::from(&**breach),
@@ -37,10 +37,10 @@ impl Stop {
     }
 }
 
-/// Sees that a case has tried something: where nothing could be tried, nothing is known. `what` says what it needed.
+/// Requires that a case has tried something: without an attempt nothing is known. `what` names the missing thing.
 ///
 /// # Errors
-/// [`Stop::Inconclusive`] if it has not.
+/// [`Stop::Inconclusive`] if `times` is 0.
 pub fn tried(times: usize, what: &'static str) -> Judged {
     if times > 0 {
         return Ok(());
@@ -54,13 +54,13 @@ impl From<Box<Breach>> for Stop {
     }
 }
 
-/// Turns what a case needs first, but is not about, into a precondition.
+/// Turns a requirement that the case needs but does not test into a precondition.
 pub trait Precondition {
-    /// What it gives where it holds.
+    /// The value of the precondition if it is met.
     type Value;
 
     /// # Errors
-    /// [`Stop::Inconclusive`] where it does not hold.
+    /// [`Stop::Inconclusive`] if the precondition is not met.
     fn or_inconclusive(self) -> Result<Self::Value, Stop>;
 }
 

@@ -1,4 +1,4 @@
-//! What a run counts, what it tells on its way, and in which order.
+//! The counts of a run, its events, and their order.
 
 use crate::scripted::{
     Row, ScriptedBus, described, dictionary, frame, test_case, with_bench, with_options, with_target,
@@ -42,7 +42,7 @@ static UNDESCRIBED: Case = test_case("test/undescribed", |_| {
 static WAITS: Case = test_case("test/waits", |bench| bench.listen(MS(3_000)).map(|_| ()));
 static ASKS_NOBODY: Case = test_case("306/file/test", |_| Ok(()));
 
-/// A device with these values beside its device type, which starts when it is reset.
+/// A device with these values and a device type, which starts when it is reset.
 fn device(rows: &[Row]) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
     let mut rows = rows.to_vec();
     rows.push(((0x1000, 0), vec![0x96, 1, 2, 0], false));
@@ -61,7 +61,7 @@ fn plan<'a>(cases: &'a [&'static Case]) -> Plan<'a> {
     Plan { cases, bus: "can0", bit_rate: Some(125_000), seed: 9 }
 }
 
-/// What happened in a run, each event in a few words, and how it ended.
+/// The result of a run, and its events, each in a few words.
 fn told(bench: &mut Bench<'_>, cases: &[&'static Case]) -> (Result<Summary, RunError>, Vec<String>) {
     let mut events = Vec::new();
     let summary = run(bench, &plan(cases), &mut |event| {
@@ -98,7 +98,7 @@ fn a_run_is_told_from_its_start_to_its_end() {
     assert_eq!((summary.count(Kind::Pass), summary.stores, summary.flaky, summary.quarantined), (2, 0, 0, 0));
 }
 
-/// The device, its description and its values before the first case.
+/// The first event reports the device, its description and its values before the first case.
 #[test]
 fn what_is_tested_is_told_first() {
     let rows = [
@@ -123,7 +123,7 @@ fn what_is_tested_is_told_first() {
     assert_eq!(dictionary, ["1000h:00", "1008h:00", "1018h:00", "1018h:01"]);
 }
 
-/// How often the device stored, how long it took, and what could not be judged without a description.
+/// The summary counts the store commands, the duration, and the cases that lacked a description.
 #[test]
 fn stores_time_and_what_is_not_described_are_counted() {
     let counted = |target: &Target, cases: &[&'static Case]| {
@@ -155,12 +155,13 @@ fn stores_time_and_what_is_not_described_are_counted() {
 }
 
 static TURN: AtomicU32 = AtomicU32::new(0);
-/// Passes and fails by turns.
+/// A case that passes and fails in turn.
 static BY_TURNS: Case = test_case("test/by-turns", |_| {
     if TURN.fetch_add(1, Ordering::SeqCst).is_multiple_of(2) { Ok(()) } else { Err(breach()) }
 });
 
-/// A case that ends otherwise when it is repeated is flaky, and counts as its worst; those in quarantine do not count.
+/// A case whose repetitions end differently is flaky, and counts with its worst outcome; cases in quarantine do not
+/// count.
 #[test]
 fn repeated_cases_and_those_in_quarantine_are_counted() {
     let options = Options { repeat: 3, ..Options::default() };
@@ -189,7 +190,7 @@ fn repeated_cases_and_those_in_quarantine_are_counted() {
     });
 }
 
-/// Also a case that asks for a description lacks it, whatever else it would need.
+/// A case that needs a description lacks it, even if it also has other needs.
 #[test]
 fn a_case_that_needs_a_description_is_counted() {
     static NEEDS_IT: Case = Case { needs: &[&needs::DESCRIPTION], ..test_case("test/needs-description", |_| Ok(())) };
@@ -201,7 +202,7 @@ fn a_case_that_needs_a_description_is_counted() {
     assert_eq!((noticed(&NEEDS_IT), noticed(&NEEDS_MORE)), (true, false));
 }
 
-/// Where nobody was asked, nothing is to be put back, and no journal is left.
+/// If no device was asked, there is nothing to put back, and no journal is left.
 #[test]
 fn a_run_about_the_file_leaves_no_journal() {
     let folder = tempfile::tempdir().unwrap();
@@ -211,7 +212,7 @@ fn a_run_about_the_file_leaves_no_journal() {
     assert!(summary.is_ok() && !path.exists() && !events.iter().any(|event| event.contains("journal")), "{events:?}");
 }
 
-/// A run that ended early says after how many cases, and why.
+/// A run that ended early reports the number of its cases, and the reason.
 #[test]
 fn a_run_that_ended_early_says_so() {
     let options = Options { fail_fast: true, ..Options::default() };
@@ -229,7 +230,7 @@ fn a_run_that_ended_early_says_so() {
     assert_eq!(none.unwrap_err().to_string(), "no case was executed: of 1 cases none could be judged");
 }
 
-/// Cases about the file alone ask nobody: there need be no device, and nothing is compared.
+/// Cases about the file alone ask no device: none need be present, and nothing is compared.
 #[test]
 fn cases_about_the_description_need_no_device() {
     let (summary, events) = with_bench(
@@ -245,7 +246,7 @@ fn cases_about_the_description_need_no_device() {
     assert_eq!(events, ["started: 1 cases on can0, seed 9", "1 of 1: 306/file/test", "pass", "finished: 1"]);
 }
 
-/// A device that was at work is at work again after the run; another is left as after power-on.
+/// A device that was operational is operational again after the run; another is left as after power-on.
 #[test]
 fn a_device_that_was_operational_is_so_again() {
     let started = |state: &'static str| {
@@ -264,17 +265,17 @@ fn a_device_that_was_operational_is_so_again() {
             answers
         };
         with_bench(script, |bench| {
-            // Something has to be sent for the script to speak.
+            // The script answers only after a frame was sent.
             bench.send_bytes(0x123, &[]).unwrap();
             told(bench, &[&PASSES]).0.unwrap();
         });
         last.get()
     };
-    // Start, reset node, reset node.
+    // The last commands: start, reset node, reset node.
     assert_eq!((started("73F#05"), started("73F#7F"), started("73E#05")), (0x01, 0x81, 0x81));
 }
 
-/// One that does not answer may be stopped, and starts when it is reset; one that does not is not there.
+/// A device that does not answer may be stopped, and starts when it is reset; a device that does not start is absent.
 #[test]
 fn a_device_that_is_stopped_is_reached_by_a_reset() {
     let reached = |starts: bool| {
@@ -290,7 +291,7 @@ fn a_device_that_is_stopped_is_reached_by_a_reset() {
     assert_eq!(error, "node 63 does not answer: expected an SDO response or a boot-up message within 10 s");
 }
 
-/// A bus that fails before the first case is no device that is not there.
+/// If the bus fails before the first case, the device does not count as absent.
 #[test]
 fn a_bus_that_fails_is_told_as_such() {
     struct Broken(Timestamp);
@@ -316,7 +317,7 @@ fn a_bus_that_fails_is_told_as_such() {
     assert_eq!(told(&mut bench, &[&PASSES]).0, Err(RunError::Bus("the bus failed: unplugged".to_owned())));
 }
 
-/// On a live bus the summary says how well the tester's machine kept up.
+/// On a live bus the summary contains how well the tester's machine kept up.
 #[test]
 fn how_late_the_host_was_is_told_of_a_live_bus() {
     struct Live(ScriptedBus);
@@ -339,7 +340,7 @@ fn how_late_the_host_was_is_told_of_a_live_bus() {
         fn health(&self) -> Health {
             let interrupted_for = Duration::from_secs(4);
             let mut health = Health { lost: 3, interruptions: 2, interrupted_for, ..Health::default() };
-            // The 990th of a thousand.
+            // The 99th percentile is the 990th of a thousand.
             for n in 1..=1_000 {
                 health.receive.add(Duration(1 << [8, 10, 20][usize::from(n > 989) + usize::from(n > 990)]));
                 health.transmit.add(Duration(1 << [9, 12, 22][usize::from(n > 989) + usize::from(n > 990)]));
@@ -397,7 +398,7 @@ fn the_leave_that_is_missing_is_named() {
     assert_eq!(actual(&[Touch::Nvm, Touch::NodeId]), None);
 }
 
-/// An object that an earlier case left changed says nothing of the device; another does.
+/// An object that an earlier case left changed is not judged; another object is.
 #[test]
 fn what_an_earlier_case_left_is_not_blamed_on_the_device() {
     static JUDGES: Case =
@@ -424,7 +425,7 @@ fn what_an_earlier_case_left_is_not_blamed_on_the_device() {
     });
 }
 
-/// A device that left the bus fails the case in which it did; the cases after it say nothing of it.
+/// A device that left the bus fails the case in which it left; the later cases say nothing about it.
 #[test]
 fn a_device_that_leaves_fails_one_case() {
     static LEAVES: Case = test_case("test/leaves", |bench| bench.send_bytes(0x123, &[1]).map(|_| ()));
@@ -452,7 +453,8 @@ fn a_device_that_leaves_fails_one_case() {
     });
 }
 
-/// What is wrong with a device that is simulated from its description alone is wrong there; its reports say so.
+/// A failure of a device that is simulated from its description alone is an error of the description; the reports say
+/// so.
 #[test]
 fn a_device_that_is_simulated_from_its_description_is_named_as_such() {
     let notes = |described_alone: bool, case: &'static Case| {
@@ -466,7 +468,7 @@ fn a_device_that_is_simulated_from_its_description_is_named_as_such() {
     assert!(notes(true, &OF_THE_FILE).is_empty(), "the file is not simulated");
 }
 
-/// A case ends when its evidence says so: the report has the frames, the time that it took, and how it ended.
+/// A report of a case contains its frames, its duration, and its verdict.
 #[test]
 fn a_report_has_all_of_a_case() {
     with_bench(device(&[]), |bench| {
@@ -480,7 +482,7 @@ fn a_report_has_all_of_a_case() {
     });
 }
 
-/// Nothing is to be put back where no case had begun; else the device is asked, and has to be there.
+/// If no case had begun, nothing is put back; otherwise the tester asks the device, which must be present.
 #[test]
 fn an_interrupted_run_is_put_back_if_it_had_begun() {
     let read = |lines: &str| {

@@ -1,4 +1,4 @@
-//! What a run leaves behind is reported with the commands that put it back, and is no good end.
+//! Changes that a run leaves are reported with the commands that put them back, and the run does not count as good.
 
 use crate::scripted::{frame, test_case, with_bench};
 use canvass_analyzer::Multiplexer;
@@ -16,8 +16,8 @@ fn answer(bytes: [u8; 8]) -> Vec<(Duration, Frame)> {
     vec![(Duration::from_millis(1), Frame::full(CanId::standard_masked(0x5BF), bytes))]
 }
 
-/// A device with a device type, a heartbeat time that, where it sticks, can't be switched off again, an error register that counts what is
-/// read, and nothing else. Resets change none of it.
+/// A device with a device type, a heartbeat time, and an error register that counts its reads. If `sticks`, the
+/// heartbeat time can't be switched off again. Resets change no value.
 fn device(sticks: bool) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
     let (mut time, mut reads) = ([0, 0], 0_u8);
     move |request| {

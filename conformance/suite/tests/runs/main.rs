@@ -1,6 +1,6 @@
-//! Whole runs, and single cases, on devices of a few lines.
+//! Whole runs and single cases on devices of a few lines.
 
-// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+// `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
 
 mod counts;

@@ -1,4 +1,4 @@
-//! Runs on devices of a few lines: what becomes of the cases, and what is reported about them.
+//! Runs on devices of a few lines: the verdicts of the cases and their reports.
 
 use crate::scripted::{dictionary, frame, table, test_case, with_bench, with_options};
 use canvass_bus::observation::{Observation, Subject};
@@ -9,16 +9,16 @@ use canvass_suite::touch::Touch;
 use canvass_suite::verdict::{Breach, Kind, Reason, Stop};
 use canvass_traces::{Duration, Frame};
 
-/// A device that answers only when its device type is read or it is reset.
+/// A device that answers only reads of its device type, and starts when it is reset.
 const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
 
 static PASSES: Case = test_case("test/passes", |_| Ok(()));
 static PANICS: Case = test_case("test/panics", |_| panic!("out of luck"));
 static TOUCHES: Case = Case { touches: &[Touch::Nvm], ..test_case("test/touches", |_| Ok(())) };
 static RESETS: Case = test_case("test/resets", |bench| {
-    // After the start that the bench commanded is over.
+    // The start that the bench commanded is over after this time.
     bench.listen(Duration::from_secs(1))?;
-    // The script takes the raw frame for a command; the bench did not give it.
+    // The script obeys the raw frame, but the bench does not know it as its command.
     let node = bench.node().raw();
     bench.send_bytes(0, &[0x81, node])?;
     bench.wait_for_boot_up()?;
@@ -86,7 +86,7 @@ static BREAKS_FIRST: Case = test_case("test/breaks-first", |bench| {
     (BREAKS.run)(bench)
 });
 
-/// What is found after a restart, or not reached any more, is what the restart left; what was found before is not.
+/// Findings after a restart are consequences of the restart; earlier findings are not.
 #[test]
 fn a_restart_is_named_before_what_it_leaves() {
     let (_, events) = run_cases(ROWS, &[&GIVES_UP, &BREAKS, &BREAKS_FIRST]);
@@ -101,7 +101,7 @@ static RESTARTS_SOON: Case = test_case("test/restarts-soon", |bench| {
     Err(Stop::from(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))
 });
 
-/// A boot-up message soon after that of the start is one of a restart, unless the device has two at each start.
+/// A boot-up message soon after that of the start proves a restart, unless the device sends two at each start.
 #[test]
 fn a_restart_soon_after_the_start_is_told_from_a_second_boot_up_message() {
     let found = |starts: &'static [u64]| {

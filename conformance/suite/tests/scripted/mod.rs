@@ -1,4 +1,4 @@
-//! A bus for the tests of the bench and of runs, with a device of a few lines on it. Its time is virtual.
+//! A scripted bus for the tests of the bench and of runs, with a device of a few lines on it. Its time is virtual.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, BusError};
@@ -66,7 +66,7 @@ impl Bus for ScriptedBus {
 /// The node-ID in these tests.
 pub const NODE: u8 = 63;
 
-/// Runs `test` on a bench with that script.
+/// Runs `test` on a bench with this script.
 pub fn with_bench<T>(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     test: impl FnOnce(&mut Bench<'_>) -> T,
@@ -83,7 +83,7 @@ pub fn with_options<T>(
     with_target(script, &Target::unknown(NodeId::new(NODE).unwrap()), options, test)
 }
 
-/// Runs `test` on a bench with this script, these options and a device of which more is known.
+/// Runs `test` on a bench with this script, this target and these options.
 pub fn with_target<T>(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     target: &Target,
@@ -96,7 +96,7 @@ pub fn with_target<T>(
     test(&mut Bench::new(&mut bus, target, options, &mut annotate, &cancel))
 }
 
-/// A device with a description: sections of an EDS, each with the lines that say more than that it can be read and written.
+/// A device with a description: sections of an EDS, each with its lines beyond read and write access.
 pub fn described(sections: &[(&str, &str)]) -> Target {
     let mut eds = String::new();
     for (name, lines) in sections {
@@ -112,7 +112,7 @@ pub fn described(sections: &[(&str, &str)]) -> Target {
     Target { description: Some(description), ..Target::unknown(NodeId::new(NODE).unwrap()) }
 }
 
-/// A case that needs nothing.
+/// A case without needs.
 pub const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
     let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
     let (needs, touches, catches) = (&[], &[], &[]);
@@ -125,7 +125,7 @@ pub fn frame(text: &str) -> Frame {
     canvass_traces::parse_frame(text).unwrap().frame
 }
 
-/// Answers frames from a table, each after 1 ms; a reset with boot-up.
+/// Answers frames from a table, each after 1 ms; a reset is answered with a boot-up message.
 pub fn table(rows: &'static [(&'static str, &'static str)]) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
     move |request| {
         let request = request.to_string();
@@ -134,7 +134,7 @@ pub fn table(rows: &'static [(&'static str, &'static str)]) -> impl FnMut(&Frame
     }
 }
 
-/// What an object of a scripted dictionary holds, and whether it can be written.
+/// A row of a scripted dictionary: an object, its value, and whether it can be written.
 pub type Row = ((u16, u8), Vec<u8>, bool);
 
 /// Answers expedited reads and writes from a dictionary, and nothing else.

@@ -1,4 +1,4 @@
-//! Which CAN-IDs concern the device under test, by what it holds in its object dictionary.
+//! The CAN-IDs that concern the device under test, according to its object dictionary.
 
 use crate::bench::foreign::Form;
 use crate::foreign::ForeignKind;
@@ -7,19 +7,19 @@ use canvass_analyzer::wire::{error_control, nmt, pdo, sdo, sync, time};
 use canvass_analyzer::{CobId, Multiplexer, NodeId, object};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What the device listens to, and what it sends itself.
+/// The CAN-IDs that the device listens to and those that it sends.
 #[derive(Clone, Debug)]
 pub struct Addresses {
     node: NodeId,
     listens: BTreeMap<u16, ForeignKind>,
-    /// CAN-IDs that it may send with: their frames are not of others.
+    /// CAN-IDs that the device itself may send: their frames do not come from others.
     sends: BTreeSet<u16>,
     makes_sync: bool,
     makes_time: bool,
 }
 
 impl Addresses {
-    /// Of a device of which nothing is known but its node-ID: the predefined connection set.
+    /// The addresses of a device of which only the node-ID is known: the predefined connection set.
     pub fn predefined(node: NodeId) -> Self {
         let mut addresses = Self::of_values(node, std::iter::empty());
         let rpdos = pdo::RPDO_BASES.map(|base| (base + u16::from(node.raw()), ForeignKind::Rpdo));
@@ -28,7 +28,7 @@ impl Addresses {
         addresses
     }
 
-    /// Of a device with these values in its dictionary. Its first SDO channel has the predefined place.
+    /// The addresses of a device with these values in its dictionary. Its first SDO channel has the predefined CAN-IDs.
     pub fn of_values(node: NodeId, values: impl Iterator<Item = (Multiplexer, u32)>) -> Self {
         let request = sdo::REQUEST_BASE + u16::from(node.raw());
         let listens = BTreeMap::from([(request, ForeignKind::SdoRead)]);
@@ -37,7 +37,7 @@ impl Addresses {
         addresses
     }
 
-    /// Takes in what an object holds. What was there before stays: a device may go on with it.
+    /// Adds the addresses that an object holds. Earlier addresses stay: the device may still use them.
     pub fn learn(&mut self, at: Multiplexer, value: u32) {
         let (index, sub) = (at.index.0, at.sub.0);
         let cob_id = CobId(value);
@@ -72,14 +72,15 @@ impl Addresses {
         }
     }
 
-    /// A CAN-ID that means two things means the first.
+    /// Adds a CAN-ID with its meaning. A CAN-ID with two meanings keeps the first.
     fn listen(&mut self, can_id: Option<u16>, kind: ForeignKind) {
         if let Some(can_id) = can_id {
             self.listens.entry(can_id).or_insert(kind);
         }
     }
 
-    /// What frames of that form and CAN-ID are to the device, if they are anything to it and not its own.
+    /// The meaning of a frame of this form and CAN-ID for the device; `None` if the frame does not concern it or is its
+    /// own.
     pub fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
         let guarded = error_control::CAN_ID_BASE + u16::from(self.node.raw());
         match (can_id, form) {
@@ -97,7 +98,7 @@ impl Addresses {
     }
 }
 
-/// Whether an index is that of an SDO client parameter.
+/// Whether an index belongs to an SDO client parameter.
 fn is_sdo_client(index: u16) -> bool {
     (object::SDO_CLIENT_PARAMETER..object::SDO_CLIENT_PARAMETER + 0x80).contains(&index)
 }
@@ -158,7 +159,7 @@ mod tests {
         assert_eq!(of(&[(0x1012, 0, 0x100)]).kind(0x100, Form::Data), None, "it does not consume TIME");
     }
 
-    /// What the device produces, or is told to produce, nobody else need have sent.
+    /// Messages that the device produces, or is configured to produce, need not come from others.
     #[test]
     fn what_a_device_sends_itself_is_not_of_others() {
         let producer = of(&[(0x1005, 0, 0x4000_0080), (0x1012, 0, 0xC000_0100)]);

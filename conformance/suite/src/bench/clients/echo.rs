@@ -1,15 +1,15 @@
-//! Adapters that give back what they send as if others had sent it.
+//! Echoes of adapters: they return the tester's own frames as if others had sent them.
 
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::VecDeque;
 
-/// An echo comes within this time.
+/// Maximum delay of an echo.
 const ECHO: Duration = Duration::from_millis(100);
 
-/// This many own frames are kept; more do not come in the time of an echo.
+/// Number of own frames that are kept: more are never sent within [`ECHO`].
 const KEPT: usize = 2_048;
 
-/// Whether the bus has an echo: an adapter that gives back one frame gives back each.
+/// Whether the adapter echoes frames. An adapter that returns one frame returns all.
 #[derive(Debug, Default)]
 pub struct Echo {
     sent: VecDeque<(Frame, Timestamp)>,
@@ -17,7 +17,7 @@ pub struct Echo {
 }
 
 impl Echo {
-    /// The tester has sent a frame.
+    /// Records a frame that the tester has sent.
     pub fn sent(&mut self, frame: &Frame, at: Timestamp) {
         if self.is_known != Some(false) {
             self.forget(at);
@@ -25,7 +25,7 @@ impl Echo {
         }
     }
 
-    /// Whether a frame that came is one of the tester's own.
+    /// Whether a received frame is an echo of an own frame.
     pub fn gives_back(&mut self, frame: &Frame, at: Timestamp) -> bool {
         self.forget(at);
         let Some(place) = self.sent.iter().position(|(sent, _)| sent == frame) else { return false };
@@ -34,7 +34,7 @@ impl Echo {
         true
     }
 
-    /// An own frame that did not come back in time shows that none does.
+    /// Forgets old frames. An own frame that did not return in time proves that the adapter does not echo.
     fn forget(&mut self, now: Timestamp) {
         while self.sent.front().is_some_and(|(_, at)| now.since(*at) > ECHO) || self.sent.len() > KEPT {
             self.sent.pop_front();

@@ -1,5 +1,5 @@
-//! Other clients of the device under test: they are recognised, its answers to them are not taken for those to the tester, and
-//! requests wait for quiet moments.
+//! Other clients of the device under test: the bench recognises them, does not take their answers for answers to the
+//! tester, and sends its own requests in quiet moments.
 
 mod addresses;
 mod echo;
@@ -18,7 +18,7 @@ use echo::Echo;
 use queue::ServerQueue;
 use std::collections::BTreeMap;
 
-/// What is known of other clients.
+/// The tester's knowledge of other clients.
 #[derive(Debug)]
 pub(crate) struct Clients {
     node: NodeId,
@@ -28,15 +28,15 @@ pub(crate) struct Clients {
     now: Addresses,
     echo: Echo,
     queue: ServerQueue,
-    /// What the tester writes, until the device has taken it.
+    /// The write of the tester that the device has not confirmed yet.
     written: Option<(Multiplexer, u32)>,
-    /// What others have sent in the case.
+    /// The frames that others have sent in the case.
     foreign: Foreign,
-    /// What they sent before it.
+    /// Numbers of messages that others sent before the case.
     before: BTreeMap<(ForeignKind, u16), u64>,
-    /// Transfers that ended badly while others asked the server.
+    /// Number of transfers that ended badly while others used the server.
     collisions: u64,
-    /// The last frame was an answer to others.
+    /// Whether the last frame was an answer to others.
     answered_others: bool,
 }
 
@@ -58,7 +58,7 @@ impl Clients {
         }
     }
 
-    /// Takes a frame that was on the bus. Whether it came from others, or from the device.
+    /// Takes a frame from the bus. Returns whether others sent it, rather than the device or the tester.
     pub fn observe(&mut self, record: &Record) -> bool {
         let (at, is_own) = (record.timestamp, record.direction == Direction::Tx);
         self.answered_others = false;
@@ -83,7 +83,8 @@ impl Clients {
         !is_own
     }
 
-    /// What frames of that form and CAN-ID are to the device. What it sends itself in this case, as others did before, both send.
+    /// The meaning of a frame for the device. A CAN-ID that the device uses only in this case, and others before it,
+    /// counts as sent by both.
     fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
         let usual = || self.usual.kind(can_id, form).filter(|kind| self.before.contains_key(&(*kind, can_id)));
         self.now.kind(can_id, form).or_else(usual)
@@ -111,12 +112,12 @@ impl Clients {
         self.foreign.count(record, self.node);
     }
 
-    /// How much of the bus others than the tester and the device have taken in the case.
+    /// The traffic of nodes other than the tester and the device in the case, with its bus load.
     pub const fn foreign(&self) -> &Foreign {
         &self.foreign
     }
 
-    /// Says what the device holds: what concerns it on the bus.
+    /// Takes the values of the device's dictionary, which define its CAN-IDs.
     pub fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
         let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
         let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
@@ -136,7 +137,7 @@ impl Clients {
         counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
     }
 
-    /// A case begins: what the case before has told the device counts no more, what others have sent does.
+    /// Begins a case: the addresses that the last case configured are dropped, the counts of foreign messages stay.
     pub fn begin(&mut self) {
         let messages = self.messages();
         count(&mut self.before, messages);
@@ -149,7 +150,7 @@ impl Clients {
         self.answered_others
     }
 
-    /// Until when the SDO server has requests of others to answer, if each takes no longer than `patience`.
+    /// The time until which the SDO server answers requests of others, if each answer takes at most `patience`.
     pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
         self.queue.busy_until(now, patience)
     }
@@ -159,17 +160,17 @@ impl Clients {
         self.queue.next_foreign()
     }
 
-    /// How many requests others have sent to the SDO server.
+    /// Number of requests that others have sent to the SDO server.
     pub const fn requests(&self) -> u64 {
         self.queue.foreign()
     }
 
-    /// A transfer ended badly while others asked the server.
+    /// Counts a transfer that ended badly while others used the server.
     pub fn add_collision(&mut self) {
         self.collisions += 1;
     }
 
-    /// How many transfers ended badly while others asked the server.
+    /// Number of transfers that ended badly while others used the server.
     pub const fn collisions(&self) -> u64 {
         self.collisions
     }
@@ -181,7 +182,7 @@ fn count(counts: &mut BTreeMap<(ForeignKind, u16), u64>, messages: Vec<ForeignMe
     }
 }
 
-/// What a device that is as described listens to.
+/// The addresses of a device that matches its description.
 fn described(node: NodeId, description: &DeviceDescription) -> Addresses {
     let values = description.dictionary.entries().filter_map(|(at, entry)| {
         let value = entry.default.as_ref()?.resolve(entry.data_type, node).as_number()?;

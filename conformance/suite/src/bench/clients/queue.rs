@@ -1,27 +1,28 @@
-//! The requests that the SDO server of the device has not answered, of all clients: whose the next answer is.
+//! The requests of all clients that the device's SDO server has not answered yet; they decide to whom the next answer
+//! belongs.
 
 use canvass_analyzer::wire::sdo::{Request, Response};
 use canvass_traces::{Duration, Timestamp};
 use std::collections::VecDeque;
 
-/// A request that was not answered in this time never will be.
+/// Time after which an unanswered request counts as lost.
 const FORGOTTEN: Duration = Duration::from_secs(1);
 
-/// Between two messages of a transfer a client takes no longer.
+/// Maximum pause of a client between two messages of a transfer.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// More requests than this do not wait at a server.
+/// Maximum number of requests that wait at a server.
 const KEPT: usize = 32;
 
 /// Requests that clients sent to a server of the device, oldest first.
 #[derive(Debug, Default)]
 pub struct ServerQueue {
     asked: VecDeque<Asked>,
-    /// Until when a transfer of another client may go on.
+    /// The end of the time in which another client's transfer may go on.
     busy_until: Option<Timestamp>,
     /// Number of requests of other clients.
     foreign: u64,
-    /// When the last two requests of other clients came.
+    /// The times of the last two requests of other clients.
     latest: [Option<Timestamp>; 2],
 }
 
@@ -33,7 +34,7 @@ struct Asked {
 }
 
 impl ServerQueue {
-    /// A client has sent a request.
+    /// Adds a request of a client.
     pub fn ask(&mut self, request: Request, is_foreign: bool, at: Timestamp) {
         if is_foreign {
             self.foreign += 1;
@@ -44,14 +45,15 @@ impl ServerQueue {
             self.busy_until = self.busy_until.filter(|_| !is_foreign);
             return;
         }
-        // The segments of a block look like requests, too.
+        // The segments of a block look like requests, too, so the queue is limited.
         if self.asked.len() == KEPT {
             self.asked.pop_front();
         }
         self.asked.push_back(Asked { request, is_foreign, at });
     }
 
-    /// The server has answered. Whether that is for others: the oldest request that it fits is one of theirs.
+    /// Takes an answer of the server. Returns whether it is for others: the oldest request that it fits is a request of
+    /// theirs.
     pub fn answer(&mut self, response: Option<&Response>, at: Timestamp) -> bool {
         self.asked.retain(|asked| at.since(asked.at) < FORGOTTEN);
         if self.asked.iter().all(|asked| !asked.is_foreign) {
@@ -61,7 +63,8 @@ impl ServerQueue {
         let fitting = response.and_then(|response| self.asked.iter().position(|asked| fits(&asked.request, response)));
         let Some(asked) = fitting.and_then(|place| self.asked.remove(place)) else { return false };
         if asked.is_foreign {
-            // A client asks once at a time: what others had asked before was lost. An own request may have overtaken theirs.
+            // A client has one request at a time, so an older request of others is lost. A request of the tester may
+            // have overtaken theirs.
             let (passed_over, mut place) = (fitting.unwrap_or_default(), 0);
             self.asked.retain(|asked| {
                 place += 1;
@@ -73,32 +76,32 @@ impl ServerQueue {
         asked.is_foreign
     }
 
-    /// The device has started anew: what was asked before will not be answered.
+    /// The device has restarted: it will not answer earlier requests.
     pub fn reset(&mut self) {
         self.asked.clear();
         self.busy_until = None;
     }
 
-    /// How many requests of others there were.
+    /// Number of requests of other clients.
     pub const fn foreign(&self) -> u64 {
         self.foreign
     }
 
-    /// When others are likely to ask again, as far as their last two requests tell.
+    /// The period of the others' requests and the time of the next one, estimated from their last two requests.
     pub fn next_foreign(&self) -> Option<(Duration, Timestamp)> {
         let [Some(before), Some(last)] = self.latest else { return None };
         let period = last.since(before);
         Some((period, last + period))
     }
 
-    /// Until when the server is busy with others, if each request of theirs is answered within `patience`.
+    /// The time until which the server is busy with others, if it answers each request within `patience`.
     pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
         let foreign = self.asked.iter().filter(|asked| asked.is_foreign).map(|asked| asked.at + patience);
         foreign.chain(self.busy_until).max().filter(|&until| until > now)
     }
 }
 
-/// Whether a response may be that to a request.
+/// Whether a response may answer a request.
 fn fits(request: &Request, response: &Response) -> bool {
     let names_it = |multiplexer| request.multiplexer() == Some(multiplexer);
     match (request, response) {
@@ -119,7 +122,7 @@ fn fits(request: &Request, response: &Response) -> bool {
     }
 }
 
-/// Whether a transfer goes on after that.
+/// Whether the transfer continues after this response.
 fn goes_on(request: &Request, response: &Response) -> bool {
     match (request, response) {
         (_, Response::InitiateUpload { payload, .. }) => payload.value().is_none(),
@@ -148,7 +151,8 @@ mod tests {
         Response::read(frame(&format!("5BF#{text}")).data()).unwrap()
     }
 
-    /// Requests of others are marked by `x`, those of the tester by `o`; whether each answer is for others.
+    /// Who gets each answer: `x` marks requests of others, `o` requests of the tester. Returns for each answer whether
+    /// it is for others.
     fn whose(asked: &[(char, &str)], answers: &[&str]) -> Vec<bool> {
         let mut queue = ServerQueue::default();
         for (n, (who, text)) in asked.iter().enumerate() {
@@ -173,7 +177,7 @@ mod tests {
         );
     }
 
-    /// Where nobody else asks, every answer is the tester's, however wrong it is.
+    /// If nobody else sends requests, every answer is for the tester, however wrong it is.
     #[test]
     fn without_others_no_answer_is_theirs() {
         assert_eq!(whose(&[('o', READ)], &["4F01100000000000", "8002100000000206"]), [false, false]);
@@ -213,7 +217,7 @@ mod tests {
         assert_eq!((queue.busy_until(AT(14), PATIENCE), queue.foreign()), (None, 3));
     }
 
-    /// What the server passes over it does not answer later.
+    /// The server does not go back to a request that it has passed over.
     #[test]
     fn answers_come_in_order() {
         let (other, other_value) = ("4001100000000000", "4F01100000000000");

@@ -1,4 +1,5 @@
-//! What puts a device back writes no object that acts: on every model, though each object that can be written is to be put back.
+//! Putting a device back writes no object that acts: tested on every model, with a change in each object that can be
+//! written.
 
 #![cfg(test)]
 
@@ -16,11 +17,11 @@ use canvass_traces::{Duration, Frame, Record, Timestamp};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
-/// The objects that act by CiA 301, CiA 302 and CiA 406; but 1010h, for which there is a rule of its own.
+/// The objects that act according to CiA 301, CiA 302 and CiA 406, except 1010h, for which there is a separate rule.
 const BY_THE_STANDARD: [u16; 14] =
     [0x1003, 0x1011, 0x1013, 0x1023, 0x1024, 0x1025, 0x1F50, 0x1F51, 0x1F82, 0x1F83, 0x6003, 0x6009, 0x600E, 0x6010];
 
-/// Those by the manuals, each with the models that it is about, by the beginnings of their ids.
+/// The objects that act according to manuals: each with the beginning of the ids of its models.
 const BY_THE_MANUALS: [(&str, u16); 3] = [("reference-301", 0x2040), ("kuebler-sendix", 0x2105), ("kuebler-", 0x3010)];
 
 const STORE: u16 = 0x1010;
@@ -30,12 +31,12 @@ fn acts(model: &str, index: u16) -> bool {
     BY_THE_STANDARD.contains(&index) || by_the_manual
 }
 
-/// The node-ID that the model has as delivered; one that has none is given one.
+/// The node-ID of the model as delivered; a model without one gets the lowest.
 fn node_of(model: &Model) -> NodeId {
     model.default_node().unwrap_or(NodeId::MIN)
 }
 
-/// Keeps what goes over the bus.
+/// Records the frames on the bus.
 #[derive(Clone, Default)]
 struct Listener(Arc<Mutex<Vec<Frame>>>);
 
@@ -95,7 +96,7 @@ fn changes(before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
     before.iter().map(change).collect()
 }
 
-/// A run that was interrupted after it had changed, and stored, all that can be written, and the zero point.
+/// An interrupted run that had changed and stored all writable objects and the zero point.
 fn interrupted_run(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoint>, model: &Model) -> Interrupted {
     Interrupted {
         bus: "can0".to_owned(),
@@ -113,7 +114,7 @@ fn interrupted_run(values: &[(Multiplexer, Vec<u8>)], zero_point: Option<ZeroPoi
     }
 }
 
-/// What `put_back` sends, and the indices that the printed commands write.
+/// The objects that `put_back` writes, with their values, and the indexes that the printed commands write.
 fn put_back(model: &Model, allow: &[Touch]) -> (Vec<(u16, Vec<u8>)>, Vec<u16>) {
     let node = node_of(model);
     let listener = Listener::default();
@@ -128,7 +129,7 @@ fn put_back(model: &Model, allow: &[Touch]) -> (Vec<(u16, Vec<u8>)>, Vec<u16>) {
     let before = other_values(&mut bench, model);
     let zero_point = bench.look_at_zero_point().unwrap();
     if let Some(preset) = zero_point.filter(|found| found.takes_position()).map(|found| found.preset()) {
-        // Where the user allows it, the zero point is moved, too.
+        // If the user allows it, the zero point is moved, too.
         let _ = bench.with_leave_to_move(|bench| bench.download_now(preset, &100_u32.to_le_bytes()));
     }
     listener.0.lock().unwrap().clear();

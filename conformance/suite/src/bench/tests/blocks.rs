@@ -1,4 +1,4 @@
-//! Block transfers: whole on a device that works, and ended by the client where the server goes wrong.
+//! Block transfers: complete on a correct device, and ended by the client if the server goes wrong.
 
 #![cfg(test)]
 
@@ -28,21 +28,22 @@ fn values_go_through_in_blocks() {
         assert_eq!((attempt.outcome, bench.read(text)), (Outcome::Downloaded, Ok(value.to_vec())));
         bench.finish();
         assert_eq!(bench.read(text), Ok(before), "it is put back");
-        // A refusal is one here too.
+        // A refusal is a valid outcome here, too.
         let missing = Multiplexer::new(0x5FFF, 0);
         let (attempt, _) = bench.block_upload(missing, UploadManner::default()).unwrap();
         assert_eq!((attempt.abort(), attempt.responses.len()), (Some(AbortCode::NO_OBJECT), 1));
     });
 }
 
-/// What the client sent last.
+/// The last frame of the client.
 fn last_sent(bench: &mut Bench<'_>) -> String {
     bench.drain().unwrap();
     let own = bench.evidence().frames().filter(|exhibit| exhibit.record.direction == Direction::Tx);
     own.last().map(|exhibit| exhibit.text.clone()).unwrap_or_default()
 }
 
-/// How a block upload of 1008h from a server of these answers ends, what the client sent last, and how long it took.
+/// The outcome of a block upload of 1008h from a server with these answers, the last frame of the client, and the
+/// duration.
 fn uploaded(answers: &'static [(&'static str, &'static [&'static str])]) -> (Outcome, String, Duration) {
     let script = move |request: &Frame| {
         let text = request.to_string();
@@ -69,13 +70,13 @@ fn a_server_that_goes_wrong_in_blocks_gets_an_abort() {
     let (outcome, sent, _) = uploaded(&[("63F#A4", &["5BF#8008100011000906"])]);
     assert!(matches!(outcome, Outcome::Aborted(abort) if abort.code == AbortCode::NO_SUB_INDEX));
     assert_eq!(sent, "63F#A40810007F000000", "nothing more is sent");
-    // A segment, and the server is silent before the end.
+    // A segment, after which the server is silent before the end.
     let begun: &[(&str, &[&str])] = &[("63F#A4", &["5BF#C208100002000000"]), ("63F#A3", &["5BF#8141420000000000"])];
     let (outcome, sent, _) = uploaded(begun);
     assert_eq!((outcome, sent.as_str()), (Outcome::Silent, "63F#8008100000000405"));
 }
 
-/// A segment of a block has no command byte: what looks like a wrong answer there is data. An abort is one all the same.
+/// A segment of a block has no command byte: bytes that look like a wrong answer are data. An abort is still an abort.
 #[test]
 fn segments_are_no_answers() {
     let judged = |segment: &'static str| {

@@ -1,4 +1,4 @@
-//! What a description says decides which objects serve a case, and with which values.
+//! The description decides which objects serve a case, and with which values.
 
 #![cfg(test)]
 
@@ -17,12 +17,12 @@ fn at(index: u16) -> Multiplexer {
     Multiplexer::new(index, 0)
 }
 
-/// Runs `test` on a device with that description and those values.
+/// Runs `test` on a device with this description and these values.
 fn on<T>(target: &Target, rows: Vec<Row>, test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
     with_target(dictionary(rows), target, &Options::default(), test)
 }
 
-/// The value next to that of now, within the limits as far as there is one.
+/// The other value is the nearest one within the limits, if there is one.
 #[test]
 fn another_value_is_within_its_limits() {
     let target = described(&[
@@ -40,7 +40,7 @@ fn another_value_is_within_its_limits() {
         assert_eq!((other(0x2000, &[4]), other(0x2000, &[5])), (vec![5], vec![4]));
         assert_eq!((other(0x2FFF, &[4, 1]), other(0x2FFF, &[])), (vec![5, 1], vec![]), "nothing is known of it");
         assert_eq!((other(0x2001, &[10]), other(0x2001, &[15]), other(0x2001, &[20])), (vec![11], vec![14], vec![19]));
-        // What is outside of its limits has no neighbour within them.
+        // A value outside its limits has no neighbour within them.
         assert_eq!((other(0x2001, &[40]), other(0x2001, &[2])), (vec![10], vec![10]));
         assert_eq!((other(0x2002, &[40]), other(0x2003, &[2])), (vec![10], vec![11]));
         assert_eq!((other(0x2002, &[10]), other(0x2003, &[11])), (vec![9], vec![12]));
@@ -61,13 +61,13 @@ fn another_value_is_within_its_limits() {
     });
 }
 
-/// Of an object that serves as scratch: where it is, its value, and another.
+/// A scratch object: its multiplexer, its value, and the other value.
 fn scratch(index: u16, sub: u8, value: &[u8], other: &[u8]) -> Scratch {
     Scratch { multiplexer: Multiplexer::new(index, sub), value: value.to_vec(), other: other.to_vec() }
 }
 
-/// What can be written without consequence, the best first, each with another value that is legal wherever there is such an
-/// object.
+/// Objects that can be written without side effects serve, best first, each with another value that is legal on any
+/// device with the object.
 #[test]
 fn scratch_objects_are_those_that_do_nothing() {
     let rows = vec![
@@ -95,7 +95,8 @@ fn scratch_objects_are_those_that_do_nothing() {
         scratch(0x6200, 0, &[5, 0], &[100, 0]),
     ];
     assert_eq!(found, expected);
-    // One of another length than the standard's is none; the transmission type serves where there is nothing else.
+    // An object with another length than the standard's does not serve; the transmission type serves if there is
+    // nothing else.
     let odd = vec![row(0x1017, 0, &[0; 4]), row(0x1800, 2, &[1])];
     let found = with_bench(dictionary(odd), |bench| bench.scratch_objects().unwrap());
     assert_eq!(found, [scratch(0x1800, 2, &[1], &[2])]);
@@ -107,7 +108,8 @@ fn scratch_objects_are_those_that_do_nothing() {
     assert_eq!(with_bench(dictionary(Vec::new()), |bench| bench.scratch_objects()), Ok(Vec::new()));
 }
 
-/// What is described as writable and refused serves only where everything is refused; that is found out once, and put back.
+/// An object that is described as writable but refused serves only if all are refused. This is found out once, and put
+/// back.
 #[test]
 fn an_object_that_is_refused_does_not_serve() {
     let target = described(&[("1017", "DataType=0x0006"), ("100C", "DataType=0x0006")]);
@@ -127,8 +129,7 @@ fn an_object_that_is_refused_does_not_serve() {
     assert_eq!(found(vec![fixed(0x1017), fixed(0x100C)]), [0x1017, 0x100C]);
 }
 
-/// A parameter of a PDO that the device does not let be written while the PDO is valid does not serve; one elsewhere may be
-/// refused once.
+/// A PDO parameter that can't be written while the PDO is valid does not serve; another object may be refused once.
 #[test]
 fn a_locked_pdo_parameter_does_not_serve() {
     let target =
@@ -138,7 +139,7 @@ fn a_locked_pdo_parameter_does_not_serve() {
     assert_eq!(found, [scratch(0x1006, 0, &[0; 4], &100_000_u32.to_le_bytes())]);
 }
 
-/// Where nothing else serves, values that RPDOs carry do: one of each length up to four bytes.
+/// If no other object serves, objects that RPDOs carry do: one of each length up to four bytes.
 #[test]
 fn received_values_serve_where_nothing_else_does() {
     let target = described(&[
@@ -162,7 +163,7 @@ fn received_values_serve_where_nothing_else_does() {
         };
         assert_eq!(mapped(bench.rpdo_objects()), [(0x2000, 8), (0x2001, 8), (0x2002, 32), (0x2003, 64)]);
         assert_eq!(mapped(bench.tpdo_objects()), [(0x2002, 32), (0x2003, 64), (0x2004, 16)]);
-        // The first that SDOs can write, and that fits into them.
+        // The first object that SDO can write and that fits into the PDO.
         let (mapped, other) = bench.changeable().unwrap();
         assert_eq!((mapped.at, other), (at(0x2002), vec![7, 6, 6, 6]));
         let uses = bench.finish().uses;
@@ -173,7 +174,7 @@ fn received_values_serve_where_nothing_else_does() {
     });
 }
 
-/// What PDOs carry is of the application, whole bytes, and mappable; bits and communication objects are not.
+/// PDOs carry objects of the application that have whole bytes and are mappable, not bits or communication objects.
 #[test]
 fn what_a_pdo_can_carry() {
     let target = described(&[
@@ -199,7 +200,7 @@ fn what_a_pdo_can_carry() {
     });
 }
 
-/// Objects of the profile are better known than those of a manufacturer; a value of more than four bytes does not serve.
+/// Objects of the profile come before those of a manufacturer; a value of more than four bytes does not serve.
 #[test]
 fn an_application_object_serves() {
     let known = |rows: Vec<Row>| with_bench(dictionary(rows), |bench| bench.application_scratch().unwrap());
@@ -221,13 +222,13 @@ fn an_application_object_serves() {
     let rows = vec![row(0x2000, 0, &[1]), row(0x5FFF, 0, &[1]), row(0x6000, 0, &[1; 4]), row(0x6001, 0, &[1; 4])];
     let found = on(&target, rows.clone(), |bench| bench.application_scratch().unwrap());
     assert_eq!(found, Some(scratch(0x6001, 0, &[1; 4], &[0, 1, 1, 1])));
-    // The profile's begin at 6000h.
+    // Objects of the profile begin at 6000h.
     let target = described(&[("5FFF", "DataType=0x0005\nPDOMapping=1"), ("6000", "DataType=0x0007\nPDOMapping=1")]);
     let found = on(&target, rows, |bench| bench.application_scratch().unwrap());
     assert_eq!(found, Some(scratch(0x6000, 0, &[1; 4], &[0, 1, 1, 1])));
 }
 
-/// A string of the application that may be written and read, and is not there to load programs.
+/// A string of the application that is readable and writable, and does not load programs.
 #[test]
 fn a_string_that_can_be_written() {
     let serves = |index: &str, lines: &str| {
@@ -261,11 +262,11 @@ fn a_string_that_can_be_written() {
     with_bench(dictionary(Vec::new()), |bench| assert_eq!(bench.long_writable(), None));
 }
 
-/// Names come first; then what is described as long, unless it must not be read.
+/// Names come first, then objects described as long, unless they must not be read.
 #[test]
 fn long_values_are_those_that_the_server_announces() {
     use canvass_traces::{Duration, Frame};
-    // Each answers with the size that it announces; 2003h says none, and 2004h has four bytes.
+    // Each object answers with the size that it announces; 2003h announces none, and 2004h has four bytes.
     let script = |request: &Frame| {
         let answer = match request.to_string().get(..10).unwrap_or_default() {
             "63F#400820" => "5BF#4108200009000000",
@@ -298,7 +299,7 @@ fn long_values_are_those_that_the_server_announces() {
     });
 }
 
-/// A text that is described as empty, and is; 0800 0024h says so too.
+/// A text that is empty by its description and on the device; the device may also answer 0800 0024h.
 #[test]
 fn an_empty_text_is_looked_for() {
     use canvass_traces::{Duration, Frame};
@@ -323,7 +324,7 @@ fn an_empty_text_is_looked_for() {
     with_bench(dictionary(Vec::new()), |bench| assert_eq!(bench.empty_object(), Ok(None)));
 }
 
-/// Of many texts that are described as empty eight are asked for.
+/// Of many texts that are described as empty, eight are read.
 #[test]
 fn eight_texts_are_asked_whether_they_are_empty() {
     let sections: Vec<(String, &str)> =
@@ -343,7 +344,8 @@ fn eight_texts_are_asked_whether_they_are_empty() {
     assert_eq!((found(0), found(7), found(8)), (Some(at(0x2000)), Some(at(0x2007)), None));
 }
 
-/// TPDO 1 is set up with what SDOs can write, then with other objects; the error register, where it can be mapped, is last.
+/// TPDO 1 is set up with objects that SDO can write, then with other objects; the error register, if it can be mapped,
+/// is last.
 #[test]
 fn a_tpdo_is_set_up_with_the_best_object() {
     const PDO: [(&str, &str); 3] =
@@ -363,7 +365,7 @@ fn a_tpdo_is_set_up_with_the_best_object() {
         vec![row(0x1800, 1, &[0xBF, 1, 0, valid]), row(0x1A00, 0, &[count]), row(0x1A00, 1, &[0; 4])]
     };
     let target = of(&[register, read, written]);
-    // Off first where it is on, then the entry, the count, and on with its own CAN-ID.
+    // Off first if the PDO is on, then the entry, the count, and on with its own CAN-ID.
     let provided = |valid: u8| {
         on(&target, rows(valid, 0), |bench| {
             assert_eq!(bench.provide_tpdo(), Ok(Ok(())));
@@ -401,7 +403,7 @@ fn a_tpdo_is_set_up_with_the_best_object() {
     );
 }
 
-/// A COB-ID without CAN-ID gets the predefined one of its PDO, where there is one.
+/// A COB-ID without CAN-ID gets the predefined one of its PDO, if there is one.
 #[test]
 fn a_pdo_that_is_off_without_a_can_id_is_on_with_the_predefined_one() {
     let rows = vec![row(0x1800, 1, &[0, 0, 0, 0xC0]), row(0x1A00, 0, &[1])];

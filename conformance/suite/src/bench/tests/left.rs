@@ -1,4 +1,4 @@
-//! What a run writes down and puts back.
+//! Changes of a run are written down and put back.
 
 #![cfg(test)]
 
@@ -17,7 +17,8 @@ fn row(index: u16, sub: u8, value: &[u8]) -> Row {
     ((index, sub), value.to_vec(), true)
 }
 
-/// Of a device that nobody describes the usual objects are read: where sub-index 0 is one byte it says how many follow.
+/// If a device has no description, the usual objects are read. If sub-index 0 is one byte, it gives the number of
+/// further entries.
 #[test]
 fn an_undescribed_dictionary_is_looked_for() {
     let rows = vec![
@@ -40,7 +41,8 @@ fn an_undescribed_dictionary_is_looked_for() {
     assert_eq!(found, expected);
 }
 
-/// What is described is read, unless reading it does something, and what differs afterwards is written back.
+/// Objects in the description are read, unless reading has an effect, and values that differ afterwards are written
+/// back.
 #[test]
 fn a_dictionary_is_put_back() {
     let heartbeat_time = Multiplexer::new(0x1017, 0);
@@ -50,7 +52,7 @@ fn a_dictionary_is_put_back() {
         let untouched = dictionary::put_back_dictionary(bench, "sim:test", &before);
         assert!(untouched.is_as_found() && untouched.is_complete && untouched.commands.is_empty(), "{untouched:?}");
         assert_eq!(untouched.objects, before.len());
-        // As by somebody else: the bench remembers nothing of it.
+        // The write counts as one of somebody else: the bench keeps no earlier value.
         bench.write(heartbeat_time, &[0xE8, 3]).unwrap();
         bench.changes.take();
         let back = dictionary::put_back_dictionary(bench, "sim:test", &before);
@@ -59,7 +61,7 @@ fn a_dictionary_is_put_back() {
     });
 }
 
-/// A journal stands until all is put back.
+/// A journal stays until everything is put back.
 #[test]
 fn a_journal_is_kept_where_something_is_left() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,7 +81,7 @@ fn a_journal_is_kept_where_something_is_left() {
     });
 }
 
-/// SYNC is where the lower eleven bits of 1005h say.
+/// The lower eleven bits of 1005h are the CAN-ID of SYNC.
 #[test]
 fn sync_is_at_its_can_id() {
     for (value, id) in [([0x81, 0, 0, 0x40], 0x81), ([0xFF, 0xF7, 0, 0], 0x7FF), ([0x80, 0, 0, 0], 0x80)] {
@@ -88,7 +90,7 @@ fn sync_is_at_its_can_id() {
     assert_eq!(with_bench(dictionary(Vec::new()), |bench| bench.sync_id()), Ok(0x80));
 }
 
-/// Who else is on the bus is found out once.
+/// Other nodes on the bus are looked for once.
 #[test]
 fn others_are_looked_for_once() {
     const ROWS: &[(&str, &str)] =
@@ -106,7 +108,7 @@ fn others_are_looked_for_once() {
     });
 }
 
-/// No more than sixteen entries of an object that nobody described are read, and none after one that is not there.
+/// At most sixteen entries of an object without description are read, and none after an absent one.
 #[test]
 fn an_undescribed_object_is_read_up_to_a_limit() {
     let found = |highest: u8, last: u8| {
@@ -119,13 +121,13 @@ fn an_undescribed_object_is_read_up_to_a_limit() {
     assert_eq!((found(255, 4), found(3, 20), found(0, 20)), (Some(4), Some(3), Some(0)));
 }
 
-/// On a live bus nobody waits for all objects of a device that answers none, or nonsense; an abort is an answer, too.
+/// On a live bus, reading ends early if a device answers no object, or answers nonsense; an abort is an answer, too.
 #[test]
 fn a_live_device_that_answers_nothing_is_not_read_to_its_end() {
     let sections: Vec<(String, &str)> = (0..45).map(|n| (format!("{:04X}", 0x2000 + n), "DataType=0x0005")).collect();
     let sections: Vec<(&str, &str)> = sections.iter().map(|(name, lines)| (name.as_str(), *lines)).collect();
     let target = described(&sections);
-    // How many are asked for, if those with these numbers are answered so.
+    // The number of objects that are read if the requests with these numbers get this answer.
     let asked = |answered: &'static [u8], answer: &'static str, live: bool| {
         let count: Rc<Cell<u32>> = Rc::default();
         let counted = Rc::clone(&count);
@@ -154,7 +156,7 @@ fn a_live_device_that_answers_nothing_is_not_read_to_its_end() {
     assert_eq!(asked(&[19, 39], "5BF#4Fxx200007000000", true), (45, 2));
 }
 
-/// After the run a device may be starting: it is asked three times, ten seconds apart, before it is given up.
+/// After the run a device may be starting: it is asked three times, ten seconds apart, before it counts as lost.
 #[test]
 fn a_device_that_starts_after_the_run_is_waited_for() {
     let before = vec![(DEVICE_TYPE, vec![0x91, 1, 0, 0])];
@@ -178,7 +180,7 @@ fn a_device_that_starts_after_the_run_is_waited_for() {
     assert_eq!(compared(3), (false, 33));
 }
 
-/// What appears, what goes, and what changes while it is looked at: each is told with both values, in the order of the
+/// Values that appear, disappear, or change between readings are reported with both values, in the order of the
 /// dictionary.
 #[test]
 fn what_is_otherwise_after_the_run_is_told() {
@@ -197,7 +199,7 @@ fn what_is_otherwise_after_the_run_is_told() {
         ((0x2000, 0), vec![3], false),
         ((0x2002, 0), vec![1], false),
     ]);
-    // 2002h counts how often it is read, though it is described as a value that is written.
+    // 2002h counts its reads, although the description calls it writable.
     let script = move |request: &Frame| {
         let mut answers = inner(request);
         if request.to_string().starts_with("63F#40022000") {

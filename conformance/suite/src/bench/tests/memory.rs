@@ -1,5 +1,5 @@
-//! The memory of a device and its zero point are as they were, whatever a case did to them: on simulated devices, each
-//! looked at as the next start brings it.
+//! The memory of a device and its zero point are as before, whatever a case did to them: tested on simulated devices by
+//! the values after the next start.
 
 #![cfg(test)]
 
@@ -22,7 +22,7 @@ const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
 const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
 
-/// Runs `test` on a bench with a device of that model, which has started and whose dictionary was read.
+/// Runs `test` on a bench with a device of this model, which has started and whose dictionary was read.
 fn on<T>(model: &str, fault: Option<Fault>, allow: &[Touch], test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
     let model = Model::by_id(model).unwrap();
     let node = model.default_node().unwrap();
@@ -56,8 +56,8 @@ fn after_a_start(bench: &mut Bench<'_>, at: Multiplexer) -> u32 {
     bench.read_number(at).unwrap()
 }
 
-/// What a case stored of other values, its own and those that another wrote for it, is not there after the next start; what was
-/// in use is in use again.
+/// Values that a case stored, its own and those that another wrote for it, are gone after the next start; the values in
+/// use are in use again.
 #[test]
 fn what_a_case_stored_does_not_stay() {
     on("reference-301", None, &[Touch::Nvm], |bench| {
@@ -78,7 +78,7 @@ fn what_a_case_stored_does_not_stay() {
     });
 }
 
-/// A memory that is as it was is not written once more: it wears out.
+/// A memory without changes is not written again, because it wears out.
 #[test]
 fn a_memory_that_is_as_it_was_is_not_written() {
     on("reference-301", None, &[Touch::Nvm], |bench| {
@@ -90,7 +90,7 @@ fn a_memory_that_is_as_it_was_is_not_written() {
     });
 }
 
-/// Defaults that were restored are not what stays.
+/// Restored defaults do not remain in the memory.
 #[test]
 fn restored_defaults_do_not_stay() {
     on("reference-301", None, &[Touch::Nvm, Touch::FactoryDefaults], |bench| {
@@ -104,14 +104,14 @@ fn restored_defaults_do_not_stay() {
     });
 }
 
-/// What was stored and can't be put back is told with the commands that do it, the memory first: also where the user had not
-/// allowed to write it.
+/// Stored values that can't be put back are reported with the commands that do it, memory first, even if the user had
+/// not allowed writing it.
 #[test]
 fn a_memory_that_is_not_as_it_was_is_told() {
     on("reference-301", None, &[], |bench| {
         let dictionary = at_work(bench);
         bench.write(HEARTBEAT, &[50, 0]).unwrap();
-        // By somebody else.
+        // The store counts as one of somebody else.
         bench.write(STORE, b"save").unwrap();
         let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         let stored: Vec<(String, Option<Vec<u8>>)> =
@@ -128,7 +128,7 @@ fn a_memory_that_is_not_as_it_was_is_told() {
     });
 }
 
-/// A zero point that is not that of the delivery, stored.
+/// Stores a zero point other than the one as delivered.
 fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
     bench.write(PRESET, &position.to_le_bytes()).unwrap();
     bench.write(STORE, b"save").unwrap();
@@ -140,7 +140,7 @@ fn preset_to(bench: &mut Bench<'_>, position: u32) -> u32 {
     bench.read_number(OFFSET).unwrap()
 }
 
-/// A preset that a case stored is taken back at rest, to the step, and stored.
+/// A preset that a case stored is reversed at rest, to the step, and stored.
 #[test]
 fn a_zero_point_that_a_case_stored_is_put_back() {
     on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
@@ -155,7 +155,8 @@ fn a_zero_point_that_a_case_stored_is_put_back() {
     });
 }
 
-/// A firmware that stores presets by itself: with the leave to preset the zero point is put back without the leave to store.
+/// On a firmware that stores presets by itself, the zero point is put back with leave to preset but without leave to
+/// store.
 #[test]
 fn a_zero_point_that_stays_by_itself_is_put_back() {
     on("reference-406", Some(Fault::PresetPersists), &[Touch::Preset], |bench| {
@@ -168,7 +169,7 @@ fn a_zero_point_that_stays_by_itself_is_put_back() {
     });
 }
 
-/// Nobody but a case that was allowed to moves a zero point; it is told to the step, with what is to be done by hand.
+/// Only a case that was allowed to moves a zero point. The movement is reported to the step, with the manual remedy.
 #[test]
 fn a_zero_point_that_moved_is_told_and_not_put_back() {
     let moved = |bench: &mut Bench<'_>| {
@@ -181,7 +182,7 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     };
     on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
         let (_, dictionary) = moved(bench);
-        // As `canvass restore` finds it: without any leave.
+        // `canvass restore` finds the device this way: without any leave.
         let (before, options) = (bench.changes.baseline.clone(), Options::default());
         let cancel = AtomicBool::new(false);
         let mut annotate = |record: &Record| record.frame.to_string();
@@ -197,7 +198,7 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     });
 }
 
-/// Restoring the defaults moves a zero point that a preset has set, so that it needs the leave to preset too.
+/// Restoring the defaults moves a zero point that a preset has set, so it needs the leave to preset, too.
 #[test]
 fn defaults_are_not_restored_over_a_zero_point_without_leave() {
     let loses = |allow: &[Touch], position: Option<u32>| {
@@ -219,7 +220,7 @@ fn defaults_are_not_restored_over_a_zero_point_without_leave() {
     assert!(!loses(&[Touch::FactoryDefaults], None), "it is that of the delivery");
 }
 
-/// An encoder that stores what is written as soon as it is written: that needs the leave to write its memory.
+/// On an encoder that stores each write at once, writing needs the leave to write its memory.
 #[test]
 fn what_is_stored_at_once_is_written_with_leave_only() {
     const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
@@ -236,7 +237,7 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
     assert_eq!((written(&[]), written(&[Touch::Preset]), written(&[Touch::Nvm])), (false, false, true));
 }
 
-/// A device that is no encoder has no zero point, whatever it answers at 6004h.
+/// A device that is not an encoder has no zero point, whatever it answers at 6004h.
 #[test]
 fn only_an_encoder_has_a_zero_point() {
     on("reference-301", None, &[], |bench| assert_eq!(bench.look_at_zero_point().unwrap(), None));

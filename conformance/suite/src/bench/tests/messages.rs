@@ -38,7 +38,7 @@ fn transfers_say_what_they_were() {
         assert_eq!(refused.what, "download of 1 byte to 1000h:00");
         assert!(refused.abort().is_some() && refused.expect_confirmation().is_err());
         assert!(bench.write(DEVICE_TYPE, &[0; 4]).is_err_and(|stop| matches!(stop, Stop::Inconclusive(_))));
-        // What was written is put back, once, to what it was.
+        // The written value is put back, once, to the earlier value.
         let remains = bench.finish();
         assert_eq!((remains.notes, bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
     });
@@ -65,7 +65,7 @@ fn values_are_expected() {
     });
 }
 
-/// A server that is silent gets an abort of the client, as one that breaks the protocol does.
+/// The client aborts a transfer with a silent server, and one with a server that breaks the protocol.
 #[test]
 fn a_transfer_that_fails_is_aborted() {
     const ROWS: &[(&str, &str)] =
@@ -122,7 +122,7 @@ fn a_reply_is_judged() {
     });
 }
 
-/// What is reported about the device is what it sends, and nothing else.
+/// Only frames that the device sends are reported as its own.
 #[test]
 fn frames_of_the_device_are_known() {
     let node = NodeId::new(63).unwrap();
@@ -144,7 +144,7 @@ fn frames_of_the_device_are_known() {
     }
 }
 
-/// Objects that are written for a test have two values, and what is taken is reported.
+/// Objects that are written for a test have two values, and the report names the chosen object.
 #[test]
 fn scratch_objects_differ_from_what_they_hold() {
     on_device(|bench| {
@@ -183,7 +183,7 @@ fn long_objects_are_read_in_segments() {
     });
 }
 
-/// What the description says is not asked for; what it does not say, the device is.
+/// Objects in the description are not asked for; others the device decides.
 #[test]
 fn objects_are_there_or_not() {
     on_device(|bench| {
@@ -216,7 +216,7 @@ fn objects_are_there_or_not() {
     });
 }
 
-/// What a case says of itself stands in its report; the next case begins without it.
+/// Notes and measurements of a case are in its report; the next case begins without them.
 #[test]
 fn notes_and_measurements_belong_to_their_case() {
     on_device(|bench| {
@@ -265,7 +265,7 @@ fn emergencies_are_noted_unless_they_are_expected() {
     assert!(notes.len() == 1 && notes[0].contains("8130h"), "{notes:?}");
 }
 
-/// Of a long upload, whatever it is made of, 256 answers are kept.
+/// Of a long upload of any kind, 256 answers are kept.
 #[test]
 fn of_a_long_upload_the_first_answers_are_kept() {
     let kept = |segments: usize| {
@@ -291,7 +291,7 @@ fn of_a_long_upload_the_first_answers_are_kept() {
     assert_eq!((kept(254), kept(255), kept(256)), ((254 * 7, 255), (255 * 7, 256), (256 * 7, 256)));
 }
 
-/// Both 1010h and 1011h may take as long as memory takes.
+/// Both 1010h and 1011h may take as long as writing the memory does.
 #[test]
 fn restoring_has_the_patience_of_storing() {
     let took = |index: u16| {
@@ -306,7 +306,7 @@ fn restoring_has_the_patience_of_storing() {
     assert_eq!((before, store, restore, after), (usual, long, long, usual));
 }
 
-/// What must not be answered is waited for as long as silence takes; anything else as long as an answer may.
+/// For a message that must not be answered the wait is the time of silence, for others the response time.
 #[test]
 fn a_message_is_waited_for_by_what_it_is() {
     with_bench(table(&[]), |bench| {
@@ -324,7 +324,7 @@ fn a_message_is_waited_for_by_what_it_is() {
     });
 }
 
-/// What a case asks for that came before is no more than what others sent, from that time on.
+/// Only frames of others since the given time count as heard.
 #[test]
 fn what_was_heard_is_looked_up() {
     let script = |request: &Frame| match request.to_string().as_str() {
@@ -339,7 +339,7 @@ fn what_was_heard_is_looked_up() {
     });
 }
 
-/// A device that was given another node-ID is no other participant of the bus with it.
+/// A device that was given another node-ID is not another participant of the bus.
 #[test]
 fn traffic_with_a_node_id_that_was_given_is_the_devices_own() {
     let foreign = |given: bool, text: &'static str| {

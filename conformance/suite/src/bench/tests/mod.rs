@@ -1,4 +1,4 @@
-//! The bench on a simulated device that works: each function does on the bus what it says.
+//! The bench on a simulated correct device: each function has the effect on the bus that its name says.
 
 mod acting;
 mod blocks;
@@ -39,14 +39,14 @@ fn with<T>(options: &Options, test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
     test(&mut Bench::new(&mut bus, &target, options, &mut annotate, &cancel))
 }
 
-/// Runs `test` on a bench with that bus and a device of which nothing is known.
+/// Runs `test` on a bench with this bus and a device of which nothing is known.
 fn on_bus<T>(bus: &mut dyn Bus, options: &Options, test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
     let (target, cancel) = (Target::unknown(NodeId::new(NODE).unwrap()), AtomicBool::new(false));
     let mut annotate = |record: &Record| record.frame.to_string();
     test(&mut Bench::new(bus, &target, options, &mut annotate, &cancel))
 }
 
-/// A bus that fails while its switch is on.
+/// A bus that fails while `fails` is true.
 struct Failing {
     bus: ScriptedBus,
     fails: Rc<Cell<bool>>,
@@ -86,7 +86,7 @@ impl Bus for Failing {
     }
 }
 
-/// A scripted bus that says that it is a live one.
+/// A scripted bus that reports itself as live.
 struct Live(ScriptedBus);
 
 impl Bus for Live {

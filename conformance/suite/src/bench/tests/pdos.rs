@@ -12,7 +12,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
 use canvass_traces::{Direction, Duration, Frame};
 
-/// The objects that were written since, in their order, with their values.
+/// The objects written since this frame, in order, with their values.
 fn written(bench: &Bench<'_>, since: usize) -> Vec<String> {
     let sent = bench.evidence().frames().skip(since).filter(|exhibit| exhibit.record.direction == Direction::Tx);
     let downloads = sent.filter_map(|exhibit| {
@@ -65,8 +65,8 @@ fn a_parameter_is_set_while_the_pdo_is_off() {
     });
 }
 
-/// 0 need not be written to a timer that the device does not have; the transmission type has no such value, and every PDO has
-/// it.
+/// A timer that the device does not have need not be set to 0; the transmission type has no such value, and every PDO
+/// has it.
 #[test]
 fn a_timer_that_is_not_there_is_off() {
     let row = |sub, value: &[u8]| ((0x1800, sub), value.to_vec(), true);
@@ -90,7 +90,7 @@ fn a_timer_that_is_not_there_is_off() {
     });
 }
 
-/// A COB-ID without CAN-ID is that of the predefined connection set.
+/// A COB-ID without CAN-ID gets the one of the predefined connection set.
 #[test]
 fn a_cob_id_is_made_valid() {
     on_device(|bench| {
@@ -102,7 +102,7 @@ fn a_cob_id_is_made_valid() {
     });
 }
 
-/// Off, count 0, the entries, count, on.
+/// The order of a mapping change: PDO off, count 0, the entries, the count, PDO on.
 #[test]
 fn a_mapping_is_changed_step_by_step() {
     on_device(|bench| {
@@ -136,7 +136,7 @@ fn a_mapping_is_changed_step_by_step() {
     });
 }
 
-/// Of other objects nothing is mapped, and bits are whole bytes.
+/// Only objects of the application are mapped, and only if they have one to eight whole bytes.
 #[test]
 fn mappable_objects_are_those_of_the_description() {
     on_device(|bench| {
@@ -155,7 +155,7 @@ fn mappable_objects_are_those_of_the_description() {
     });
 }
 
-/// SYNC is where 1005h says, and its counter and its producer are switched off for a case.
+/// SYNC has the CAN-ID in 1005h; its counter and its producer are switched off for a case.
 #[test]
 fn sync_is_made_plain() {
     on_device(|bench| {
@@ -173,7 +173,7 @@ fn sync_is_made_plain() {
     });
 }
 
-/// A device delivered with its TPDO switched off, or empty, gets one.
+/// A device that is delivered with its TPDO off or empty gets one.
 #[test]
 fn a_tpdo_is_provided() {
     on_device(|bench| {
@@ -190,7 +190,7 @@ fn a_tpdo_is_provided() {
     });
 }
 
-/// A device with that dictionary, which refuses these requests with 0800 0022h while TPDO 1 is valid, and others always.
+/// A device with this dictionary, which refuses some requests with 0800 0022h while TPDO 1 is valid, and others always.
 fn refusing(
     rows: Vec<Row>,
     while_valid: &'static [&'static str],
@@ -214,8 +214,8 @@ fn tpdo(sub: u8, value: &[u8]) -> Row {
     ((0x1800, sub), value.to_vec(), true)
 }
 
-/// A device that changes nothing of a PDO in use gets its event timer while the PDO is off; one that is silent, or refuses it
-/// all the same, does not have it.
+/// A device that refuses changes to a PDO in use gets its event timer while the PDO is off. A device that is silent, or
+/// refuses even then, has no event timer.
 #[test]
 fn an_event_timer_is_set_however_the_device_takes_it() {
     const TIMER: &[&str] = &["63F#2B001805"];
@@ -252,7 +252,7 @@ fn an_inhibit_time_may_be_missing() {
     assert_eq!((time(vec![tpdo(1, &[0; 4])]), time(Vec::new())), (Duration::ZERO, Duration::ZERO));
 }
 
-/// A count that no PDO has is read no further than PDOs go: 64 bits.
+/// A mapping with an impossible count is read only up to the limit of a PDO: 64 entries.
 #[test]
 fn a_mapping_has_no_more_than_64_entries() {
     let mapped = |count: u8, entries: u8| {
@@ -269,7 +269,7 @@ fn a_mapping_has_no_more_than_64_entries() {
     assert_eq!(entries, Ok(vec![Mapped { at: Multiplexer::new(0x6004, 2), bits: 16 }]));
 }
 
-/// Of the five steps the first that is refused is a breach, and the following are not tried.
+/// The first refused step of the five is a breach, and the following steps are not tried.
 #[test]
 fn a_step_that_is_refused_ends_the_mapping() {
     const MAPPED: [Mapped; 1] = [Mapped { at: Multiplexer::new(0x2000, 0), bits: 8 }];
@@ -291,7 +291,7 @@ fn a_step_that_is_refused_ends_the_mapping() {
     assert_eq!(remapped(&["63F#2F001A0001"]), (false, true, 4));
 }
 
-/// Where the best objects are refused the next are tried: four of them, and the error register.
+/// If the best objects are refused, the next are tried: four of them, and the error register.
 #[test]
 fn what_a_tpdo_does_not_take_is_followed_by_the_next() {
     let sections: Vec<(String, &str)> =
@@ -307,7 +307,7 @@ fn what_a_tpdo_does_not_take_is_followed_by_the_next() {
     const BUT_THE_LAST: &[&str] =
         &["63F#23001A0108000020", "63F#23001A0108000120", "63F#23001A0108000220", "63F#23001A0108000320"];
     let entry = |sub, value: &[u8]| ((0x1A00, sub), value.to_vec(), true);
-    // The entries that were tried, and whether one was taken.
+    // The entries that were tried, and whether the device accepted one.
     let tried = |always: &'static [&'static str]| {
         let rows = vec![tpdo(1, &[0xBF, 1, 0, 0xC0]), entry(0, &[0]), entry(1, &[0; 4])];
         with_target(refusing(rows, &[], always), &target, &Options::default(), |bench| {
@@ -321,13 +321,13 @@ fn what_a_tpdo_does_not_take_is_followed_by_the_next() {
     let all = ["08000020", "08000120", "08000220", "08000320", "08000110"];
     assert_eq!(tried(&[]), (true, entries(&all[..1])));
     assert_eq!(tried(&["63F#23001A0108000020"]), (true, entries(&all[..2])));
-    // One whose count is refused is no better than one whose entry is.
+    // An object whose count is refused is no better than one whose entry is refused.
     assert_eq!(tried(&["63F#2F001A0001"]), (false, entries(&all)));
     assert_eq!(tried(&["63F#23001A01"]), (false, entries(&all)));
     assert_eq!(tried(BUT_THE_LAST), (true, entries(&all)));
 }
 
-/// SYNC has no counter where 1019h is 0 or not there; a consumer need not have a period.
+/// SYNC has no counter if 1019h is 0 or absent; a SYNC consumer need not have a period.
 #[test]
 fn a_plain_sync_is_expected_where_it_is_not() {
     let sent = |rows: Vec<Row>| with_bench(dictionary(rows), |bench| (bench.expect_plain_sync(), written(bench, 0)));

@@ -1,4 +1,4 @@
-//! Who is there: a device that leaves, comes back, is silent or starts by itself.
+//! Presence of devices: a device that leaves, comes back, is silent or starts by itself.
 
 #![cfg(test)]
 
@@ -17,7 +17,7 @@ const MS: fn(u64) -> Duration = Duration::from_millis;
 const DEVICE_TYPE: &str = "63F#4000100000000000";
 const ANSWER: &str = "5BF#4300100096010200";
 
-/// A device that is there while the switch is on: it answers that it has a device type, and starts when it is reset.
+/// A device that is present while the switch is on: it answers with a device type, and starts when it is reset.
 fn switched(is_there: &Rc<Cell<bool>>) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
     let is_there = Rc::clone(is_there);
     move |request| {
@@ -35,7 +35,7 @@ fn commands(bench: &Bench<'_>, text: &str) -> usize {
     own.filter(|exhibit| exhibit.text == text).count()
 }
 
-/// A device has left if it neither answers, nor starts, nor can be given its node-ID again; that is found out once.
+/// A device has left if it neither answers nor starts, and can't be given its node-ID again; this is found out once.
 #[test]
 fn a_device_leaves_once_and_comes_back() {
     let there = Rc::new(Cell::new(true));
@@ -57,7 +57,7 @@ fn a_device_leaves_once_and_comes_back() {
     });
 }
 
-/// Whatever the device sends is a sign of it, but not what others send.
+/// Any frame of the device is a sign of it; frames of others are not.
 #[test]
 fn any_frame_of_a_device_is_a_sign_of_it() {
     let found = |sign: &'static str| {
@@ -74,19 +74,19 @@ fn any_frame_of_a_device_is_a_sign_of_it() {
     assert!(!found("73E#05") && !found("63F#4000100000000000"));
 }
 
-/// A device that lost its node-ID is given it again, and is there then.
+/// A device that lost its node-ID gets it again, and is then present.
 #[test]
 fn a_node_id_that_is_given_again_brings_a_device_back() {
     let there = Rc::new(Cell::new(false));
     with_bench(switched(&there), |bench| {
         assert!(!bench.has_left("301/a", |_| there.set(true)) && !bench.knowledge.has_gone());
-        // Also one that does not answer, but starts.
+        // A device that does not answer but starts is present, too.
         let starts = &[("000#813F", "73F#00")];
         assert!(!with_bench(table(starts), |bench| bench.has_left("301/a", |_| panic!("it starts"))));
     });
 }
 
-/// The user's command that switches the device off and on is tried before it is waited for.
+/// The user's command that switches the device off and on runs before the tester waits for the device.
 #[test]
 fn a_supply_that_is_switched_brings_a_device_back() {
     let looked_for = |command: &str, is_there: bool| {
@@ -105,7 +105,7 @@ fn a_supply_that_is_switched_brings_a_device_back() {
     assert_eq!(unswitched, Ok(()));
 }
 
-/// What starts because of the supply is no restart of its own.
+/// A start after switching the supply is not a restart by the device itself.
 #[test]
 fn a_boot_up_after_the_supply_was_switched_is_expected() {
     let options = Options { power_cycle: Some("true".to_owned()), ..Options::default() };
@@ -127,7 +127,7 @@ fn a_boot_up_after_the_supply_was_switched_is_expected() {
     assert_eq!((restarted(true), restarted(false)), (false, true));
 }
 
-/// With the user's leave other nodes need not be looked for.
+/// With the user's leave, the tester need not look for other nodes.
 #[test]
 fn others_may_be_commanded_with_leave() {
     const NEIGHBOUR: &[(&str, &str)] = &[("640#4000100000000000", "5C0#4300100096010200")];
@@ -138,7 +138,7 @@ fn others_may_be_commanded_with_leave() {
     let refused = with_bench(table(NEIGHBOUR), |bench| bench.is_alone());
     let why = "node 64 is on this bus too, and commanding other nodes is not allowed";
     assert_eq!(refused, Ok(Err(why.to_owned())));
-    // Of several the first is named.
+    // Of several nodes the first is named.
     const TWO: &[(&str, &str)] =
         &[("640#4000100000000000", "5C0#4300100096010200"), ("605#4000100000000000", "585#4300100096010200")];
     let first = with_bench(table(TWO), |bench| bench.is_alone()).unwrap().unwrap_err();
@@ -149,8 +149,8 @@ fn others_may_be_commanded_with_leave() {
     assert_eq!(with_bench(table(NOISE), |bench| bench.is_alone()), Ok(Ok(())));
 }
 
-/// The queues of interfaces hold eight frames: 126 nodes are asked in sixteen portions, 20 ms apart, and the last have the time
-/// of silence.
+/// The queues of interfaces hold eight frames: 126 nodes are asked in sixteen portions, 20 ms apart, and the last
+/// portion has the time of silence.
 #[test]
 fn others_are_asked_in_portions() {
     with_bench(table(&[]), |bench| {
@@ -162,7 +162,7 @@ fn others_are_asked_in_portions() {
     });
 }
 
-/// The neighbours of the device serve, the nearest first, as far as there are such node-IDs and nobody has them.
+/// The nearest vacant node-ID serves first, below and above the device's own, within the valid range.
 #[test]
 fn the_nearest_vacant_node_id_serves() {
     let vacant = |own: u8, others: &'static [u8]| {
@@ -185,8 +185,8 @@ fn the_nearest_vacant_node_id_serves() {
     assert_eq!((vacant(127, &[126]), vacant(127, &[125, 126])), (Some(125), None));
 }
 
-/// How a device of a few lines comes out of a reset: in which state, whether its SDO server answers there, and whether it
-/// shows its state when it is guarded.
+/// A device of a few lines: the state after its reset, the states in which its SDO server answers, and whether it
+/// answers guarding.
 struct Starter {
     starts_in: u8,
     answers_in: &'static [u8],
@@ -221,7 +221,8 @@ impl Starter {
     }
 }
 
-/// Whether a device starts by itself is found out once, with one more reset; what can't be seen is taken for it.
+/// Whether a device starts by itself is found out once, with one more reset. If its state can't be seen, it counts as
+/// one that does.
 #[test]
 fn a_device_that_starts_by_itself_is_found_out_once() {
     let found = |starter: Starter| {
@@ -241,19 +242,20 @@ fn a_device_that_starts_by_itself_is_found_out_once() {
     assert_eq!(found(quiet), (false, (2, 0), (1, 0), pre));
     let operational = Starter { starts_in: 5, answers_in: SERVING, guarded: true };
     assert_eq!(found(operational), (true, (2, 1), (1, 1), pre));
-    // One that shows no state may have started.
+    // A device that shows no state may have started.
     let hidden = Starter { starts_in: 0x7F, answers_in: SERVING, guarded: false };
     assert_eq!(found(hidden), (true, (2, 1), (1, 1), None));
-    // One that starts in stopped answers only after it was brought to pre-operational, and is not reset once more.
+    // A device that starts in stopped answers only after it was brought to pre-operational, and is not reset again.
     let stopped = Starter { starts_in: 4, answers_in: SERVING, guarded: true };
     assert_eq!(found(stopped), (true, (1, 2), (1, 1), pre));
-    // One without SDO server at all, which shows its state.
+    // A device without SDO server that shows its state.
     let mute = Starter { starts_in: 0x7F, answers_in: &[], guarded: true };
     let (starts, ..) = found(mute);
     assert!(!starts);
 }
 
-/// A start that was asked for and did not come is waited for; a bus that fails then is no device that does not start.
+/// The tester waits for a commanded start that does not come. If the bus fails meanwhile, the device does not count as
+/// silent.
 #[test]
 fn a_bus_that_fails_is_no_silent_device() {
     let mut bus = Failing::new(ScriptedBus::new(|_| Vec::new()));
@@ -267,7 +269,7 @@ fn a_bus_that_fails_is_no_silent_device() {
     });
 }
 
-/// A device whose 1017h is fixed shows its state by itself, however far apart its heartbeats are.
+/// A device with a fixed 1017h shows its state by itself, whatever its heartbeat period.
 #[test]
 fn a_fixed_heartbeat_is_waited_for_by_its_period() {
     let state = |after: u64| {
@@ -286,11 +288,11 @@ fn a_fixed_heartbeat_is_waited_for_by_its_period() {
             bench.state().unwrap()
         })
     };
-    // Four periods without one mean that there is none.
+    // Four periods without a heartbeat mean that there is none.
     assert_eq!((state(7_990), state(8_010)), (Some(State::OPERATIONAL), None));
 }
 
-/// A state that a case needs is reached, and one that is not is reported.
+/// A state that a case needs is reached; a state that is not reached is reported.
 #[test]
 fn a_state_that_is_not_reached_is_told() {
     const OPERATIONAL: &[(&str, &str)] = &[("73F#R1", "73F#05")];

@@ -1,4 +1,5 @@
-//! A device is left as it was found: values are written back where they differ, and what can't be put back is reported.
+//! A device is left as it was found: values that differ are written back, and values that can't be put back are
+//! reported.
 
 #![cfg(test)]
 
@@ -28,7 +29,7 @@ fn original(index: u16, sub: u8, value: &[u8]) -> Original {
     Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() }
 }
 
-/// What the tester sent since, in short: `1017:00=E803` a write, `NMT 81 3F`.
+/// The tester's frames since this one, in short: `1017:00=E803` for a write, `NMT 81 3F`.
 fn sent(bench: &mut Bench<'_>, since: usize) -> Vec<String> {
     bench.uncancelled(|bench| bench.drain()).unwrap();
     let own = bench.evidence().frames().skip(since).filter(|exhibit| exhibit.record.direction == Direction::Tx);
@@ -52,18 +53,18 @@ fn seen(bench: &mut Bench<'_>) -> usize {
     bench.evidence().frames().count()
 }
 
-/// How a scripted device takes writes.
+/// The reaction of a scripted device to writes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Takes {
     All,
-    /// Refuses them, but has its values again after a reset.
+    /// Refuses writes, but has its values again after a reset.
     AfterReset,
-    /// Refuses them for ever.
+    /// Refuses writes always.
     Nothing,
 }
 
-/// A device with a device type and 1010h, that holds these values now and `default` after a reset. The values are shared with
-/// the test.
+/// A device with a device type and 1010h. It has these values now, and `default` after a reset. The test shares the
+/// values.
 type Values = Rc<RefCell<BTreeMap<(u16, u8), Vec<u8>>>>;
 
 fn device(values: &Values, default: &[Row], takes: Takes) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
@@ -94,7 +95,8 @@ fn values(rows: &[Row]) -> Values {
     Rc::new(RefCell::new(rows.iter().map(|(at, value, _)| (*at, value.clone())).collect()))
 }
 
-/// CiA 301, 7.5.2.37 and 7.5.2.38 for PDOs; an EMCY is off, a SYNC is not produced, a TIME neither produced nor consumed, while they are changed.
+/// PDOs are off while they are changed (CiA 301, 7.5.2.37 and 7.5.2.38), as is an EMCY; SYNC is not produced then, and
+/// TIME neither produced nor consumed.
 #[test]
 fn each_communication_object_is_off_while_it_is_written() {
     let written = |originals: &[Original]| -> Vec<String> {
@@ -127,13 +129,13 @@ fn each_communication_object_is_off_while_it_is_written() {
         let [count, entry] = [0, 1].map(|sub| Multiplexer::new(mapping, sub));
         assert_eq!(order, [(id, 0x80), (kind, 1), (count, 0), (entry, 0x10), (count, 1), (id, 0)]);
     }
-    // Neighbours of those are objects like any other.
+    // Objects next to these ranges are ordinary objects.
     for index in [0x13FF, 0x1C00] {
         assert_eq!(writes(&[original(index, 0, &[7]), original(index, 1, &[7])], &[]).len(), 2, "{index:04X}h");
     }
 }
 
-/// What belongs to the same communication object has to be written with an object.
+/// Objects of the same communication object are written together.
 #[test]
 fn an_object_has_its_companions() {
     let of = |index, sub| companions(Multiplexer::new(index, sub)).map(|at| at.map(|at| at.to_string()));
@@ -149,7 +151,7 @@ fn an_object_has_its_companions() {
     }
 }
 
-/// Only what differs is written; what the device does not take is returned.
+/// Only values that differ are written; values that the device refuses are returned.
 #[test]
 fn what_differs_is_written_back() {
     let before =
@@ -172,14 +174,14 @@ fn what_differs_is_written_back() {
     now.borrow_mut().insert((0x1017, 0), vec![1, 0]);
     let stuck = with_bench(device(&now, &[], Takes::Nothing), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
-    // One that is not there any more has not its value either.
+    // An object that no longer exists does not have its value either.
     now.borrow_mut().remove(&(0x1017, 0));
     let stuck = with_bench(device(&now, &[], Takes::All), |bench| rewrite::write_back(bench, &originals));
     assert_eq!(stuck, originals[..1]);
 }
 
-/// What could not be written is back after a reset where it was not stored; else it is reported, and tried again after the next
-/// case.
+/// A value that could not be written is back after a reset if it was not stored; otherwise it is reported, and tried
+/// again after the next case.
 #[test]
 fn a_reset_brings_back_what_was_not_stored() {
     let before = [row(0x1017, 0, &[0, 0])];
@@ -202,7 +204,7 @@ fn a_reset_brings_back_what_was_not_stored() {
         bench.changes.keep(original(0x1017, 0, &[0, 0])).unwrap();
         assert_eq!(bench.finish().notes.len(), 1);
         bench.begin();
-        // The case after it changes the same object: what it finds there is not the device's own value.
+        // The next case changes the same object, which then does not hold the device's own value.
         bench.changes.keep(original(0x1017, 0, &[0xE8, 3])).unwrap();
         assert_eq!(bench.finish().notes, ["1017h:00 could not be set back to 00 00"]);
         now.borrow_mut().insert((0x1017, 0), vec![0, 0]);
@@ -211,7 +213,7 @@ fn a_reset_brings_back_what_was_not_stored() {
     });
 }
 
-/// In stopped no SDO is answered: the device is brought to pre-operational first.
+/// A stopped device answers no SDO: it is first brought to pre-operational.
 #[test]
 fn a_stopped_device_is_woken_before_values_are_written_back() {
     let woken = |stopped: bool| {
@@ -230,7 +232,7 @@ fn a_stopped_device_is_woken_before_values_are_written_back() {
     };
     assert_eq!(woken(false), ["1017:00=0000"]);
     assert_eq!(woken(true), ["NMT 80 3F", "1017:00=0000"]);
-    // Where nothing was changed, nothing is sent.
+    // If nothing was changed, nothing is sent.
     let now = values(&[]);
     assert_eq!(
         with_bench(device(&now, &[], Takes::All), |bench| {
@@ -241,7 +243,8 @@ fn a_stopped_device_is_woken_before_values_are_written_back() {
     );
 }
 
-/// Values that trigger something are no values, and what a case has changed before is kept once, as it was at first.
+/// Objects that trigger an action have no value to keep. If a case changes an object twice, only its first value is
+/// kept.
 #[test]
 fn the_value_before_the_first_change_is_kept() {
     let now = values(&[
@@ -265,7 +268,7 @@ fn the_value_before_the_first_change_is_kept() {
     });
 }
 
-/// Bit 1 of 1010h:01 (CiA 301, 7.5.2.13).
+/// Bit 1 of 1010h:01 says that a device stores by itself (CiA 301, 7.5.2.13).
 #[test]
 fn a_device_may_store_by_itself() {
     for (value, by_itself) in [(0, false), (1, false), (2, true), (3, true), (4, false), (6, false)] {
@@ -285,7 +288,7 @@ fn rescued(bench: &mut Bench<'_>) -> Vec<String> {
     frames.filter(|text| text.starts_with("7E5#")).collect()
 }
 
-/// A case that ended early is put right by its rescue, which is told whether the case has stored something.
+/// After a case that ended early its rescue runs, and learns whether the case has stored something.
 #[test]
 fn a_case_that_ended_early_is_rescued() {
     let asked = |stores: bool| {
@@ -319,7 +322,7 @@ fn interrupted(values: &[(Multiplexer, Vec<u8>)], more: &[(Multiplexer, Vec<u8>)
     }
 }
 
-/// What an interrupted run has left is put back as its journal says.
+/// Changes of an interrupted run are put back according to its journal.
 #[test]
 fn an_interrupted_run_is_put_back() {
     let before = vec![(Multiplexer::new(0x1000, 0), vec![0x91, 1, 0, 0]), (HEARTBEAT_TIME, vec![0, 0])];
@@ -347,7 +350,7 @@ fn an_interrupted_run_is_put_back() {
     assert_eq!(put_back(&operational, true, Takes::All).1, of(&[&both, &reset, &start]));
     let stored = Interrupted { stored: true, ..run.clone() };
     let save = ["1010:01=73617665".to_owned()];
-    // A journal of which nobody knows what a start brought: the values that were in use are stored.
+    // If the journal lacks the values that a start loaded, the values that were in use are stored.
     let memory = of(&[&reset, &both[..1], &save, &reset]);
     assert_eq!(put_back(&stored, true, Takes::All), (vec![], of(&[&memory, &both[1..], &reset]), told("01")));
     let memory = of(&[&reset, &both[..1], &reset]);
@@ -356,7 +359,7 @@ fn an_interrupted_run_is_put_back() {
     assert_eq!(left, ["1017h:00", "2041h:00"]);
 }
 
-/// A device that does not answer is reset first; one that does not start either is not there.
+/// A device that does not answer is reset first; if it does not start either, it is absent.
 #[test]
 fn an_interrupted_run_is_put_back_after_a_reset_where_that_helps() {
     let run = interrupted(&[(Multiplexer::new(0x1000, 0), vec![0x91, 1, 0, 0]), (HEARTBEAT_TIME, vec![0, 0])], &[]);
@@ -372,7 +375,7 @@ fn an_interrupted_run_is_put_back_after_a_reset_where_that_helps() {
     assert_eq!((reset_helps(true), reset_helps(false)), (Some(true), None));
 }
 
-/// What cases could not put back is reported with both values, unless the dictionary tells it already.
+/// Values that cases could not put back are reported with both values, unless the dictionary shows them already.
 #[test]
 fn what_the_dictionary_does_not_show_is_told_too() {
     let now = values(&[row(0x2041, 0, &[9]), row(0x2042, 0, &[9])]);
@@ -390,7 +393,7 @@ fn what_the_dictionary_does_not_show_is_told_too() {
     assert_eq!(left(Takes::All), [], "it is put back at last");
 }
 
-/// The commands that give a device its values again can be typed, in the order in which it takes them.
+/// The commands that give a device its values again can be typed, in an order that the device accepts.
 #[test]
 fn commands_put_settings_back() {
     let before: Vec<(Multiplexer, Vec<u8>)> = [
@@ -424,21 +427,21 @@ fn commands_put_settings_back() {
         );
         let text = setting(0x2010, 0, Some(&[]));
         assert_eq!(commands(bench, &[text]), ["2010:00 ''"]);
-        // With an entry of a mapping come the count and the COB-ID.
+        // An entry of a mapping is accompanied by the count and the COB-ID.
         let entry = setting(0x1A00, 1, Some(&[8, 0, 1, 0x10]));
         let pdo = ["1800:01 BF010080", "1A00:00 00", "1A00:01 08000110", "1A00:00 01", "1800:01 BF010000"];
         assert_eq!(commands(bench, std::slice::from_ref(&entry)), pdo);
         let count = setting(0x1A00, 0, Some(&[1]));
         assert_eq!(commands(bench, &[entry, count]), pdo, "each once");
-        // What the device sets itself, what never changes, and what was not there before, is not written.
+        // Values that the device sets itself, constants, and objects that were absent before, are not written.
         let own = Change { nature: Nature::Own, ..heartbeat.clone() };
         let constant = Change { nature: Nature::Constant, ..heartbeat.clone() };
         assert_eq!(commands(bench, &[own, constant, setting(0x2010, 0, None)]), Vec::<String>::new());
         assert_eq!(commands(bench, &[]), Vec::<String>::new());
-        // What acts is not written: a preset, a store.
+        // Objects that act are not written: a preset, a store.
         let preset = setting(0x6003, 0, Some(&[0, 0, 0, 0]));
         assert_eq!(commands(bench, &[preset, setting(0x1010, 1, Some(&[1, 0, 0, 0]))]), Vec::<String>::new());
-        // The memory first, from a start on; then what was in use and is not what a start brings.
+        // The memory comes first, starting with a reset; then the values in use that differ from the stored ones.
         bench.changes.baseline.stored = Some(vec![original(0x1017, 0, &[0xD0, 7])]);
         let stored = setting(0x1017, 0, Some(&[0xD0, 7]));
         let memory: Vec<String> = restore::commands(bench, "can0", &before, &[], &[stored]).iter().map(short).collect();
@@ -458,11 +461,11 @@ fn commands_put_settings_back() {
     });
 }
 
-/// Every object has its nature: whether a run has to leave it as it was.
+/// Every object has its nature, which decides whether a run must leave it as it was.
 #[test]
 fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
     let nature = |bench: &Bench<'_>, index| dictionary::change(bench, Multiplexer::new(index, 0), None, None).nature;
-    // Without a description: what only changes when it is written, whatever the device.
+    // Without a description: objects that change on any device only when they are written.
     with_bench(dictionary(Vec::new()), |bench| {
         for index in [
             0x1005, 0x1006, 0x1007, 0x100C, 0x100D, 0x1012, 0x1014, 0x1015, 0x1016, 0x1017, 0x1019, 0x1029, 0x1200,
@@ -495,13 +498,13 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
         let change = dictionary::change(bench, Multiplexer::new(0x2000, 0), Some(vec![1]), None);
         assert_eq!((change.name.as_deref(), change.data_type.map(|data_type| data_type.0)), (Some("2000"), Some(5)));
         assert_eq!((change.before, change.after), (Some(vec![1]), None));
-        // What is not described has the type that the standard gives it.
+        // An object without description has the type that the standard gives it.
         let standard = dictionary::change(bench, HEARTBEAT_TIME, None, None);
         assert_eq!((standard.name, standard.data_type.map(|data_type| data_type.0)), (None, Some(6)));
     });
 }
 
-/// A bus that fails while a device is put back is reported, and ends nothing else.
+/// A bus failure while a device is put back is reported, and ends nothing else.
 #[test]
 fn a_bus_that_fails_is_no_reason_to_stop() {
     let mut bus =
@@ -518,7 +521,7 @@ fn a_bus_that_fails_is_no_reason_to_stop() {
     });
 }
 
-/// A case that may leave more than values is written down, and any store.
+/// The journal names a case that may leave more than values, and records any store.
 #[test]
 fn the_journal_names_the_case_that_was_under_way() {
     let folder = tempfile::tempdir().unwrap();
@@ -551,7 +554,7 @@ fn the_journal_names_the_case_that_was_under_way() {
         bench.finish();
         bench.changes.settle_journal();
         assert!(!written().stored);
-        // Another node's store is not this device's, nor is a read of 1010h.
+        // A store on another node is not one of this device, nor is a read of 1010h.
         bench.send_bytes(0x640, &[0x23, 0x10, 0x10, 1, 0x73, 0x61, 0x76, 0x65]).unwrap();
         bench.send_bytes(0x63F, &[0x40, 0x10, 0x10, 1, 0, 0, 0, 0]).unwrap();
         assert!(!written().stored);

@@ -62,7 +62,7 @@ fn a_start_is_recorded_with_its_boot_up() {
         let none = bench.record_start(Command::START, MS(500)).unwrap();
         assert!(none.boot_ups.is_empty(), "nothing starts");
     });
-    // What comes before the boot-up, and a second one after it.
+    // Frames come before the boot-up message, and a second boot-up message after it.
     let script = |request: &Frame| match request.to_string().as_str() {
         "000#813F" => ["1BF#01", "1BE#01", "73F#00", "73F#00", "73F#7F"]
             .iter()
@@ -78,7 +78,7 @@ fn a_start_is_recorded_with_its_boot_up() {
     });
 }
 
-/// Some devices ignore resets while they are stopped: they are woken.
+/// Some devices ignore resets while they are stopped: the tester first brings them to pre-operational.
 #[test]
 fn a_reset_wakes_a_device_that_is_stopped() {
     let mut awake = false;
@@ -93,17 +93,17 @@ fn a_reset_wakes_a_device_that_is_stopped() {
     with_bench(script, |bench| {
         let begun = bench.now();
         assert_eq!(bench.reset(Command::RESET_NODE), Ok(()));
-        // Ten seconds for the first boot-up, 20 ms between the commands, 5 ms, and 50 ms after the second.
+        // 10 s for the first boot-up, 20 ms between the commands, 5 ms, and 50 ms after the second boot-up.
         assert_eq!(bench.now().since(begun), MS(10_075));
     });
-    // One that does not start but answers is there all the same.
+    // A device that does not start but answers is present all the same.
     let answering = &[("63F#4000100000000000", "5BF#4300100096010200")];
     assert_eq!(with_bench(table(answering), |bench| bench.reset(Command::RESET_NODE)), Ok(()));
     let gone = with_bench(table(&[]), |bench| bench.reset(Command::RESET_NODE));
     assert!(matches!(gone, Err(Stop::Inconclusive(_))), "{gone:?}");
 }
 
-/// The longest time that a start may take is waited out once: later resets end when the device answers again.
+/// The longest time of a start is waited only once: later resets end when the device answers again.
 #[test]
 fn a_device_without_boot_up_message_is_waited_for_once() {
     let unanswered = Rc::new(Cell::new(0));
@@ -122,16 +122,16 @@ fn a_device_without_boot_up_message_is_waited_for_once() {
             assert_eq!(bench.reset(Command::RESET_NODE), Ok(()));
             bench.now().since(begun)
         };
-        // Twice ten seconds, 20 ms between, the answer, and 50 ms.
+        // Twice 10 s, 20 ms between the commands, the answer, and 50 ms.
         assert_eq!(took(), MS(20_071));
         assert_eq!(took(), MS(1_051), "a second before it is asked, the answer, and 50 ms");
-        // One that leaves three requests unanswered, of a second each, is waited for.
+        // A device that leaves three requests unanswered, for a second each, is waited for.
         unanswered.set(3);
         assert_eq!(took(), MS(4_051));
     });
 }
 
-/// One that starts silently and then is gone is not taken for one that has started.
+/// A device that starts silently and is later gone does not count as started.
 #[test]
 fn a_device_without_boot_up_message_may_be_gone() {
     let mut left = 1;
@@ -148,7 +148,7 @@ fn a_device_without_boot_up_message_may_be_gone() {
     });
 }
 
-/// The device has the time of a reaction before its state is asked for, or its server.
+/// The tester allows the device its reaction time before it asks for its state or its server.
 #[test]
 fn a_device_has_time_to_react() {
     const OPERATIONAL: &[(&str, &str)] = &[("73F#R1", "73F#05")];
@@ -177,7 +177,7 @@ fn a_device_has_time_to_react() {
     });
 }
 
-/// A boot-up message that comes after all is believed again.
+/// If the boot-up message comes after all, the tester waits for it again.
 #[test]
 fn a_boot_up_message_that_comes_again_is_waited_for() {
     let mut resets = 0;
@@ -200,7 +200,7 @@ fn a_boot_up_message_that_comes_again_is_waited_for() {
     });
 }
 
-/// 1017h, read as 200 ms and written with `answer` to each download.
+/// 1017h reads as 200 ms, and each download of it gets `answer`.
 fn heartbeat_times(answer: fn(&str) -> Option<&'static str>) -> Heartbeats {
     let script = move |request: &Frame| {
         let text = request.to_string();
@@ -214,7 +214,8 @@ fn heartbeat_times(answer: fn(&str) -> Option<&'static str>) -> Heartbeats {
     with_bench(script, |bench| bench.heartbeats()).unwrap()
 }
 
-/// What a device does not take does not keep its state from being seen: it has a least time, or one of its own.
+/// A period that the device refuses does not prevent its state from being seen: the device has a minimum period, or a
+/// fixed one.
 #[test]
 fn the_period_is_one_that_the_device_takes() {
     const TAKEN: Option<&str> = Some("5BF#6017100000000000");
@@ -228,7 +229,7 @@ fn the_period_is_one_that_the_device_takes() {
     assert_eq!(heartbeat_times(unanswered), Heartbeats::Fixed(MS(200)));
 }
 
-/// Only a reset of this node, or of all, makes its boot-up expected.
+/// Only a reset of this node, or of all nodes, makes its boot-up expected.
 #[test]
 fn a_boot_up_is_expected_after_a_reset_of_this_node() {
     const ROWS: &[(&str, &str)] =
@@ -288,7 +289,8 @@ fn a_device_that_starts_by_itself_is_noticed() {
     assert_eq!(state(false), (false, Some(State::PRE_OPERATIONAL), 0));
 }
 
-/// What comes before the reset is on the bus is no part of the start, and where none comes the time of a start is waited out.
+/// Frames before the reset command do not belong to the start. Without a boot-up message, the whole boot-up time is
+/// waited.
 #[test]
 fn a_start_is_recorded_from_its_command_on() {
     let script = |request: &Frame| match request.to_string().as_str() {
@@ -307,7 +309,7 @@ fn a_start_is_recorded_from_its_command_on() {
         let none = bench.record_start(Command::START, MS(100)).unwrap();
         assert_eq!((none.boot_ups.len(), bench.now().since(begun)), (0, MS(10_500)));
     });
-    // A boot-up of another length is one that the case judges; state 0 of another node is none.
+    // The case judges a boot-up message of another length; state 0 of another node is no boot-up.
     let odd = |request: &Frame| match request.to_string().as_str() {
         "000#813F" => vec![(MS(1), frame("73E#00")), (MS(2), frame("73F#0001")), (MS(3), frame("73F#7F"))],
         _ => Vec::new(),
@@ -320,7 +322,7 @@ fn a_start_is_recorded_from_its_command_on() {
     });
 }
 
-/// A restart that the case may bring about is no surprise.
+/// A restart that the case may cause is no surprise.
 #[test]
 fn a_restart_that_may_come_is_no_surprise() {
     const ROWS: &[(&str, &str)] = &[("123#", "73F#00")];
@@ -337,14 +339,14 @@ fn a_restart_that_may_come_is_no_surprise() {
     assert_eq!((restarted(true), restarted(false)), (false, true));
 }
 
-/// What was written to these objects, in its order.
+/// The writes to these objects, in order.
 fn written_to(bench: &mut super::Bench<'_>) -> Vec<String> {
     bench.drain().unwrap();
     let frames = bench.evidence().frames().map(|exhibit| exhibit.text.clone());
     frames.filter(|text| text.starts_with("63F#2")).collect()
 }
 
-/// Guarding is preferred to a heartbeat that can be ended; nothing is written where it is off, or fixed.
+/// Guarding is preferred to a heartbeat that can be ended; nothing is written if the heartbeat is off or fixed.
 #[test]
 fn a_heartbeat_is_ended_only_where_it_comes() {
     let written = |value: u8, writable: bool| {
@@ -356,7 +358,7 @@ fn a_heartbeat_is_ended_only_where_it_comes() {
             written_to(bench).split_off(before)
         })
     };
-    // Finding out what it takes has left 50 ms there, until the case is over.
+    // Finding out the period has left 50 ms in 1017h, until the case is over.
     assert_eq!(written(100, true), ["63F#2B17100000000000"]);
     assert_eq!(written(100, false), Vec::<String>::new());
     let none = with_bench(dictionary(Vec::new()), |bench| {
@@ -366,8 +368,8 @@ fn a_heartbeat_is_ended_only_where_it_comes() {
     assert_eq!(none, Vec::<String>::new());
 }
 
-/// Some devices answer guarding only with a life time: it is set where both of its objects can be written, and where the
-/// device does not answer without.
+/// Some devices answer guarding only with a life time: it is set if both of its objects can be written and the device
+/// does not answer without it.
 #[test]
 fn a_life_time_is_set_where_it_is_needed() {
     let shown = |rows: Vec<Row>, answers: bool| {
@@ -391,7 +393,7 @@ fn a_life_time_is_set_where_it_is_needed() {
     assert_eq!(shown(vec![guard, fixed], false), (0, false));
 }
 
-/// A boot-up message is no state, nor is a message of another node; the first that is one counts.
+/// A boot-up message is no state, nor is a message of another node; the first real state counts.
 #[test]
 fn a_state_is_read_from_the_device_alone() {
     let state = |answers: &'static [&'static str]| {

@@ -1,4 +1,4 @@
-//! How long the bench waits, and what it grants the device.
+//! The waits of the bench, and its tolerances for the device.
 
 #![cfg(test)]
 
@@ -13,20 +13,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
-/// What docs/testing names: nothing of it may change without being noticed.
+/// The times in docs/testing must not change unnoticed.
 #[test]
 fn the_times_of_a_run() {
     let timing = Timing::default();
     assert_eq!((timing.sdo_response, timing.store, timing.lss), (MS(1_000), MS(10_000), MS(5_000)));
     assert_eq!((timing.boot_up, timing.reaction, timing.silence), (MS(10_000), MS(50), MS(200)));
-    // 5 %, and no less than 1 ms.
+    // 5 %, and at least 1 ms.
     let tolerances = [0, 10, 20, 21, 1_000].map(|period| timing.tolerance(MS(period)).nanos());
     assert_eq!(tolerances, [1_000_000, 1_000_000, 1_000_000, 1_050_000, 50_000_000]);
     assert_eq!(Timing { period_tolerance: 20, ..timing }.tolerance(MS(100)), MS(20));
     assert_eq!(HOST_LATE, MS(50));
 }
 
-/// Two of the longest frames (160 bits) may go before an answer: at 125 kbit/s, where the rate is not known, 2.56 ms.
+/// Two of the longest frames (160 bits) may precede an answer: 2.56 ms at 125 kbit/s, which is assumed if the rate is
+/// unknown.
 #[test]
 fn a_bus_delays_by_two_frames() {
     with_bench(
@@ -47,7 +48,7 @@ fn a_bus_delays_by_two_frames() {
     });
 }
 
-/// A bus that says that it has no bit rate divides nothing by zero.
+/// A bus that reports a bit rate of zero causes no division by zero.
 #[test]
 fn a_bus_without_bit_rate_has_a_delay() {
     struct Slow(crate::scripted::ScriptedBus);
@@ -70,7 +71,7 @@ fn a_bus_without_bit_rate_has_a_delay() {
     assert_eq!(delay, Duration::from_secs(320), "of one bit per second");
 }
 
-/// A server that is slow is waited for by a quarter more than its slowest answer took.
+/// The time of silence for a slow server is a quarter longer than its slowest answer took.
 #[test]
 fn silence_lasts_longer_than_the_slowest_answer() {
     let slow = |delay: u64| {
@@ -86,7 +87,7 @@ fn silence_lasts_longer_than_the_slowest_answer() {
     assert_eq!((slow(1), slow(160), slow(400)), (MS(200), MS(200), MS(500)));
 }
 
-/// Storing may take long, and tells nothing of how fast the server is.
+/// Storing may take long, and says nothing about the speed of the server.
 #[test]
 fn storing_has_a_patience_of_its_own() {
     let store = Multiplexer::new(0x1010, 1);
@@ -98,7 +99,7 @@ fn storing_has_a_patience_of_its_own() {
         let attempt = bench.download(store, b"save").unwrap();
         assert_eq!(attempt.expect_confirmation(), Ok(()));
         assert_eq!((bench.silence(), bench.stores(), bench.traffic.watch.has_stored()), (MS(200), 1, true));
-        // Another object is waited for less long.
+        // The wait for another object is shorter.
         let begun = bench.now();
         assert!(bench.upload(super::super::sdo::DEVICE_TYPE).unwrap().is_silent());
         assert_eq!(bench.now().since(begun), MS(1_000));
@@ -129,7 +130,7 @@ fn each_wait_takes_its_time() {
     );
 }
 
-/// The time of a run ends what a case does, but not what puts the device back.
+/// The time limit of a run ends a case, but not putting the device back.
 #[test]
 fn a_run_has_an_end() {
     let options = Options { limit: Some(MS(500)), ..Options::default() };
@@ -167,7 +168,7 @@ fn a_cancelled_run_sends_nothing_more() {
     assert_eq!(reason.actual, "9 bytes");
 }
 
-/// A bus with a frame every millisecond does not make a wait longer.
+/// A bus with a frame every millisecond does not prolong a wait.
 #[test]
 fn traffic_does_not_prolong_a_wait() {
     let script = |request: &Frame| match request.to_string().as_str() {
@@ -179,10 +180,10 @@ fn traffic_does_not_prolong_a_wait() {
         bench.send_bytes(0x123, &[1]).unwrap();
         assert_eq!(bench.listen(MS(100)).unwrap().len(), 100);
         assert_eq!(bench.now(), Timestamp::ZERO + MS(100));
-        // Frames of others are not the device's.
+        // Frames of others are not counted as the device's.
         assert_eq!(bench.frames_of(0x1BE, MS(100)).unwrap().len(), 0);
         assert_eq!(bench.frames_of(0x1BF, MS(100)).unwrap().len(), 100);
-        // What comes at the last moment is heard, all of it.
+        // Frames at the last moment are heard, all of them.
         bench.send_bytes(0x124, &[1]).unwrap();
         assert_eq!(bench.listen(MS(10)).unwrap().len(), 3);
     });
@@ -199,7 +200,7 @@ fn a_device_that_is_switched_off_and_on_starts() {
     let ends_with =
         |command, status| matches!(cycled(Some(command)), Err(Stop::Error(reason)) if reason.actual.contains(status));
     assert!(ends_with("exit 3", '3'));
-    // The shell of the system, which understands quotation marks in its own way.
+    // The shell of the system handles quotation marks in its own way.
     let quoted = if cfg!(windows) { r#"if "a b"=="a b" exit 4"# } else { r#"[ "a b" = "a b" ] && exit 4"# };
     assert!(ends_with(quoted, '4'));
 }

@@ -1,4 +1,4 @@
-//! Boot-up: how a device says that its initialisation is over (CiA 301, 7.2.8.2.3.1 and 7.2.8.3.3).
+//! Boot-up: the message by which a device reports the end of its initialisation (CiA 301, 7.2.8.2.3.1 and 7.2.8.3.3).
 
 use crate::bench::Bench;
 use crate::bench::nmt::Start;
@@ -15,7 +15,7 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-/// How long after the first boot-up message a second one still belongs to the same start.
+/// Maximum time between two boot-up messages of the same start.
 const SECOND_BOOT_UP: Duration = Duration::from_millis(1_000);
 
 /// After reset node the device sends exactly one boot-up message: one byte, 00h, on 700h + node-ID.
@@ -54,7 +54,7 @@ fn silent_before(bench: &mut Bench<'_>) -> Judged {
     let at_once = bench.now() + bench.timing().reaction;
     let start = bench.record_start(Command::RESET_NODE, Duration::ZERO)?;
     let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
-    // Nothing goes wrong in this case: an EMCY message is of the start.
+    // This case causes no error, so any EMCY message belongs to the start.
     let is_early = |record: &&Record| record.timestamp <= at_once && record.frame.cob_id() != Some(emcy_id);
     let sent: Vec<Record> = start.before.iter().filter(|record| !is_early(record)).cloned().collect();
     let Some(first) = sent.first() else { return Ok(()) };
@@ -120,7 +120,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::RESET_NODE)?;
     let deadline = bench.now() + bench.timing().boot_up;
     let error_control = error_control::CAN_ID_BASE + u16::from(bench.node().raw());
-    // The reset itself takes a while to be seen; a quick device has started by then.
+    // The device notices the reset after a while; a quick device has already started by then.
     let at_once = bench.wait_for(bench.timing().reaction, |record| {
         let is_ours = record.frame.cob_id() == Some(error_control);
         (is_ours && record.data() == [State::BOOT_UP.0]).then_some(())
@@ -171,7 +171,7 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
         bench.listen(bench.timing().reaction)?;
         Ok((bench.read_number(START_UP)?, bench.state()?))
     });
-    // Whether the check passed or not, the device gets its old value back.
+    // The device gets its old value back, whether the check passed or not.
     bench.write(START_UP, &before.to_le_bytes())?;
     bench.prefer_guarding()?;
     bench.write(STORE, b"save")?;
@@ -194,7 +194,7 @@ mod tests {
     use crate::scripted::{frame, with_bench};
     use canvass_traces::Frame;
 
-    /// Whether a device is in breach that sends a frame `delay_ms` after reset node, and starts after 200 ms.
+    /// Whether a device that sends this frame `delay_ms` after reset node, and starts after 200 ms, causes a breach.
     fn is_breach(delay_ms: u64, sent: &'static str) -> bool {
         let script = move |request: &Frame| match request.to_string().as_str() {
             "000#813F" => {

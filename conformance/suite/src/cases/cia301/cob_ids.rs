@@ -1,4 +1,4 @@
-//! The COB-IDs of all services, bit by bit: what one rule says of an identifier it says of each of its bits (CiA 301, 7.5.2).
+//! The COB-IDs of all services, bit by bit: a rule for an identifier applies to each of its bits (CiA 301, 7.5.2).
 
 use crate::bench::Bench;
 use crate::case;
@@ -14,11 +14,11 @@ const PRODUCES: u32 = 1 << 30;
 const CONSUMES: u32 = 1 << 31;
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
-/// CAN-IDs that are not restricted either; each of the eleven bits is 0 in some of them and 1 in others.
+/// CAN-IDs that CiA 301 does not restrict. Each of the eleven bits is 0 in some of them and 1 in others.
 const PATTERNS: [u32; 6] = [0x2AA, 0x555, 0x333, 0x4CC, 0x38F, 0x470];
 
-/// The COB-IDs that the description calls writable; not those of the default SDO server 1200h, which CiA 301 fixes, and
-/// without which the device would not be reached any more.
+/// The COB-IDs that are writable according to the description, except those of the default SDO server 1200h: CiA 301
+/// fixes them, and without them the device could not be reached any more.
 fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     let is_cob_id = |at: Multiplexer| match at.index.0 {
         object::COB_ID_SYNC | object::COB_ID_TIME | object::COB_ID_EMCY => at.sub.0 == 0,
@@ -39,7 +39,7 @@ fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     Ok(found)
 }
 
-/// The same COB-ID out of use: not valid, or neither produced nor consumed.
+/// The COB-ID with its service off: not valid, or neither produced nor consumed.
 fn unused(at: Multiplexer, cob_id: u32) -> u32 {
     match at.index.0 {
         object::COB_ID_SYNC => cob_id & !PRODUCES,
@@ -60,7 +60,7 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
     bench.each(objects, |bench, at| {
         let own = bench.read_number(at)?;
         let off = unused(at, own);
-        // That a PDO can be switched off is the matter of another case.
+        // Another case judges whether a PDO can be switched off.
         if off != own {
             let attempt = bench.download(at, &off.to_le_bytes())?.under("which puts it out of use");
             match is_single(at) {
@@ -76,7 +76,7 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
         }
         if moved.abort().is_none() {
             let node = u32::from(bench.node().raw());
-            // A device may keep others from the CAN-IDs that it has itself.
+            // A device may refuse the CAN-IDs that it uses itself.
             let patterns = PATTERNS.into_iter().filter(|pattern| pattern & 0x7F != node);
             bench.each(patterns, |bench, pattern| {
                 takes(bench, at, with(pattern))?;
@@ -95,12 +95,12 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether the object is nothing but a COB-ID: one that can't be changed is described as const.
+/// Whether the object contains nothing but a COB-ID. If such an object can't be changed, its description says const.
 const fn is_single(at: Multiplexer) -> bool {
     matches!(at.index.0, object::COB_ID_TIME | object::COB_ID_EMCY)
 }
 
-/// Demands that a COB-ID takes a value, and reads as it was written.
+/// Requires that the device accepts a COB-ID, and that it reads as it was written.
 fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
     let value = &cob_id.to_le_bytes();
     bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
@@ -147,7 +147,7 @@ fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
         }
         bench.each(11..=28, |bench, bit| {
             let attempt = bench.download(at, &(off | 1 << bit).to_le_bytes())?;
-            // One that can only be switched on and off refuses for that.
+            // A COB-ID that can only be switched on and off is refused for that reason.
             let only_switched = attempt.abort() == Some(AbortCode::GENERAL);
             if only_switched { Ok(()) } else { bench.check(attempt.refused(Situation::InvalidValue)) }
         })?;
@@ -164,7 +164,7 @@ fn frame_bit(bench: &mut Bench<'_>) -> Judged {
     const FRAME: u32 = 1 << 29;
     const LONG: u32 = 0x0012_3456;
     let mut objects = writable(bench)?;
-    // PDOs have a case of their own, SYNC and TIME other reserved bits.
+    // PDOs have their own case; SYNC and TIME have other reserved bits.
     objects.retain(|at| matches!(at.index.0, object::COB_ID_EMCY | object::EMERGENCY_CONSUMER | 0x1201..=0x127F));
     bench.each(objects, |bench, at| {
         let own = bench.read_number(at)?;

@@ -11,7 +11,7 @@ use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
-/// Its entries can only be read while there are errors.
+/// The error history, whose entries can only be read while there are errors.
 const ERROR_HISTORY: Index = Index(object::PREDEFINED_ERROR_FIELD);
 
 /// Every object that the description calls readable can be read, and has the length of its data type.
@@ -77,7 +77,7 @@ fn readable(bench: &Bench<'_>) -> Vec<(Multiplexer, DataType)> {
     wanted.map(|(multiplexer, entry)| (multiplexer, entry.data_type)).collect()
 }
 
-/// The object exists, but can't give its value now.
+/// Whether the object exists but can't return its value now.
 const fn is_momentary(code: AbortCode) -> bool {
     matches!(code.0, 0x0800_0020..=0x0800_0024)
 }
@@ -150,7 +150,7 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Writable parameters of communication and profile that keep their value: nothing that is measured or commands.
+/// Writable parameters of communication and profile that keep their value, without measured values and commands.
 fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
     let Some(description) = &bench.target().description else { return Ok(Vec::new()) };
     let is_parameter = |at: Multiplexer| {

@@ -1,5 +1,5 @@
-//! EMCY, error register and error history. The error that nearly every device can be given is that of its error
-//! control: the master that guards it, or a node that it watches, falls silent. The tester acts as both.
+//! EMCY, error register and error history. An error that nearly every device can report is one of its error control:
+//! the master that guards it, or a node that it monitors, falls silent. The tester acts as both.
 
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
@@ -30,16 +30,16 @@ const CONSUMER_MS: u16 = 200;
 /// Longer than `GUARD_MS` with its tolerance and an EMCY inhibit time together.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
-/// The node that the device monitors, and that the case lets fall silent.
+/// The node that the device monitors, and that falls silent in the case.
 #[derive(Clone, Copy)]
 pub(super) enum Monitored {
     /// The master, which guards the device.
     Master,
-    /// A node whose heartbeats the device watches.
+    /// A node whose heartbeats the device monitors.
     Node(u8),
 }
 
-/// Sends one sign of life of the monitored node.
+/// Sends one sign of life from the monitored node.
 pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Stop> {
     match monitored {
         Monitored::Master => bench.guard().map(|_| ()),
@@ -50,8 +50,8 @@ pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Resul
     }
 }
 
-/// Lets the device monitor a node that gives one sign of life: monitoring begins with it. Life guarding is preferred,
-/// because some devices monitor heartbeats of nodes only once that is stored.
+/// Makes the device monitor a node that gives one sign of life, with which monitoring begins. Life guarding is
+/// preferred, because some devices monitor heartbeats only after 1016h is stored.
 pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop> {
     bench.expect_emergencies();
     let monitored = if bench.can_be_guarded()? {
@@ -96,12 +96,12 @@ pub(super) fn code_of(record: &Record) -> Option<EmcyCode> {
     Emcy::read(record.frame.data()).ok().and_then(|emcy| emcy.code())
 }
 
-/// Whether an EMCY message reports an error, and not only that an error is gone.
+/// Whether an EMCY message reports an error, not only the end of an error.
 pub(super) fn is_error(record: &Record) -> bool {
     !code_of(record).is_some_and(EmcyCode::is_reset)
 }
 
-/// Demands that no EMCY message reports a protocol error, 82xxh: the messages sent were correct.
+/// Requires that no EMCY message reports a protocol error, 82xxh: the messages sent were correct.
 fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
     let is_of_protocol = |record: &&Record| code_of(record).is_some_and(|code| code.0 >> 8 == 0x82);
     let reported = heard.iter().find(is_of_protocol);
@@ -111,9 +111,9 @@ fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
     })
 }
 
-/// Sends a correct message and demands that no EMCY message reports it as an error. None may have a code for protocol
-/// errors, 82xxh. As some devices have generic codes only, a code 10xxh fails too if it comes with the message, and
-/// with it again after a reset, but not before. `prepare` gives the CAN-ID of the message and its data.
+/// Sends a correct message and requires that no EMCY message reports it as an error. Codes for protocol errors, 82xxh,
+/// must not come at all. As some devices have generic codes only, a code 10xxh fails too if it comes with the message,
+/// and again with the message after a reset, but not before. `prepare` returns the CAN-ID of the message and its data.
 pub(super) fn expect_no_error<'b>(
     bench: &mut Bench<'b>,
     duty: &'static str,
@@ -151,8 +151,8 @@ pub(super) fn observed(records: &[Record]) -> Observation {
     })
 }
 
-/// Whether an EMCY message can report a lost master or node: by the code for that (8130h, 8F00h + node), by a more
-/// general code, as only 0000h and 1000h are mandatory, or by one of the manufacturer.
+/// Whether an EMCY message can report a lost master or node: with the specific code (8130h, 8F00h + node), with a more
+/// general code, as only 0000h and 1000h are mandatory, or with a code of the manufacturer.
 pub(super) fn fits_loss(record: &Record, node: Option<u8>) -> bool {
     match code_of(record).map(|code| code.0.to_be_bytes()) {
         Some([0x80, 0x00] | [0x81, 0x00 | 0x30] | [0x10 | 0xFF, _]) => true,
@@ -161,7 +161,7 @@ pub(super) fn fits_loss(record: &Record, node: Option<u8>) -> bool {
     }
 }
 
-/// How long to wait for an EMCY message whose cause has occurred: the inhibit time of the one before may not be over.
+/// Maximum wait for an EMCY message whose cause has occurred: the inhibit time after the previous EMCY may still run.
 pub(super) fn patience(bench: &mut Bench<'_>) -> Result<Duration, Stop> {
     let inhibit = match bench.upload(INHIBIT_TIME)?.outcome {
         Outcome::Uploaded(value) => crate::bench::sdo::number(&value).min(600_000),
@@ -170,8 +170,8 @@ pub(super) fn patience(bench: &mut Bench<'_>) -> Result<Duration, Stop> {
     Ok(bench.timing().silence + Duration::from_micros(100 * u64::from(inhibit)))
 }
 
-/// Lets the monitored node fall silent, and returns the EMCY messages that follow. Without one that reports an error
-/// the case is inconclusive: a device need not report this.
+/// Makes the monitored node fall silent, and returns the following EMCY messages. If none reports an error, the case is
+/// inconclusive: a device need not report this.
 pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Record>), Stop> {
     let monitored = begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
@@ -242,7 +242,7 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read_number(ERROR_REGISTER)?;
     let (monitored, _) = reported_loss(bench)?;
     match monitored {
-        // EMCY and answer come in any order.
+        // EMCY and answer may come in any order.
         Monitored::Master => bench.ask_for_state()?,
         Monitored::Node(_) => sign_of_life(bench, monitored)?,
     }
@@ -256,7 +256,8 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
                 .found(Observation::Silence),
         )));
     };
-    // At once: a node that was heard only once is lost again. A device may keep what a loss has set until somebody acknowledges it.
+    // Read at once: a node that was heard only once is lost again. A device may keep a bit of the error register until
+    // somebody acknowledges it.
     let register = bench.read_number(ERROR_REGISTER)?;
     let said = u32::from(back.data().get(2).copied().unwrap_or_default());
     bench.check(demand(said == register || said == before, || {

@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Record};
 const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
 const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
-/// Long enough for the loss of the one who is monitored.
+/// Long enough for the loss of the monitored node or master.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
@@ -93,7 +93,7 @@ fn not_repeated(bench: &mut Bench<'_>) -> Judged {
     let (_, first) = reported_loss(bench)?;
     let later = emergencies(bench, Duration::from_secs(10))?;
     let heard: Vec<Record> = first.into_iter().chain(later).filter(is_error).collect();
-    // The same message for the same error, whatever else the device has to say.
+    // Counts the same message for the same error; other EMCYs are allowed.
     let times = |one: &Record| heard.iter().filter(|record| record.data() == one.data()).count();
     let most = heard.iter().map(times).max().unwrap_or(0);
     bench.check(demand(most <= 1, || {
@@ -110,11 +110,11 @@ fn not_repeated(bench: &mut Bench<'_>) -> Judged {
        EmcyMutedByInhibitTime])]
 fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     const INHIBIT: Duration = Duration::from_millis(1_000);
-    // In units of 100 µs. Its length differs: some devices have four bytes.
+    // In units of 100 µs. The length of 1015h differs: some devices have four bytes.
     let mut value = 10_000_u32.to_le_bytes().to_vec();
     value.truncate(bench.read(INHIBIT_TIME)?.len());
     bench.write(INHIBIT_TIME, &value)?;
-    // In some devices the inhibit time runs from the write of 1015h on.
+    // In some devices the inhibit time starts with the write of 1015h.
     bench.listen(INHIBIT)?;
     let monitored = begin_monitoring(bench)?;
     let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
@@ -139,8 +139,8 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// No EMCY came. Without inhibit time the same error is brought about once more: where it is reported now, the inhibit time
-/// had swallowed it.
+/// Called if no EMCY came. Causes the same error again without inhibit time: if the device reports it now, the inhibit
+/// time had suppressed it.
 fn unreported(bench: &mut Bench<'_>, monitored: super::emcy::Monitored) -> Judged {
     sign_of_life(bench, monitored)?;
     let heard = emergencies(bench, UNTIL_LOST)?;

@@ -1,4 +1,4 @@
-//! More than one error: at once, or one after the other (CiA 301, 7.2.7.1 and 7.5.2.4); and EMCY under another CAN-ID.
+//! Several errors, simultaneous or successive (CiA 301, 7.2.7.1 and 7.5.2.4), and EMCY with another CAN-ID.
 
 use super::emcy::{
     Monitored, begin_monitoring, code_of, emergencies, is_error, observed, patience, reported_loss, shown, sign_of_life,
@@ -25,24 +25,24 @@ const CONSUMER: u16 = object::CONSUMER_HEARTBEAT_TIME;
 const CONSUMER_MS: u16 = 200;
 /// Period of the heartbeats of the monitored node.
 const BEAT: Duration = Duration::from_millis(50);
-/// Number of these periods until the device reports a silent node, with a tolerance.
+/// Number of heartbeat periods until the device reports a silent node, with a tolerance.
 const UNTIL_LOST: usize = 10;
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6B0;
 
-/// The frames with a CAN-ID that came since then, whatever the tester was waiting for.
+/// The frames with this CAN-ID since `from`, whatever the tester was waiting for.
 fn since(bench: &Bench<'_>, from: Timestamp, can_id: u16) -> Vec<Record> {
     let heard = bench.evidence().frames().map(|exhibit| &exhibit.record);
     let is_it = |record: &&Record| record.direction != Direction::Tx && record.frame.cob_id() == Some(can_id);
     heard.filter(|record| record.timestamp > from).filter(is_it).cloned().collect()
 }
 
-/// The EMCYs since then.
+/// The EMCYs since `from`.
 fn emergencies_since(bench: &Bench<'_>, from: Timestamp) -> Vec<Record> {
     since(bench, from, emcy::CAN_ID_BASE + u16::from(bench.node().raw()))
 }
 
-/// Two node-IDs that nobody has, and that the device watches from now on.
+/// Makes the device monitor two node-IDs that nobody uses, and returns them.
 fn watch_two(bench: &mut Bench<'_>) -> Result<[u8; 2], Stop> {
     bench.expect_emergencies();
     let own = bench.node().raw();
@@ -60,7 +60,7 @@ fn watch_two(bench: &mut Bench<'_>) -> Result<[u8; 2], Stop> {
     Ok([first, second])
 }
 
-/// Heartbeats of those nodes until the others are missed; the EMCYs that come meanwhile.
+/// Sends heartbeats of these nodes until the device misses the others; returns the EMCYs meanwhile.
 fn beats(bench: &mut Bench<'_>, nodes: &[u8]) -> Result<Vec<Record>, Stop> {
     let mut heard = Vec::new();
     for _ in 0..UNTIL_LOST {
@@ -162,8 +162,8 @@ fn listed(bench: &mut Bench<'_>, count: usize) -> String {
     codes.join(", ")
 }
 
-/// The codes of several errors, in the order in which they were signalled: losses of the one who is monitored, and after
-/// the first, where that is an error, an RPDO that is too short. So they do not read the same backwards.
+/// Causes several errors and returns their codes in order: losses of the monitored node or master, and after the first,
+/// if that is an error, an RPDO that is too short. So the list differs from its reverse.
 fn several_errors(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let until_lost = patience(bench)? + Duration::from_millis(600);
     let short = too_short(bench)?;
@@ -188,7 +188,7 @@ fn several_errors(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     Ok(codes)
 }
 
-/// The CAN-ID of an RPDO that is shorter than its mapping when it is empty, and a right payload; `None` where there is none.
+/// The CAN-ID of an RPDO that is too short if it is empty, and a correct payload; `None` if there is no such RPDO.
 fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
     if !bench.has(RPDO.parameter(1))? || !bench.has(RPDO.entry(1))? {
         return Ok(None);
@@ -238,7 +238,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Lets the one who is monitored fall silent, and gives what comes on two CAN-IDs.
+/// Makes the monitored node or master fall silent, and returns the frames with each of two CAN-IDs.
 fn lost_on(bench: &mut Bench<'_>, can_ids: [u16; 2]) -> Result<[Vec<Record>; 2], Stop> {
     let from = bench.now();
     begin_monitoring(bench)?;
@@ -260,7 +260,7 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     value.truncate(len);
     bench.write(INHIBIT_TIME, &value)?;
     let (monitored, _) = reported_loss(bench)?;
-    // The end of that error and the next one wait.
+    // The end of this error and the next error wait for the inhibit time.
     sign_of_life(bench, monitored)?;
     let waiting = emergencies(bench, Duration::from_millis(600))?;
     if waiting.iter().any(is_error) {
@@ -296,7 +296,7 @@ fn last_word(bench: &mut Bench<'_>) -> Judged {
         Monitored::Master => bench.ask_for_state()?,
         Monitored::Node(_) => sign_of_life(bench, monitored)?,
     }
-    // Nobody is to be missed again meanwhile.
+    // Monitoring ends, so that no further loss occurs meanwhile.
     match monitored {
         Monitored::Master => bench.write(Multiplexer::new(object::LIFE_TIME_FACTOR, 0), &[0])?,
         Monitored::Node(node) => bench.write(Multiplexer::new(CONSUMER, 1), &entry(node, 0))?,
@@ -325,7 +325,7 @@ fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("the device is free of errors", "1001h = 0", "bits that are set");
         return Err(Stop::NotApplicable(reason));
     }
-    // What the start has to say is said.
+    // The device sends the EMCYs of its start first.
     bench.listen(Duration::from_millis(500))?;
     let from = bench.now();
     for _ in 0..3 {
@@ -335,7 +335,7 @@ fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
     }
     let heard = emergencies_since(bench, from);
     let first_is_reset = heard.first().is_some_and(|first| !is_error(first));
-    // The end of an error that the start reported may have waited.
+    // The end of an error reported at the start may have waited.
     let had_error = emergencies_since(bench, Timestamp::ZERO).iter().any(is_error);
     bench.check(demand(!first_is_reset || had_error, || {
         let breach = Breach::new(Service::Emcy, "EMCY 0000h comes only after an error was reported");

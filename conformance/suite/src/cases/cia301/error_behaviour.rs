@@ -1,4 +1,4 @@
-//! Error behaviour (1029h): what a communication error does to the NMT state.
+//! Error behaviour (1029h): the effect of a communication error on the NMT state.
 
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
@@ -18,8 +18,8 @@ const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1
 const CONSUMER_MS: u16 = 200;
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
-/// The state that an operational device enters that misses its master or a watched node: pre-operational by default. Set
-/// so where 1029h:01 can be written; `None` where the device stays in its state or does something of its own.
+/// The state that an operational device enters when it loses its master or a monitored node: pre-operational by
+/// default, and set so if 1029h:01 can be written; `None` if the device keeps its state or has its own behaviour.
 pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
     if bench.can_write(BEHAVIOUR)? {
         bench.write(BEHAVIOUR, &[0])?;
@@ -35,8 +35,8 @@ pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop>
     })
 }
 
-/// With that behaviour, lets a watched node fall silent while the device is in `from`, and demands that it then is in
-/// `to`.
+/// With this behaviour, makes a monitored node fall silent while the device is in `from`, and requires that the device
+/// is then in `to`.
 fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged {
     bench.expect_emergencies();
     let Some(node) = bench.vacant_neighbour() else {

@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Record};
 const COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
 const NEWEST: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 1);
 const BEFORE_NEWEST: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 2);
-/// Long enough for the loss of the one who is monitored.
+/// Long enough for the loss of the monitored node or master.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
 fn clear(bench: &mut Bench<'_>) -> Result<(), Stop> {
@@ -28,7 +28,7 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Stop> {
 #[case(id = "301/error-history/empty", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Should,
        needs = [ErrorHistory], catches = [ErrorHistoryEmptyReadsZero], cct = "5.3")]
 fn empty(bench: &mut Bench<'_>) -> Judged {
-    // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
+    // The code for "no data" was introduced in V4.0 of CiA 301, which also removed 1004h.
     if bench.has(Multiplexer::new(object::NUMBER_OF_PDOS, 0))? {
         let reason =
             Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
@@ -39,8 +39,8 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::EmptyHistory))
 }
 
-/// The error codes by which the device reports that the monitored node is lost, oldest first. Without a report the
-/// history need not contain anything.
+/// The error codes by which the device reports the loss of the monitored node, oldest first. Without a report the
+/// history may be empty.
 fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let codes = error_codes(&emergencies(bench, UNTIL_LOST)?);
     if codes.is_empty() {
@@ -50,12 +50,12 @@ fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     Ok(codes)
 }
 
-/// The codes of EMCYs, without those that report that an error is gone.
+/// The codes of EMCYs, without those that report the end of an error.
 fn error_codes(heard: &[Record]) -> Vec<u16> {
     heard.iter().filter_map(code_of).map(|code| code.0).filter(|&code| code != 0).collect()
 }
 
-/// The error code of an entry, in its lower word.
+/// Requires this error code in the lower word of an entry.
 fn expect_code(bench: &mut Bench<'_>, entry: Multiplexer, code: u16, duty: &'static str) -> Judged {
     let value = bench.upload(entry)?.value()?;
     bench.check(demand(number(&value) & 0xFFFF == u32::from(code), || {
@@ -95,7 +95,7 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
     clear(bench)?;
     begin_monitoring(bench)?;
     let first = reported(bench)?.last().copied().unwrap_or_default();
-    // A second error of another code: an RPDO that is too short.
+    // A second error with another code: an RPDO that is too short.
     let mapped = bench.rpdo_objects().into_iter().find(|mapped| mapped.bits > 8);
     let Some(mapped) = mapped else {
         let reason = Reason::new("an RPDO can carry two bytes", "an object of the description", "none");

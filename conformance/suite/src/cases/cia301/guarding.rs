@@ -1,4 +1,4 @@
-//! Node guarding: the master asks by remote frames, the device answers with its state (CiA 301, 7.2.8.3.2.1).
+//! Node guarding: the master sends remote frames, the device answers with its state (CiA 301, 7.2.8.3.2.1).
 
 use crate::bench::Bench;
 use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, LIFE_TIME_FACTOR, command_to};
@@ -12,7 +12,7 @@ use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Frame};
 
-/// The frame that answers a guarding request, if one does.
+/// The frame that answers a guarding request, if any.
 fn answer(bench: &mut Bench<'_>) -> Result<Option<Frame>, Stop> {
     let cob_id = error_control::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.drain()?;
@@ -25,7 +25,7 @@ fn answer(bench: &mut Bench<'_>) -> Result<Option<Frame>, Stop> {
     })
 }
 
-/// `0`, `1`, or `-` for no answer.
+/// The toggle bit `0` or `1`, or `-` for no answer.
 fn toggle_of(answer: Option<Frame>) -> char {
     match answer.and_then(|frame| ErrorControl::read(frame.data()).ok()) {
         Some(ErrorControl { toggle: false, .. }) => '0',
@@ -75,7 +75,7 @@ fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
     })
     .or_inconclusive()?;
     if toggle_of(before) == '1' {
-        // This one has toggle bit 0, so that the next has 1 if the reset does not reset the bit.
+        // This answer has toggle bit 0, so the next one has 1 if the reset does not clear the bit.
         answer(bench)?;
     }
     bench.reset(Command::RESET_COMMUNICATION)?;
@@ -96,7 +96,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
     prepare(bench)?;
     let states = [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL];
     bench.each(states.into_iter().enumerate(), |bench, (n, state)| {
-        // It is pre-operational already: a command for that is a stimulus of its own.
+        // The device is pre-operational already: a command for this state would be a stimulus of its own.
         if let Some(command) = command_to(state).filter(|_| n > 0) {
             bench.command(command)?;
         }
@@ -138,7 +138,7 @@ fn unset(bench: &mut Bench<'_>) -> Judged {
        needs = [Guarding, Heartbeat], catches = [GuardingBesideHeartbeat], cct = "7.205")]
 fn heartbeat_wins(bench: &mut Bench<'_>) -> Judged {
     bench.let_guarding_be_answered()?;
-    // Longer than the wait for the answer, so that no heartbeat is taken for one.
+    // Longer than the wait for the answer, so that no heartbeat is taken for the answer.
     bench.write(HEARTBEAT_TIME, &5_000_u16.to_le_bytes())?;
     let found = answer(bench)?;
     bench.check(demand(found.is_none(), || {

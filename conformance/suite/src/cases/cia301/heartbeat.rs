@@ -38,9 +38,9 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     const PERIODS: u64 = 10;
     bench.each([100_u16, 250, 1_000], |bench, milliseconds| {
         let period = Duration::from_millis(u64::from(milliseconds));
-        // That a valid time is taken is demanded here, for all cases that only need it.
+        // This case requires that a valid time is accepted; all other cases only need it.
         bench.download(HEARTBEAT_TIME, &milliseconds.to_le_bytes())?.expect_confirmation()?;
-        // The first period may begin before the new value.
+        // The first period may have begun before the new value.
         heartbeats(bench, period)?;
         let heard = heartbeats(bench, period.times(PERIODS) + Duration::from_nanos(period.nanos() / 2))?;
         let mean = mean_period(&heard);
@@ -78,7 +78,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     demand(!before.is_empty(), || counted("with 1017h = 100 heartbeats come every 100 ms", 3, Some(3), 0))
         .or_inconclusive()?;
     set_time(bench, 0)?;
-    // One may be on its way.
+    // A heartbeat may already be on its way.
     bench.listen(bench.timing().reaction)?;
     let after = heartbeats(bench, period.times(5))?;
     bench.check(demand(after.is_empty(), || {
@@ -116,13 +116,13 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
     const SPAN: Duration = Duration::from_millis(450);
     set_time(bench, 400)?;
     heartbeats(bench, Duration::from_millis(500))?;
-    // Without waiting for the confirmation: a burst would be over by then.
+    // Does not wait for the confirmation: a burst would be over by then.
     bench.send_request(&Request::download(HEARTBEAT_TIME, &100_u16.to_le_bytes()))?;
     let first = heartbeats(bench, SPAN)?.len();
     bench.check(demand(first <= 6, || {
         counted("after 1017h was changed from 400 to 100 ms heartbeats come every 100 ms at most", 1, Some(6), first)
     }))?;
-    // A slow server has confirmed by now.
+    // Even a slow server has confirmed by now.
     heartbeats(bench, bench.timing().sdo_response)?;
     bench.drain()?;
     let then = heartbeats(bench, SPAN)?.len();
@@ -136,7 +136,7 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/heartbeat/extremes", clause = "CiA 301 7.5.2.20", confidence = Cited, level = Should,
        needs = [Heartbeat], catches = [HeartbeatTimerRounded])]
 fn extremes(bench: &mut Bench<'_>) -> Judged {
-    // A timer of whole milliseconds may take two for one, and what else the device does some more.
+    // A timer with whole milliseconds may count 2 ms instead of 1 ms, and other tasks of the device delay it further.
     const LEAST: u64 = 40;
     let attempt = bench.download(HEARTBEAT_TIME, &1_u16.to_le_bytes())?;
     if attempt.abort().is_some() {
@@ -173,7 +173,7 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
     const PERIOD: Duration = Duration::from_millis(300);
     set_time(bench, 300)?;
     bench.each([State::OPERATIONAL, State::STOPPED, State::PRE_OPERATIONAL], |bench, state| {
-        // Right after a heartbeat there is time for the change before the next one.
+        // Right after a heartbeat there is time for the state change before the next one.
         let one_period = PERIOD + bench.tolerance(PERIOD) + bench.host_delay();
         let before = heartbeats(bench, one_period)?;
         demand(!before.is_empty(), || counted("with 1017h = 300 a heartbeat comes every 300 ms", 1, None, 0))?;
@@ -212,7 +212,7 @@ fn after_boot_up(bench: &mut Bench<'_>) -> Judged {
     let boot_up = bench.wait_for_boot_up()?;
     let heard = heartbeats(bench, Duration::from_millis(800))?;
     let stored = bench.read(HEARTBEAT_TIME);
-    // Whether the check passed or not, the device gets its old value back.
+    // The device gets its old value back, whether the check passed or not.
     bench.write(HEARTBEAT_TIME, &before)?;
     bench.write(STORE, b"save")?;
     let stored = stored?;

@@ -1,7 +1,7 @@
 //! Heartbeat consumer (1016h).
 //!
-//! That a node is missed shows in the NMT state of the device: by default operational is left (CiA 301, 7.5.2.32). An EMCY
-//! is the device's choice, as only the error codes 0000h and 1000h are mandatory (7.2.7.1).
+//! The loss of a node shows in the NMT state of the device: by default the device leaves operational (CiA 301,
+//! 7.5.2.32). An EMCY is optional, as only the error codes 0000h and 1000h are mandatory (7.2.7.1).
 
 use super::emcy::{emergencies, errors_of, fits_loss, is_error, observed, patience, shown};
 use super::error_behaviour::after_a_loss;
@@ -18,7 +18,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record, Timestamp};
 
-/// Store all parameters.
+/// The object that stores all parameters.
 const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
@@ -27,7 +27,7 @@ pub(super) const CONSUMER_TIME: Duration = Duration::from_millis(200);
 /// Period of the device's heartbeats, which show its state.
 const SHOWN_EVERY: Duration = Duration::from_millis(50);
 
-/// The entry that watches a node for that time.
+/// The value of an entry that monitors a node with this consumer time.
 pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
     ((node as u32) << 16 | milliseconds as u32).to_le_bytes()
 }
@@ -54,14 +54,14 @@ pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
         .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none")))
 }
 
-/// A node that the operational device watches, and what shows that it is missed.
+/// A node that the operational device monitors, and the sign of its loss.
 pub(super) struct Watch {
     pub node: u8,
-    /// The state that the device then enters; `None` where it does not show its state, or stays in it.
+    /// The state that the device enters after the loss; `None` if it does not show its state, or keeps it.
     enters: Option<State>,
 }
 
-/// What shows that the device misses a node.
+/// The signs by which a device shows the loss of a node.
 pub(super) struct Signs {
     /// EMCYs that report an error.
     errors: Vec<Record>,
@@ -81,7 +81,7 @@ impl Signs {
         }
     }
 
-    /// How many; where the tester's own pauses may have caused them.
+    /// Number of signs, for breaches that pauses of the tester itself may have caused.
     fn count(&self) -> Observation {
         Observation::Count(self.errors.len().max(usize::from(self.left.is_some())) as u64)
     }
@@ -92,7 +92,7 @@ impl Signs {
     }
 }
 
-/// Lets the device watch a node that nobody else is, and makes it operational.
+/// Makes the device monitor a node-ID that nobody uses, and makes the device operational.
 pub(super) fn watch(bench: &mut Bench<'_>) -> Result<Watch, Stop> {
     bench.expect_emergencies();
     let node = neighbour(bench)?;
@@ -107,7 +107,7 @@ pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.listen(bench.timing().reaction).map(|_| ())
 }
 
-/// The state that the loss of a node leads to, where the device shows it by heartbeats.
+/// The state after the loss of a node; `None` if the device does not show it by heartbeats.
 pub(super) fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
     if !bench.heartbeats()?.is_settable() {
         return Ok(None);
@@ -121,13 +121,13 @@ pub(super) fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
     bench.send(&message.to_frame(error_control::CAN_ID_BASE + u16::from(node))).map(|_| ())
 }
 
-/// What comes within that time.
+/// The signs within `span`.
 pub(super) fn signs(bench: &mut Bench<'_>, span: Duration) -> Result<Signs, Stop> {
     let heard = bench.listen(span)?;
     Ok(signs_in(bench, heard))
 }
 
-/// What has come since then, and comes within that time.
+/// The signs since `begun`, and within `span` from now on.
 pub(super) fn signs_since(bench: &mut Bench<'_>, begun: Timestamp, span: Duration) -> Result<Signs, Stop> {
     bench.listen(span)?;
     let heard = bench.heard_since(begun);
@@ -141,7 +141,7 @@ fn signs_in(bench: &Bench<'_>, heard: Vec<Record>) -> Signs {
     Signs { errors: errors_of(bench, heard), left }
 }
 
-/// Demands that the loss shows: in the state where that is shown, else in an EMCY.
+/// Requires a sign of the loss: the NMT state if the device shows it, otherwise an EMCY.
 pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
     let Some(right) = watch.enters else {
         let reason = || Reason::new("a loss shows", "an EMCY, or heartbeats (1017h) that say the state", "neither");
@@ -157,7 +157,7 @@ pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
     Ok(())
 }
 
-/// Demands that nothing shows.
+/// Requires that there is no sign of a loss.
 pub(super) fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs) -> Check {
     demand(!signs.any(), || {
         let breach =
@@ -166,7 +166,7 @@ pub(super) fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs)
     })
 }
 
-/// As [`unnoticed`], where a tester that is late would cause the loss itself.
+/// Requires that there is no sign of a loss, like [`unnoticed`], if a late tester would cause the loss itself.
 fn unnoticed_in_time(duty: &'static str, signs: &Signs) -> Check {
     demand(!signs.any(), || {
         let none = Allowed::Count { least: 0, most: Some(0) };
@@ -208,7 +208,7 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored, ConsumerTimeRefused],
        cct = "7.106")]
 fn lost(bench: &mut Bench<'_>) -> Judged {
-    // That a valid entry is taken is demanded here, for all cases that only need it.
+    // This case requires that a valid entry is accepted; all other cases only need it.
     if bench.can_write(WATCHED)? {
         let node = neighbour(bench)?;
         bench.download(WATCHED, &entry(node, CONSUMER_MS))?.expect_confirmation()?;
@@ -240,7 +240,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let judged = stored_is_watched(bench, node);
-    // Whether the check passed or not, the device gets its old values back.
+    // The device gets its old values back, whether the check passed or not.
     bench.download(WATCHED, &before)?;
     bench.write(STORE, b"save")?;
     judged
@@ -268,7 +268,7 @@ fn in_time(signs: &Signs, sent: Timestamp) -> Check {
     let first = by_emcy.chain(signs.left.map(|(at, _)| at)).min();
     let after = first.map_or(Duration::ZERO, |first| first.since(sent));
     let least = Duration::from_nanos(CONSUMER_TIME.nanos() / 10 * 9);
-    // A state shows with the next heartbeat.
+    // A state shows only with the next heartbeat.
     let most = Duration::from_nanos(CONSUMER_TIME.nanos() / 2 * 3) + SHOWN_EVERY;
     demand((least..=most).contains(&after), || {
         Breach::new(WATCHED, format!("a node is missed after {CONSUMER_TIME}"))
@@ -367,7 +367,7 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
     bench.each(1..=entries, |bench, sub| {
         let at = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub);
         let own = bench.node().raw();
-        // From both ends in turn: 127, 1, 126, 2, and so on.
+        // Node-IDs from both ends in turn: 127, 1, 126, 2, and so on.
         let ends = (1..=64).flat_map(|n| [128 - n, n]).filter(|&node| node != own && bench.is_vacant(node));
         let Some(node) = { ends }.nth(usize::from(sub) - 1) else { return Ok(()) };
         let watch = Watch { node, enters };
@@ -391,7 +391,7 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         u8::try_from(bench.read_number(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 0))?).unwrap_or(1).min(127);
     let own = bench.node().raw();
     let vacant: Vec<u8> = (1..=127).rev().filter(|&node| node != own && bench.is_vacant(node)).collect();
-    // What is delivered with entries for these nodes would have two for the same.
+    // If a device is delivered with entries for these nodes, it would have two entries for the same node.
     for sub in 1..=entries {
         bench.write(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub), &entry(0, 0))?;
     }
@@ -445,7 +445,7 @@ fn no_node(bench: &mut Bench<'_>) -> Judged {
     bench.each([0_u8, 128, 255], |bench, unused| {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
-        // Some take another node only after the entry was erased.
+        // Some devices accept another node only after the entry was erased.
         bench.write(WATCHED, &entry(0, 0))?;
         let attempt = bench.download(WATCHED, &entry(unused, CONSUMER_MS))?;
         if attempt.abort().is_some() {

@@ -1,4 +1,4 @@
-//! What watching a node (1016h) outlives, and what not.
+//! Events after which the device still monitors a node (1016h), and events after which it does not.
 
 use super::heartbeat_consumer::{
     CONSUMER_TIME, beat, consequence, entry, neighbour, noticed, operational, signs, signs_since, unnoticed, watch,
@@ -18,7 +18,7 @@ const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1
 #[case(id = "301/heartbeat-consumer/beside-writes", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer, ScratchObject], catches = [HeartbeatConsumerRestartedByWrites])]
 fn beside_writes(bench: &mut Bench<'_>) -> Judged {
-    // What says how a loss shows stays as it is.
+    // Objects that determine how a loss shows keep their values.
     let is_apart = |index| !matches!(index, CONSUMER_HEARTBEAT_TIME | PRODUCER_HEARTBEAT_TIME | ERROR_BEHAVIOR);
     let mut scratches = bench.scratch_objects()?;
     scratches.retain(|scratch| is_apart(scratch.multiplexer.index.0));
@@ -65,7 +65,7 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
         Err(Stop::Breach(breach)) => breach,
         judged => return judged,
     };
-    // Only a device that misses nodes at all says by this that it does not listen in stopped.
+    // The result proves that the device ignores heartbeats in stopped only if it misses nodes at all.
     beat(bench, watch.node)?;
     let lost = signs(bench, time.times(2))?;
     if let Err(Stop::Breach(_)) = noticed(WATCHED, &watch, &lost) {

@@ -1,4 +1,4 @@
-//! Identity: who the device says it is (1000h, 1001h, 1008h to 100Ah, 1018h).
+//! Identity objects of the device (1000h, 1001h, 1008h to 100Ah, 1018h).
 
 use crate::bench::Bench;
 use crate::bench::sdo::{DEVICE_TYPE, number};
@@ -36,7 +36,7 @@ fn product(bench: &mut Bench<'_>) -> Judged {
         }
         let value = bench.upload(multiplexer)?.value()?;
         bench.check(demand(number(&value) != 0, || {
-            // Reserved, but not called invalid as that of the vendor-ID is.
+            // 0 is reserved here, but the standard does not call it invalid as it does for the vendor-ID.
             let breach = Breach::new(multiplexer, "0 is reserved in the identity of a device").open();
             breach.expected("a number other than 0").found(Observation::Value(value.clone()))
         }))?;
@@ -99,14 +99,14 @@ fn names(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Demands the value that the description gives, where it gives one.
+/// Requires the value in the description, if the description has one.
 fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: &[u8]) -> Judged {
     let node = bench.node();
     let Some(description) = &bench.target().description else { return Ok(()) };
     let entry = description.dictionary.entry(multiplexer).ok();
     let default = entry.and_then(|entry| entry.start_value(node)?.as_number());
-    // Of what a file says of the device in general only the vendor is the same everywhere: a product number is often the
-    // one to order by, and the revision that of the file. Many files leave all of them at 0.
+    // Of the general data in a description only the vendor number is reliable: the product number is often the ordering
+    // number, and the revision that of the file. Many files leave all of them at 0.
     let vendor = description.device.vendor_number.filter(|number| *number != 0 && multiplexer == identity(1));
     let general = vendor.map(i128::from);
     bench.each([default, general].into_iter().flatten(), |bench, described| {

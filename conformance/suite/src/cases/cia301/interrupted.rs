@@ -15,8 +15,8 @@ use canvass_traces::{Record, Timestamp};
 /// The request for the next segment of the upload that the cases interrupt.
 const NEXT: Request = Request::UploadSegment { toggle: false };
 
-/// Begins a segmented upload, stops the device, asks for a segment in vain, and makes it pre-operational again. Gives the
-/// object and its value.
+/// Begins a segmented upload, stops the device, asks for a segment in vain, and makes the device pre-operational again.
+/// Returns the object and its value.
 fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     let multiplexer = long_object(bench)?;
     let right = bench.read(multiplexer)?;
@@ -26,7 +26,7 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     let reply = bench.send_unanswered(&NEXT, "request for a segment in stopped")?;
     bench.check(reply.expect_silence())?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
-    // A request that was kept must not be answered now, either.
+    // The server must not have kept the request and answer it now, either.
     let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
@@ -86,13 +86,14 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &scratch.value)
 }
 
-/// Of a transfer that a reset has ended the server says nothing more once it has booted, and at no time that it took too
-/// long: then it goes on with it. That it aborts the transfer before it goes down is its own matter.
+/// Requires that the server sends nothing more about a transfer that a reset has ended, once it has booted, and never
+/// an abort for a time-out, which would mean that it continues the transfer. It may abort the transfer before it
+/// resets.
 fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp>) -> Check {
     let [requests, responses] =
         [sdo::REQUEST_BASE, sdo::RESPONSE_BASE].map(|base| base + u16::from(bench.node().raw()));
     let since = bench.evidence().frames().map(|exhibit| &exhibit.record).filter(|record| record.timestamp > arrived);
-    // Where the boot-up message is missing, the device was asked again.
+    // If the boot-up message is missing, the tester has sent a request meanwhile.
     let unasked = since.take_while(|record| record.frame.cob_id() != Some(requests));
     let mut said = unasked.filter(|record| record.frame.cob_id() == Some(responses));
     let response = said.find(|record| survives(record, booted)).map(|record| record.frame);
@@ -103,7 +104,7 @@ fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp
     })
 }
 
-/// Whether a frame of the server, after the reset, shows that the transfer has outlived it.
+/// Whether a frame of the server after the reset shows that the transfer still exists.
 fn survives(record: &Record, booted: Option<Timestamp>) -> bool {
     let response = Response::read(record.frame.data());
     let is_late = matches!(response, Ok(Response::Abort(abort)) if abort.code == AbortCode::TIMEOUT);

@@ -1,6 +1,6 @@
-//! Life guarding: a device that was guarded misses its master after 100Ch times 100Dh (CiA 301, 7.2.8.2.2.2).
+//! Life guarding: a guarded device reports the loss of its master after 100Ch times 100Dh (CiA 301, 7.2.8.2.2.2).
 //!
-//! Where 100Ch and 100Dh can't be written, the life time that the device has is used.
+//! If 100Ch and 100Dh can't be written, the cases use the device's own life time.
 
 use super::emcy::{code_of, patience};
 use super::error_behaviour::after_a_loss;
@@ -23,7 +23,7 @@ const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 struct LifeTime {
     guard: Duration,
     factor: u64,
-    /// 100Ch and 100Dh are read-only where life guarding is not supported.
+    /// Whether 100Ch and 100Dh can be written. They are read-only if the device does not support life guarding.
     is_settable: bool,
 }
 
@@ -33,7 +33,7 @@ impl LifeTime {
     }
 }
 
-/// Sets the life time, where the device lets it be set, and says what it is.
+/// Sets the life time if the device allows it; returns the actual life time.
 fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTime, Stop> {
     bench.expect_emergencies();
     bench.prefer_guarding()?;
@@ -51,10 +51,10 @@ fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTim
     Ok(life_time)
 }
 
-/// An EMCY that is no "error reset", and when it came.
+/// An EMCY that is no "error reset", with its time.
 type Report = (Timestamp, EmcyCode);
 
-/// The next EMCY that is no "error reset", if one comes.
+/// The next EMCY that is no "error reset"; `None` if none comes.
 fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Report>, Stop> {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.wait_for(span, |record| {
@@ -63,7 +63,7 @@ fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Report>, S
     })
 }
 
-/// Guards once; says when.
+/// Guards once; returns the time.
 fn guard(bench: &mut Bench<'_>) -> Result<Timestamp, Stop> {
     let state = bench.guard()?;
     demand(state.is_some(), || {
@@ -79,7 +79,7 @@ fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.listen(bench.timing().reaction).map(|_| ())
 }
 
-/// Demands that nothing shows a lost master: no EMCY, and the state is that of before.
+/// Requires that there is no sign of a lost master: no EMCY, and an unchanged state.
 fn not_missed(bench: &mut Bench<'_>, duty: &str, lost: Option<Report>) -> Judged {
     let state = bench.guard()?;
     let found = match (lost, state) {
@@ -91,7 +91,7 @@ fn not_missed(bench: &mut Bench<'_>, duty: &str, lost: Option<Report>) -> Judged
     bench.check(Err(Box::new(breach.found(found))))
 }
 
-/// Where the life time can't be set, only what the device does says whether it watches its master.
+/// If the life time can't be set, only the behaviour of the device shows whether it monitors its master.
 fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
     if life_time.is_settable || *found != Observation::State(State::OPERATIONAL) {
         return Ok(());
@@ -156,7 +156,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/life-guarding/recovery", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorRegisterStuck, EmcyResetMissing])]
 fn recovery(bench: &mut Bench<'_>) -> Judged {
-    // Another error that the device has all the time is not the matter of this case.
+    // Other, permanent errors of the device do not matter in this case.
     let before = bench.read(ERROR_REGISTER)?;
     let patience = patience(bench)?;
     // Longer than an EMCY may take: the master must not be lost again meanwhile.
@@ -168,7 +168,8 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.guard()?;
     bench.listen(patience.min(Duration::from_millis(800)))?;
-    // The EMCY may come before the answer to the remote frame: what is judged is the register, and that it was said.
+    // The EMCY may come before the answer to the remote frame: the case judges the register, and that the device
+    // reported it.
     let register = bench.read(ERROR_REGISTER)?;
     bench.check(demand(register == before, || {
         Breach::new(ERROR_REGISTER, "the error register is as before when the error is gone")
@@ -213,7 +214,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {
-    // What showed the state before the case was a request: a reset forgets it.
+    // The state before the case was shown by a guarding request: a reset makes the device forget it.
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
     operational(bench)?;

@@ -39,7 +39,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
         bench.check(attempt.refused(Situation::RestrictedCanId))
     })?;
     let sync = Multiplexer::new(object::COB_ID_SYNC, 0);
-    // A COB-ID that can't be changed at all is no matter of which one it is.
+    // A COB-ID that can't be changed at all is refused regardless of the CAN-ID.
     if !bench.can_write(sync)? {
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! What holds for one PDO holds for each that the description names.
+//! Rules for a single PDO hold for every PDO in the description.
 
 use crate::bench::Bench;
 use crate::bench::pdo::{Pdo, RPDO, TPDO};
@@ -10,10 +10,10 @@ use canvass_analyzer::CobId;
 
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
-/// How many PDOs of each direction there can be.
+/// Maximum number of PDOs in each direction.
 const MOST: u16 = 512;
 
-/// The PDOs whose COB-ID the description calls writable, each with the COB-ID that it has.
+/// The PDOs whose COB-ID is writable according to the description, each with its current COB-ID.
 fn writable_pdos(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, CobId)>, Stop> {
     let mut found = Vec::new();
     for pdo in (1..=MOST).flat_map(|number| [RPDO.numbered(number), TPDO.numbered(number)]) {
@@ -25,7 +25,7 @@ fn writable_pdos(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, CobId)>, Stop> {
     Ok(found)
 }
 
-/// Those of them that are valid.
+/// The PDOs with a writable COB-ID that are valid.
 fn valid_pdos(bench: &mut Bench<'_>) -> Result<Vec<Pdo>, Stop> {
     let is_valid = |(pdo, cob_id): (Pdo, CobId)| cob_id.is_valid().then_some(pdo);
     let found: Vec<Pdo> = writable_pdos(bench)?.into_iter().filter_map(is_valid).collect();

@@ -26,7 +26,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
        answers = [MappingEntryTooLong, MappingRefused])]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
     let mut entry = bench.read(TPDO_FIRST_ENTRY)?;
-    // A mapping may have few entries: an object with more bits fills it sooner.
+    // A mapping may allow few entries: an object with more bits fills it sooner.
     let widest = bench.tpdo_objects().into_iter().max_by_key(|mapped| mapped.bits);
     if let Some(widest) = widest.filter(|_| entry.first().is_some_and(|&bits| bits < 16)) {
         entry = widest.entry().to_le_bytes().to_vec();
@@ -40,7 +40,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     map_too_much(bench, TPDO, &entry, needed)?;
     bench.each(2..=4_u16, |bench, number| {
         let other = TPDO.numbered(number);
-        // What can't be mapped in another one says nothing about the limit.
+        // An object that can't be mapped in another PDO says nothing about the limit.
         if !bench.can_write(other.entry(1))? {
             return Ok(());
         }
@@ -63,7 +63,7 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
                     Reason::new("the PDO can map this many objects", format!("{needed}"), format!("{}", sub - 1));
                 return Err(Stop::NotApplicable(reason));
             }
-            // Some check the sum with every entry.
+            // Some devices check the sum with every entry.
             Some(_) if sub == needed => return bench.check(attempt.refused(Situation::MappingEntryTooLong)),
             Some(_) => attempt.expect_confirmation().or_inconclusive()?,
         }
@@ -78,12 +78,12 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
        needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29",
        answers = [MappingRefused])]
 fn unmappable(bench: &mut Bench<'_>) -> Judged {
-    // The device type, 32 bits.
+    // The device type has 32 bits.
     refused(bench, TPDO, 0x1000_0020, Situation::Unmappable)
 }
 
-/// Writes an entry into an open mapping, which is refused as the situation says; or else, as some check the entries only
-/// then, when the mapping is switched on.
+/// Writes an entry into an open mapping and requires a refusal as in `situation`. Some devices check entries only when
+/// the mapping is switched on; then that write must be refused.
 pub(super) fn refused(bench: &mut Bench<'_>, pdo: Pdo, entry: u32, situation: Situation) -> Judged {
     bench.open_mapping(pdo)?;
     let attempt = bench.download(pdo.entry(1), &entry.to_le_bytes())?;

@@ -1,4 +1,4 @@
-//! What becomes of a PDO whose new mapping was refused, and entries that are not quite right (1600h, 1A00h).
+//! The state of a PDO after the refusal of a new mapping, and nearly correct entries (1600h, 1A00h).
 
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, TPDO};
@@ -11,7 +11,7 @@ use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// An object of TPDO 1 whose length is known: the first that is mapped.
+/// The first mapped object of TPDO 1, with its length.
 fn first_mapped(bench: &mut Bench<'_>) -> Result<Mapped, Stop> {
     let mapping = bench.mapping(TPDO)?;
     mapping
@@ -106,7 +106,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     let steps = [("the entry", 0xFFFF_0020_u32, 1_u8), ("the number of entries", first.entry(), 65)];
     bench.each(steps, |bench, (step, entry, count)| {
         bench.open_mapping(TPDO)?;
-        // Some check an entry only when the mapping is switched on.
+        // Some devices check an entry only when the mapping is switched on.
         let mut attempt = bench.download(TPDO.entry(1), &entry.to_le_bytes())?;
         if attempt.outcome == Outcome::Downloaded {
             attempt = bench.download(TPDO.entry(0), &[count])?;

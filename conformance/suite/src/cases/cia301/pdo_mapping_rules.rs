@@ -1,4 +1,4 @@
-//! Which mappings are accepted, and what they do (1600h, 1A00h).
+//! Accepted mappings and their effects (1600h, 1A00h).
 
 use super::pdo_mapping::refused;
 use crate::bench::Bench;
@@ -65,7 +65,7 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
     let own = bench.pdo_cob_id(TPDO)?;
     bench.remap(TPDO, &before, own)?;
     if !own.is_valid() {
-        // A PDO that is delivered off is switched off for the first time now.
+        // A PDO that is delivered off is on now, so only the second procedure switches it off.
         bench.remap(TPDO, &before, own)?;
     }
     let after = bench.mapping(TPDO)?;
@@ -208,7 +208,7 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
        needs = [RpdoMapping, Description], catches = [UnmappableObjectMapped], answers = [MappingRefused])]
 fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
-    // Not what commands: a device that takes the entry would obey the PDO.
+    // Commands are left out: a device that accepts the entry would obey the PDO.
     let is_command = |at: Multiplexer| {
         matches!(
             at.index.0,
@@ -281,7 +281,7 @@ fn every_object(bench: &mut Bench<'_>, pdo: Pdo, objects: &[Mapped]) -> Judged {
         let entry = mapped.entry().to_le_bytes();
         for (at, value) in [(pdo.entry(1), &entry[..]), (pdo.entry(0), &[1]), (pdo.entry(0), &[0])] {
             let mut attempt = bench.download(at, value)?;
-            // What is said of one object is not said of the others.
+            // The breach names the mapped object, so that an excuse for one object does not cover the others.
             attempt.multiplexer = mapped.at;
             attempt.what = format!("mapping of {}, which the description allows,", mapped.at);
             attempt.expect_confirmation()?;

@@ -1,4 +1,4 @@
-//! The communication parameters of all PDOs that the description names (1400h, 1800h).
+//! The communication parameters of all PDOs in the description (1400h, 1800h).
 
 use crate::bench::Bench;
 use crate::bench::pdo::{Pdo, RPDO, TPDO};
@@ -107,7 +107,7 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// How many frames with each of these CAN-IDs come in the first 500 ms of operational.
+/// Number of frames with each of these CAN-IDs in the first 500 ms of operational.
 fn sent_with<const N: usize>(bench: &mut Bench<'_>, can_ids: [u32; N]) -> Result<[u64; N], Stop> {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
@@ -122,7 +122,7 @@ fn sent_with<const N: usize>(bench: &mut Bench<'_>, can_ids: [u32; N]) -> Result
     Ok(counts)
 }
 
-/// Demands that the COB-ID of a PDO that was switched on reads as it was written.
+/// Requires that the COB-ID of a PDO that was switched on reads as it was written.
 pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Judged {
     let right = Observation::Value((written.0 & !CobId::INVALID).to_le_bytes().to_vec());
     let found = Observation::Value(bench.read(pdo.parameter(1))?);
@@ -131,7 +131,7 @@ pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Jud
     }))
 }
 
-/// Gives a PDO that is off another CAN-ID; not applicable to a device that can do no more than switch its PDOs on and off.
+/// Sets another CAN-ID of a PDO that is off; not applicable if the device can only switch its PDOs on and off.
 pub(super) fn move_to(bench: &mut Bench<'_>, pdo: Pdo, moved: CobId) -> Judged {
     let attempt = bench.download(pdo.parameter(1), &moved.0.to_le_bytes())?;
     if let Some(code @ (AbortCode::INVALID_VALUE | AbortCode::GENERAL)) = attempt.abort() {
@@ -251,7 +251,7 @@ fn sync_start_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 6, 3, 4)
 }
 
-/// Writes a value that the parameter does not have.
+/// Writes a new value of the parameter while the PDO is valid.
 fn while_valid(bench: &mut Bench<'_>, sub: u8, usual: u16, otherwise: u16) -> Judged {
     let multiplexer = TPDO.parameter(sub);
     if !bench.can_write(multiplexer)? {

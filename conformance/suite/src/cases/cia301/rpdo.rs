@@ -1,6 +1,6 @@
-//! RPDOs: what they do, when, and what they must not do (CiA 301, 7.2.2.2, 7.5.2.35 and 7.5.2.36).
+//! RPDOs: their effect, its time, and forbidden effects (CiA 301, 7.2.2.2, 7.5.2.35 and 7.5.2.36).
 //!
-//! RPDO 1 is given an object that SDOs can read, so that its effect can be seen.
+//! RPDO 1 carries an object that SDO can read, so that its effect can be seen.
 
 use super::emcy::{code_of, emergencies, errors_of, expect_no_error, observed, patience, shown};
 use super::pdo_parameters::{move_to, reads_back};
@@ -18,7 +18,7 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
 use std::ops::RangeInclusive;
 
-/// RPDO 1 with one object mapped, and what it takes to send it.
+/// RPDO 1 with one object mapped, and the data for sending it.
 pub(super) struct Subject {
     pub mapped: Mapped,
     pub can_id: u16,
@@ -26,11 +26,11 @@ pub(super) struct Subject {
     pub other: Vec<u8>,
 }
 
-/// Gives RPDO 1 one object and a transmission type.
+/// Maps one object in RPDO 1 and sets its transmission type.
 pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let objects = bench.rpdo_objects();
     let of_bits = |bits: RangeInclusive<u8>| objects.iter().copied().find(|mapped| bits.contains(&mapped.bits));
-    // What SDOs carry in one frame can't fail for another reason.
+    // Objects that fit into an expedited SDO can't fail for another reason.
     carrying(bench, of_bits(16..=32).or_else(|| of_bits(8..=64)), transmission_type)
 }
 
@@ -43,7 +43,7 @@ fn carrying(bench: &mut Bench<'_>, mapped: Option<Mapped>, transmission_type: u8
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
     bench.set_mapping(RPDO, &[mapped])?;
-    // One event-driven type is as good as the other.
+    // Both event-driven types have the same effect.
     let is_set = transmission_type >= 254 && bench.read_number(RPDO.parameter(2))? >= 254;
     let parameters: &[(u8, &[u8])] = if is_set { &[] } else { &[(2, &[transmission_type])] };
     bench.set_pdo(RPDO, parameters)?;
@@ -74,7 +74,7 @@ fn has_value(at: Multiplexer, right: &[u8], now: Vec<u8>, duty: &str) -> crate::
     })
 }
 
-/// Sends the RPDO once as it should be: that it acts shows that its silence in the case means something.
+/// Sends the RPDO correctly once: its effect proves that a missing effect in the case is significant.
 pub(super) fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
     send(bench, subject, &subject.other)?;
     let now = bench.read(subject.mapped.at)?;
@@ -142,7 +142,7 @@ fn silent_after(bench: &mut Bench<'_>, command: Command, state: &str) -> Judged 
     bench.command(command)?;
     bench.listen(bench.timing().reaction)?;
     send(bench, &subject, &subject.other)?;
-    // In stopped no SDO is answered.
+    // A stopped device answers no SDO.
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     bench.listen(bench.timing().reaction)?;
     let duty = format!("an RPDO has no effect {state}");
@@ -156,7 +156,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     operational(bench)?;
     proven(bench, &subject)?;
-    // Some devices take PDO parameters in pre-operational only.
+    // Some devices accept PDO parameters in pre-operational only.
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     bench.listen(bench.timing().reaction)?;
     bench.pdo_off(RPDO)?;
@@ -179,7 +179,7 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
     bench.drain()?;
     bench.send_bytes(subject.can_id, &shorter)?;
     let heard: Vec<Record> = emergencies(bench, bench.shortly().max(if has_emcy { patience } else { Duration::ZERO }))?;
-    // Only 0000h and 1000h are mandatory: a device may know no other code.
+    // Only 0000h and 1000h are mandatory: a device may have no other code.
     let right = [EmcyCode::PDO_LENGTH, EmcyCode::GENERIC].map(Observation::Emcy);
     let is_told = heard.iter().any(|record| right.contains(&observed(std::slice::from_ref(record))));
     bench.check(demand(is_told || !has_emcy, || {
@@ -189,7 +189,7 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is too short has no effect")
 }
 
-/// Whether the device can send EMCYs now: 1014h is there, and bit 31 is 0.
+/// Whether the device can send EMCYs now: 1014h exists, and its bit 31 is 0.
 fn has_emcy(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     const EMCY_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
     Ok(bench.has(EMCY_ID)? && CobId(bench.read_number(EMCY_ID)?).is_valid())
@@ -227,15 +227,15 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.other, &duty)
 }
 
-/// An object that can be 0: what a remote frame "carries" is often taken for zeros.
+/// An object that can be 0: devices often read zeros from the data of a remote frame.
 fn object_for_zero(bench: &mut Bench<'_>) -> Result<Option<Mapped>, Stop> {
     const MOST_TRIED: usize = 8;
     let mut objects = bench.rpdo_objects();
-    // What SDOs carry in one frame first.
+    // Objects that fit into an expedited SDO come first.
     objects.sort_by_key(|mapped| mapped.bits > 32);
     let within_limits = objects.iter().copied().filter(|mapped| bench.is_within_limits(mapped.at, 0));
     for mapped in within_limits.take(MOST_TRIED).collect::<Vec<_>>() {
-        // Not every limit is described.
+        // Not every limit is in the description.
         if bench.download(mapped.at, &vec![0; usize::from(mapped.bits / 8)])?.abort().is_none() {
             return Ok(Some(mapped));
         }
@@ -282,7 +282,7 @@ fn load(bench: &mut Bench<'_>) -> Judged {
         bench.send_bytes(subject.can_id, value)?;
     }
     bench.drain()?;
-    // They wait for the bus: 130 µs each at 1 Mbit/s, 2.6 ms at 50 kbit/s.
+    // The frames wait for the bus: 130 µs each at 1 Mbit/s, 2.6 ms at 50 kbit/s.
     bench.listen(Duration::from_millis(3_000))?;
     let duty = format!("{} has the value of the last of {FRAMES} RPDOs", subject.mapped.at);
     bench.expect_value(subject.mapped.at, &subject.other, duty)
@@ -337,7 +337,7 @@ fn deadline(bench: &mut Bench<'_>) -> Judged {
     bench.set_pdo(RPDO, &[(5, &DEADLINE_MS.to_le_bytes())])?;
     operational(bench)?;
     bench.expect_emergencies();
-    // Monitoring begins with the first.
+    // Monitoring begins with the first RPDO.
     bench.send_bytes(subject.can_id, &subject.other)?;
     let heard = emergencies(bench, Duration::from_millis(u64::from(DEADLINE_MS) * 4))?;
     let right = Observation::Emcy(EmcyCode::RPDO_TIMEOUT);
@@ -422,7 +422,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let can_id = (bench.pdo_cob_id(RPDO)?.can_id() & 0x7FF) as u16;
     operational(bench)?;
     let others = [bench.other_value(first.at, &before[0]), bench.other_value(second.at, &before[1])];
-    // One that changes beside one that stays, then both.
+    // First one value changes and the other stays, then both change.
     bench.each([[&others[0], &before[1]], [&others[0], &others[1]]], |bench, [one, two]| {
         let data: Vec<u8> = one.iter().chain(two).copied().collect();
         bench.send_bytes(can_id, &data)?;

@@ -1,4 +1,4 @@
-//! What becomes of an RPDO when operational is left: of its deadline, and of values that wait for SYNC (CiA 301, 7.5.2.35).
+//! RPDOs when the device leaves operational: their deadline, and values that wait for SYNC (CiA 301, 7.5.2.35).
 
 use super::emcy::{emergencies, is_error, observed, shown};
 use super::rpdo::{Subject, expect_value, operational, subject};
@@ -14,7 +14,7 @@ use canvass_traces::{Duration, Record};
 const DEADLINE_MS: u16 = 200;
 const DEADLINE: Duration = Duration::from_millis(200);
 
-/// Gives RPDO 1 a deadline, and makes the device operational.
+/// Sets a deadline for RPDO 1, and makes the device operational.
 fn with_deadline(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
     let subject = subject(bench, 255)?;
     if !bench.can_write(RPDO.parameter(5))? {

@@ -1,4 +1,4 @@
-//! Which services work in which NMT state (CiA 301, 7.3.2.2).
+//! The services that work in each NMT state (CiA 301, 7.3.2.2).
 
 use crate::bench::Bench;
 use crate::bench::state::command_to;
@@ -16,7 +16,7 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 #[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoAnsweredWhenStopped, SdoRequestKeptOverStop], cct = "9.4")]
 fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
-    // That it answers before shows that its silence means something.
+    // An answer before the command proves that silence after it is significant.
     bench.read(DEVICE_TYPE)?;
     if let Some(stop) = command_to(State::STOPPED) {
         bench.command(stop)?;
@@ -24,7 +24,7 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.timing().reaction)?;
     let reply = bench.send_unanswered(&Request::upload(DEVICE_TYPE), "upload of 1000h:00 in stopped")?;
     bench.check(reply.expect_silence())?;
-    // Nor is the request kept and answered as soon as that is allowed again.
+    // The server must not keep the request and answer it later, either.
     if let Some(start) = command_to(State::OPERATIONAL) {
         bench.command(start)?;
     }

@@ -1,4 +1,5 @@
-//! Store and restore parameters (1010h, 1011h). All of it may write non-volatile memory, so the user has to allow it.
+//! Store and restore parameters (1010h, 1011h). All these cases may write non-volatile memory, so the user must allow
+//! them.
 
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
@@ -16,7 +17,7 @@ use canvass_bus::observation::Observation;
 
 const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 const RESTORE: Multiplexer = Multiplexer::new(object::RESTORE_DEFAULT_PARAMETERS, 1);
-/// Bits of what 1010h:01 gives: the device stores on command, or by itself.
+/// Bits of the value of 1010h:01: the device stores on command, or autonomously.
 const COMMAND: u32 = 1 << 0;
 const AUTO: u32 = 1 << 1;
 
@@ -31,8 +32,8 @@ fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Whether 1010h covers an object by the description of the device: it has a sub-index of its own for that group. Else
-/// the manufacturer chooses what can be stored.
+/// Whether 1010h covers an object according to the description: it has a sub-index of its own for the group of the
+/// object. Otherwise the manufacturer chooses the stored objects.
 fn is_covered(bench: &mut Bench<'_>, object: Multiplexer) -> Result<bool, Stop> {
     match object.index.0 {
         0x1000..=0x1FFF => bench.has(Multiplexer::new(object::STORE_PARAMETERS, 2)),
@@ -54,7 +55,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     }
     let saved = bench.download(STORE, b"save")?;
     if !bench.stores_by_itself()? {
-        // What is written now was not there when the device was told to store.
+        // These values are written after the store command, so they are not stored.
         for scratch in &scratches {
             bench.write(scratch.multiplexer, &scratch.value)?;
         }
@@ -145,8 +146,8 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(scratch.multiplexer, &scratch.value, "a value that was not stored is lost with reset node")
 }
 
-/// Makes a case not applicable if the scratch object is the manufacturer's. A variable of the manufacturer need not be
-/// a parameter, and a reset may keep its value.
+/// Makes a case not applicable if the scratch object is the manufacturer's: it need not be a parameter, and a reset may
+/// keep its value.
 pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
     if scratch.multiplexer.index.0 >= 0x6000 {
         return Ok(());
@@ -155,7 +156,7 @@ pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
     Err(Stop::NotApplicable(Reason::new("an object of the device profile can be written", "6000h and above", actual)))
 }
 
-/// Makes a case not applicable if the device stores autonomously: every value is stored then.
+/// Makes a case not applicable if the device stores autonomously: then every value is stored.
 pub(super) fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
     if !bench.stores_by_itself()? {
         return Ok(());
@@ -183,7 +184,8 @@ pub(super) fn two(bench: &mut Bench<'_>) -> Result<Two, Stop> {
     Ok(Two { communication, application })
 }
 
-/// Writes both, stores by that sub-index of 1010h, resets, and gives both values of after. The old ones are stored again.
+/// Writes both objects, stores by this sub-index of 1010h, resets, and returns both values. The old values are stored
+/// again.
 fn after_store(bench: &mut Bench<'_>, two: &Two, sub: u8) -> Result<[Vec<u8>; 2], Stop> {
     let objects = [&two.communication, &two.application];
     for scratch in objects {
@@ -282,7 +284,7 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
     if is_new[0] == is_new[1] {
         return Ok(());
     }
-    // Unless what is old can't be stored at all.
+    // Unless the device can't store these objects at all.
     let whole = after_store(bench, &two, 1)?;
     let can_be_stored = whole[0] == two.communication.other && whole[1] == two.application.other;
     let [old, found] = if is_new[0] { [objects[1], objects[0]] } else { [objects[0], objects[1]] };
@@ -303,7 +305,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.write(STORE, b"save")?;
     bench.download(RESTORE, b"load")?.expect_confirmation()?;
-    // The memory takes its time; a reset while it is written would undo the order.
+    // Writing the memory takes time; a reset during that time would undo the command.
     bench.listen(canvass_traces::Duration::from_millis(200))?;
     restarted(bench)?;
     let now = bench.read(scratch.multiplexer)?;
@@ -316,7 +318,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Resets the device. One of whose defaults it is to have no node-ID gets its own again, where the user allows that.
+/// Resets the device. If its defaults include no node-ID, it gets its own again, if the user allows that.
 pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
     let reset = bench.reset(Command::RESET_NODE);
     match (reset, crate::cases::cia305::needs::LSS.rescue()) {
@@ -331,7 +333,7 @@ pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
     }
 }
 
-/// Not applicable where defaults can't be restored.
+/// Makes a case not applicable if the device can't restore defaults.
 pub(super) fn restores(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if bench.has(RESTORE)? {
         return Ok(());

@@ -1,5 +1,5 @@
-//! The sub-indexes of 1010h and 1011h, each for itself (CiA 301, 7.5.2.13 and 7.5.2.14): all of them have their signature,
-//! tell what they can, and restore their own group only.
+//! The sub-indexes of 1010h and 1011h one by one (CiA 301, 7.5.2.13 and 7.5.2.14): each needs its signature, shows its
+//! abilities, and restores only its own group.
 
 use super::store::{Two, not_by_itself, of_the_profile, restarted, restores, two};
 use crate::bench::Bench;
@@ -16,10 +16,10 @@ use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
-/// Bits of what 1010h gives: the device stores on command, or by itself. 1011h has the first only.
+/// Bits of the values of 1010h: the device stores on command, or autonomously. 1011h has only the first.
 const COMMAND: u32 = 1 << 0;
 const AUTO: u32 = 1 << 1;
-/// The memory takes its time; a reset while it is written would undo the order.
+/// Writing the memory takes time; a reset during that time would undo the command.
 const WRITTEN: Duration = Duration::from_millis(200);
 
 /// The sub-indexes of 1010h or 1011h that the device has: 80h to FEh are reserved.
@@ -128,7 +128,7 @@ fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
     bench.check(is_kept(kept.0, &kept.1))
 }
 
-/// Stores both with other values, restores the group, and gives both values of after the reset.
+/// Stores both objects with other values, restores the group, and returns both values after the reset.
 fn after_restore(bench: &mut Bench<'_>, two: &Two, order: Multiplexer) -> Result<(Vec<u8>, Vec<u8>), Stop> {
     let values = |bench: &mut Bench<'_>| {
         Ok::<_, Stop>((bench.read(two.communication.multiplexer)?, bench.read(two.application.multiplexer)?))
@@ -149,7 +149,7 @@ fn after_restore(bench: &mut Bench<'_>, two: &Two, order: Multiplexer) -> Result
     values(bench)
 }
 
-/// Another value than was stored, unless that is the default, too.
+/// Requires that the value after the restore is not the stored one, unless that is also the default.
 fn is_default(bench: &Bench<'_>, scratch: &Scratch, now: &[u8]) -> Check {
     let description = bench.target().description.as_ref();
     let default = description.and_then(|description| {

@@ -1,4 +1,4 @@
-//! What is stored acts after a reset, and does not only read back.
+//! Stored values take effect after a reset, rather than only reading back.
 
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
@@ -20,11 +20,11 @@ const PERIOD_MS: u16 = 100;
 const PERIOD: Duration = Duration::from_millis(100);
 const CONSUMER_MS: u16 = 300;
 
-/// What the device did after the reset.
+/// The behaviour of the device after the reset.
 struct AfterReset {
-    /// Heartbeats within ten periods; `None`: the stored time was not there.
+    /// Number of heartbeats within ten periods; `None` if the stored time was lost.
     heartbeats: Option<usize>,
-    /// The state after a watched node fell silent; `None`: the stored entry was not there, or the state did not show.
+    /// The state after a monitored node fell silent; `None` if the stored entry was lost, or the state did not show.
     after_loss: Option<Option<State>>,
 }
 

@@ -24,8 +24,8 @@ pub(super) const PRODUCES: u32 = 1 << 30;
 const PERIOD_US: u32 = 50_000;
 const PERIOD_TIME: Duration = Duration::from_millis(50);
 
-/// Lets the device produce SYNC every 50 ms, with a counter if `overflow` is not 0; its CAN-ID. What has its value already
-/// is not written.
+/// Makes the device produce SYNC every 50 ms, with a counter if `overflow` is not 0; returns the CAN-ID of SYNC.
+/// Objects that already have their value are not written.
 pub(super) fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
     let own = bench.read_number(COB_ID)?;
     bench.stop_sync_period()?;
@@ -304,7 +304,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
             let breach = Breach::new(COB_ID, "a device that accepts bit 30 of 1005h has a period in 1006h");
             breach.expected("abort 0609 0030h").found(Observation::Confirmation)
         })?;
-        // A producer, then: it must produce.
+        // The device is a producer if it accepts the bit, so it must produce SYNC.
         bench.write(COB_ID, &own.to_le_bytes())?;
         let id = produce(bench, 0)?;
         let heard = syncs(bench, id, 6)?;
@@ -314,7 +314,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
             breach.told("confirmation, but no SYNC")
         }));
     }
-    // Where nothing of 1005h can be changed, that is a reason to refuse, too.
+    // If 1005h can't be changed at all, that is a valid reason to refuse, too.
     let is_named = attempt.abort() == Some(AbortCode::INVALID_VALUE);
     let situation = if is_named || bench.can_write(COB_ID)? { Situation::InvalidValue } else { Situation::ReadOnly };
     bench.check(attempt.refused(situation))

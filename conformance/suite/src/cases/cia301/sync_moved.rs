@@ -9,7 +9,7 @@ use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 
-/// A CAN-ID that no predefined service has.
+/// A CAN-ID outside the predefined connection set.
 const FREE: u32 = 0x6B8;
 
 /// With another CAN-ID in 1005h a synchronous TPDO follows SYNC with that one, and no longer SYNC with the old one. After reset
@@ -38,14 +38,14 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     bench.stop_sync_period()?;
     if bench.read_number(TPDO.entry(0))? == 0 || !bench.pdo_cob_id(TPDO)?.is_valid() {
-        // As delivered it sends no TPDO that could tell.
+        // As delivered the device sends no TPDO that would show which SYNC it uses.
         return Ok(());
     }
     let now = bench.sync_id()?;
     follows(bench, now, if u32::from(now) == FREE { old } else { FREE as u16 })
 }
 
-/// TPDO 1 of type 1 follows SYNC with one CAN-ID, and not with the other.
+/// Requires that TPDO 1 of type 1 follows SYNC with one CAN-ID, and not with the other.
 fn follows(bench: &mut Bench<'_>, right: u16, wrong: u16) -> Judged {
     let tpdo = synchronous(bench)?;
     bench.command(Command::START)?;

@@ -1,4 +1,4 @@
-//! What the SYNC that a device produces does to its own PDOs (CiA 301, 7.2.5).
+//! The effect of the SYNC that a device produces on its own PDOs (CiA 301, 7.2.5).
 
 use super::sync::produce;
 use super::tpdo_events::{operational, subject};

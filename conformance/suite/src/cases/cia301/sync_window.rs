@@ -1,4 +1,4 @@
-//! The synchronous window (1007h), and which SYNC counts after the start.
+//! The synchronous window (1007h), and the first effective SYNC after the start.
 
 use crate::bench::pdo::TPDO;
 use crate::bench::{Bench, Exhibit, KEEPS_UP};
@@ -13,12 +13,12 @@ use canvass_traces::{Duration, Record};
 const WINDOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0);
 const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 const WINDOW_US: u32 = 5_000;
-/// A CAN-ID that nobody uses and that goes before every PDO.
+/// A CAN-ID that nobody uses, with a higher priority than every PDO.
 const IN_THE_WAY: u16 = 0x07F;
-/// How many full frames take 8 ms at 1 Mbit/s; at every other bit rate they take longer.
+/// Number of full frames that take 8 ms at 1 Mbit/s, and longer at any other bit rate.
 const FRAMES: usize = 70;
 
-/// Makes TPDO 1 one of type 1, without event timer; its CAN-ID.
+/// Sets TPDO 1 to type 1 without event timer; returns its CAN-ID.
 pub(super) fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     bench.expect_plain_sync()?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
@@ -48,7 +48,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(Reason::new("the device has a synchronous window", "1007h", "none")));
     }
     if bench.bit_rate().is_none() {
-        // Nothing is in anything's way on a bus without wires.
+        // On a bus without wires, frames do not delay each other.
         let reason = Reason::new("frames take their time on the bus", "a known bit rate", "none, as a vcan has none");
         return Err(Stop::NotApplicable(reason));
     }
@@ -71,7 +71,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     let heard = bench.listen(Duration::from_millis(200))?;
     let late = count(&heard, can_id);
     if late == 1 && !came_after_the_window(bench, sync, can_id) {
-        // The bus was free between two frames of the tester: it came in time.
+        // The bus was free between two frames of the tester, so the TPDO came in time.
         return Err(Stop::Inconclusive(free_in_between(bench, sync)));
     }
     bench.check(demand(late == 0, || {
@@ -79,8 +79,8 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Why a TPDO was sent although frames of the tester should have blocked it: the tester's machine had stopped while
-/// it sent, or the device found a gap.
+/// The reason why a TPDO was sent although frames of the tester should have blocked it: the tester's machine paused
+/// while it sent, or the device found a gap.
 fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     const LONGEST_GAP: Duration = Duration::from_millis(1);
     let own = |exhibit: &&Exhibit| matches!(exhibit.record.frame.cob_id(), Some(id) if id == sync || id == IN_THE_WAY);
@@ -93,7 +93,7 @@ fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     }
 }
 
-/// Whether the synchronous window was over when the last TPDO came. Not every adapter tells when the tester's own
+/// Whether the synchronous window was over when the last TPDO came. Not every adapter reports when the tester's own
 /// frames were on the bus.
 fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     let last = |id: u16| {

@@ -19,11 +19,11 @@ const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_TIME, 0);
 const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
 const PRODUCES: u32 = 1 << 30;
-/// Maximum difference of the device's clock, because answers take their time.
+/// Maximum difference of the device's clock, since answers take time.
 const CLOCK_ERROR_MS: u64 = 200;
 
-/// Switches a direction of TIME on; not applicable where the device refuses it as a device without that direction
-/// does.
+/// Switches a direction of TIME on; not applicable if the device refuses it in the way of a device without this
+/// direction.
 fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
     let own = bench.read_number(COB_ID)?;
     let attempt = bench.download(COB_ID, &(own & !(CONSUMES | PRODUCES) | bit).to_le_bytes())?;
@@ -92,7 +92,7 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.send_bytes((own & 0x7FF) as u16, &[a, b, c, d, low, high])?;
     let sent = bench.now();
-    // Once soon, and once when it has gone on.
+    // Soon after the message, and later, when the clock has advanced.
     bench.each([bench.timing().reaction, Duration::from_secs(3)], |bench, span| {
         bench.listen(span)?;
         let value = bench.upload(clock)?.value()?;
@@ -142,7 +142,7 @@ fn high_resolution(bench: &mut Bench<'_>) -> Judged {
     bench.write(STAMP, &written.to_le_bytes())?;
     let from = bench.now();
     bench.listen(Duration::from_millis(500))?;
-    // Writes of other objects are none of it.
+    // Writes of other objects do not matter here.
     let own = bench.read(COB_ID)?;
     bench.download(COB_ID, &own)?;
     if let Some(other) = bench.scratch_objects()?.into_iter().next() {

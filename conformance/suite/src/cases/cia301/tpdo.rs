@@ -1,4 +1,4 @@
-//! TPDOs: when they are sent.
+//! TPDOs: the events that send them.
 
 use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, INHIBIT_TIME, TPDO_COB_ID, TRANSMISSION_TYPE};
@@ -13,7 +13,7 @@ use canvass_traces::{CanId, Duration, Frame, Record};
 const PERIOD_MS: u16 = 100;
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// Sets TPDO 1 to its event timer and returns its CAN-ID.
+/// Configures TPDO 1 for its event timer and returns its CAN-ID.
 fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     bench.require_mapped(TPDO)?;
     let cob_id = CobId(bench.read_number(TPDO_COB_ID)?);
@@ -57,7 +57,7 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
     tpdos(bench, cob_id, period)?;
     let heard = tpdos(bench, cob_id, period.times(PERIODS) + Duration::from_nanos(period.nanos() / 2))?;
     let duty = || format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {period}");
-    // Value changes may send the TPDO in between, so more is right and fewer is wrong; the gaps are what counts.
+    // Value changes may send the TPDO in between, so only too few are wrong; the gaps are decisive.
     bench.check(demand(heard.len() as u64 >= PERIODS, || counted(duty(), PERIODS, None, heard.len())))?;
     let gaps = heard.windows(2).map(|pair| match pair {
         [a, b] => b.timestamp.since(a.timestamp),
@@ -92,7 +92,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::STOP)
 }
 
-/// Sees that the TPDO comes in operational, then that it does not after `command`.
+/// Requires that the TPDO comes in operational, and no longer after `command`.
 fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged {
     let trigger = trigger(bench)?;
     bench.command(Command::START)?;
@@ -100,7 +100,7 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
     demand(!running.is_empty(), || counted(format!("TPDO 1 is sent in operational {}", trigger.text()), 1, None, 0))
         .or_inconclusive()?;
     bench.command(command)?;
-    // One may be on its way.
+    // A TPDO may already be on its way.
     bench.listen(bench.timing().reaction)?;
     let heard = trigger.listen(bench, 5)?;
     bench.check(demand(heard.is_empty(), || {
@@ -109,7 +109,7 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
     not_for_a_remote_frame(bench, trigger.can_id(), command)
 }
 
-/// Nor is it sent where a remote frame asks for it.
+/// Requires that the TPDO is not sent for a remote frame, either.
 fn not_for_a_remote_frame(bench: &mut Bench<'_>, can_id: u16, command: Command) -> Judged {
     let Some(request) = Frame::remote(CanId::standard_masked(u32::from(can_id)), 8) else { return Ok(()) };
     bench.send(&request)?;
@@ -119,11 +119,11 @@ fn not_for_a_remote_frame(bench: &mut Bench<'_>, can_id: u16, command: Command) 
     }))
 }
 
-/// What makes the device send TPDO 1, which has the given CAN-ID.
+/// The trigger of TPDO 1, with the CAN-ID of the TPDO.
 enum Trigger {
-    /// Its event timer.
+    /// The event timer.
     Timer(u16),
-    /// SYNC with the second CAN-ID: the device has no event timer.
+    /// SYNC with the second CAN-ID, if the device has no event timer.
     Sync(u16, u16),
 }
 
@@ -139,8 +139,8 @@ fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Stop> {
     Ok(Trigger::Sync(can_id as u16, bench.sync_id()?))
 }
 
-/// Sets the transmission type, while the PDO is off where the device changes nothing of a PDO in use; some devices of DS-301
-/// V3.0 have a fixed one.
+/// Sets the transmission type. If the device refuses changes to a PDO in use, the PDO is off meanwhile. Some devices of
+/// DS-301 V3.0 have a fixed type.
 fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Stop> {
     let mut attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
     if attempt.abort().is_some() && bench.can_write(TPDO_COB_ID)? {
@@ -158,7 +158,7 @@ fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Stop> {
 }
 
 impl Trigger {
-    /// The TPDOs of that many periods or SYNCs.
+    /// The TPDOs within this many periods or SYNCs.
     fn listen(&self, bench: &mut Bench<'_>, times: u64) -> Result<Vec<Record>, Stop> {
         match *self {
             Self::Timer(can_id) => tpdos(bench, can_id, PERIOD.times(times)),
@@ -217,7 +217,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
             sent += heard.len();
             slowest = heard.first().map_or(slowest, |record| slowest.max(record.timestamp.since(at)));
         }
-        // Each SYNC leaves the device as long as it takes for its TPDO.
+        // After each SYNC the device gets the time that it needs for its TPDO.
         pause = LEAST_PAUSE.max(slowest + slowest);
         sent += tpdos(bench, cob_id, bench.shortly())?.len();
         bench.check(demand(sent == cycles, || {
@@ -235,7 +235,7 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     const INHIBIT: Duration = Duration::from_millis(300);
     let cob_id = bench.read(TPDO_COB_ID)?;
     let number = crate::bench::sdo::number(&cob_id);
-    // The inhibit time changes only while the PDO is not valid. In units of 100 µs.
+    // The inhibit time, in units of 100 µs, can change only while the PDO is not valid.
     bench.write(TPDO_COB_ID, &(number | CobId::INVALID).to_le_bytes())?;
     bench.write(INHIBIT_TIME, &3_000_u16.to_le_bytes())?;
     bench.write(TPDO_COB_ID, &cob_id)?;

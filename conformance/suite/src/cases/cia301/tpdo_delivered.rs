@@ -1,4 +1,4 @@
-//! TPDOs as they are delivered: nothing is configured before.
+//! TPDOs as delivered, without any configuration.
 
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
@@ -13,7 +13,7 @@ use canvass_traces::Duration;
        needs = [Tpdo, Sync], catches = [SynchronousTpdoAtStart])]
 fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {
     bench.stop_sync_period()?;
-    // Some start by themselves after it.
+    // The time before the reset: some devices become operational by themselves after it.
     let begun = bench.now();
     bench.reset(Command::RESET_NODE)?;
     let synchronous = synchronous(bench)?;

@@ -16,14 +16,14 @@ use canvass_traces::{CanId, Duration, Frame, Record};
 const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 const SHORTLY: Duration = Duration::from_millis(100);
 
-/// TPDO 1 carries one object that SDOs can write.
+/// TPDO 1 with one object that SDO can write.
 pub(super) struct Subject {
     pub at: Multiplexer,
     pub can_id: u16,
     pub values: [Vec<u8>; 2],
 }
 
-/// Gives TPDO 1 a changeable object and a transmission type, without event timer and inhibit time.
+/// Maps a changeable object in TPDO 1 and sets its transmission type, without event timer and inhibit time.
 pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let (mapped, other) = bench.changeable()?;
     let before = bench.read(mapped.at)?;
@@ -72,7 +72,7 @@ fn remote(bench: &mut Bench<'_>, subject: &Subject) -> Result<Vec<Record>, Stop>
 fn acyclic(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 0)?;
     operational(bench)?;
-    // Becoming operational may count as an event.
+    // Entering operational may count as an event.
     sync(bench, &subject)?;
     let without = sync(bench, &subject)?.len() + sync(bench, &subject)?.len();
     bench.check(demand(without == 0, || {
@@ -112,7 +112,7 @@ fn sync_delay(bench: &mut Bench<'_>) -> Judged {
     const WINDOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0);
     let window = if bench.has(WINDOW)? { bench.read_number(WINDOW)? } else { 0 };
     let limit = if window == 0 { USUAL } else { Duration::from_micros(window.into()) };
-    // SYNC itself, what is on the wire, and the TPDO.
+    // SYNC itself, a frame on the wire, and the TPDO.
     let most = limit + bench.bus_delay() + bench.bus_delay();
     let latest = sync_delays(bench)?.into_iter().max().unwrap_or(Duration::ZERO);
     bench.check(demand(latest <= most, || {
@@ -123,10 +123,10 @@ fn sync_delay(bench: &mut Bench<'_>) -> Judged {
 }
 
 const SYNCS: usize = 50;
-/// How long to wait for a synchronous TPDO: no standard limits its delay except by the next SYNC.
+/// Maximum wait for a synchronous TPDO: the standard limits its delay only by the next SYNC.
 const SYNC_PATIENCE: Duration = Duration::from_millis(500);
 
-/// The time from each of some SYNCs to the TPDO of type 1 that follows it, where one does.
+/// The time from each of some SYNCs to the following TPDO of type 1, if there is one.
 fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
     let subject = subject(bench, 1)?;
     let id = bench.sync_id()?;
@@ -140,10 +140,10 @@ fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
             let is_it = record.frame.cob_id() == Some(subject.can_id) && !record.frame.is_remote();
             is_it.then_some(record.timestamp)
         })?;
-        // What the tester's machine takes to bring SYNC onto the bus is not the device's.
+        // The delay of the tester's machine until SYNC is on the bus is not the device's.
         let sent = bench.evidence().sent(id).unwrap_or(handed_over);
         delays.extend(came.map(|came| came.since(sent)));
-        // Producers of SYNC are rarely faster.
+        // SYNC producers are rarely faster.
         bench.listen(Duration::from_millis(10))?;
     }
     Ok(delays)
@@ -182,7 +182,7 @@ fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 3)?;
     operational(bench)?;
     let first = cycle(bench, &subject)?;
-    // Of the next cycle two SYNCs are sent.
+    // Two SYNCs of the next cycle are sent.
     sync(bench, &subject)?;
     sync(bench, &subject)?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
@@ -205,7 +205,7 @@ fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// How many TPDOs each of three SYNCs causes.
+/// Number of TPDOs after each of three SYNCs.
 fn cycle(bench: &mut Bench<'_>, subject: &Subject) -> Result<[usize; 3], Stop> {
     Ok([sync(bench, subject)?.len(), sync(bench, subject)?.len(), sync(bench, subject)?.len()])
 }
@@ -264,7 +264,7 @@ fn event_timer_mean(bench: &mut Bench<'_>) -> Judged {
     let Some(span) = span.filter(|_| gaps > 0) else { return Ok(()) };
     let mean = Duration::from_nanos(span.nanos() / gaps);
     bench.measure("TPDO period with an event timer of 20 ms", mean);
-    // Over so many periods the ticks of a timer average out; value changes make the mean shorter, never longer.
+    // Over this many periods the ticks of a timer average out; value changes make the mean shorter, never longer.
     let most = Duration::from_nanos(period.nanos() / 100 * 104 + bench.bus_delay().nanos() / PERIODS);
     bench.check(demand(mean <= most, || {
         Breach::new(TPDO.parameter(5), duty)
@@ -320,7 +320,7 @@ fn remote_sampled(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Lets TPDO 1 answer remote frames; not applicable where the device refuses that.
+/// Configures TPDO 1 for remote frames; not applicable if the device refuses that.
 fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let subject = subject(bench, 255)?;
     let own = bench.pdo_off(TPDO)?;
@@ -369,7 +369,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
     }
     bench.stop_sync_period()?;
     bench.each([true, false], |bench, counter_first| {
-        // 1019h is written before the start value, then after it.
+        // 1019h is written before the start value in the first round, and after it in the second.
         let overflow = if counter_first { 10 } else { 20 };
         if counter_first {
             bench.write(OVERFLOW, &[overflow])?;
@@ -385,7 +385,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Demands that the first TPDO follows the SYNC of that number, and one each after it.
+/// Requires that the first TPDO follows the SYNC with this number, and that one follows each later SYNC.
 fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
     let id = bench.sync_id()?;
     operational(bench)?;

@@ -1,4 +1,4 @@
-//! What the inhibit time of a TPDO holds back (CiA 301, 7.5.2.37).
+//! The effect of the inhibit time of a TPDO (CiA 301, 7.5.2.37).
 
 use super::tpdo_events::{Subject, operational, subject};
 use crate::bench::Bench;
@@ -11,7 +11,7 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
 const INHIBIT: Duration = Duration::from_millis(300);
-/// In units of 100 µs.
+/// The inhibit time in units of 100 µs.
 const UNITS: u16 = 3_000;
 
 /// A value that changes within the inhibit time is sent when that is over, by a device that sends a TPDO whenever its value
@@ -59,8 +59,8 @@ fn once(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Gives TPDO 1 a changeable object, sent when it changes, and the inhibit time, and lets that pass after the start: what
-/// the start has sent must not delay the first change.
+/// Maps a changeable object in TPDO 1, sent on change, sets the inhibit time, and waits until it has passed after the
+/// start: TPDOs of the start must not delay the first change.
 fn inhibited(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
     let subject = subject(bench, 254)?;
     if !bench.can_write(TPDO.parameter(3))? {
@@ -73,7 +73,7 @@ fn inhibited(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
     Ok(subject)
 }
 
-/// Writes the value, and gives the TPDOs that come with it. The TPDO may be faster than the confirmation.
+/// Writes the value, and returns the TPDOs that come with it. The TPDO may be faster than the confirmation.
 fn change(bench: &mut Bench<'_>, at: Multiplexer, value: &[u8], can_id: u16) -> Result<Vec<Record>, Stop> {
     bench.drain()?;
     bench.send_request(&Request::download(at, value))?;

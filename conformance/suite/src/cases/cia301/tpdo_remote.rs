@@ -10,10 +10,10 @@ use canvass_bus::client::Outcome;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
 
-/// How long a TPDO must be quiet before it is asked for.
+/// Time without a TPDO before the tester requests it.
 const QUIET: Duration = Duration::from_millis(300);
 
-/// The TPDOs that are valid and let themselves be asked for: their numbers and CAN-IDs.
+/// The valid TPDOs that allow remote frames: their numbers and CAN-IDs.
 fn candidates(bench: &mut Bench<'_>) -> Result<Vec<(u16, u16)>, Stop> {
     let mut found = Vec::new();
     for number in 1..=4_u16 {

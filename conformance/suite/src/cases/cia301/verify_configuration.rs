@@ -1,5 +1,5 @@
-//! Verify configuration (1020h): date and time that a configuration tool leaves, so that a master sees whether the
-//! configuration is still the one that it knows.
+//! Verify configuration (1020h): a configuration tool leaves date and time, so that a master can check whether the
+//! device still has the known configuration.
 
 use crate::bench::Bench;
 use crate::case;

@@ -1,4 +1,5 @@
-//! What DS-301 V3.0 had and V4.0 dropped: 1004h, 100Bh, 100Eh, and bit 31 of 1005h. Only devices that have them are judged.
+//! Objects of DS-301 V3.0 that V4.0 dropped: 1004h, 100Bh, 100Eh, and bit 31 of 1005h. Only devices that have them are
+//! judged.
 
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
@@ -81,7 +82,7 @@ fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The CAN-ID of a TPDO that is sent after each SYNC as delivered.
+/// The CAN-ID of a TPDO that the device as delivered sends after each SYNC.
 fn with_each_sync(bench: &mut Bench<'_>) -> Result<Option<u16>, Stop> {
     for pdo in (1..=4).map(|number| TPDO.numbered(number)) {
         if bench.has(pdo.parameter(2))? && bench.read_number(pdo.parameter(2))? == 1 {

@@ -27,7 +27,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     let is_refused = |answer: &Option<Response>| {
         matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. }))
     };
-    // A device with a single bit rate has nothing to configure, and may refuse that one too.
+    // A device with a single bit rate has nothing to configure, and may refuse even that bit rate.
     if rates.len() == 1 && answers.iter().all(|(_, answer)| is_refused(answer)) {
         return Ok(());
     }
@@ -53,7 +53,7 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
     leave_bit_rate(bench, current)
 }
 
-/// Replaces what is pending by the bit rate in use, and ends configuration.
+/// Replaces the pending bit rate by the one in use, and ends configuration.
 fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Stop> {
     if let Some(index) = current.and_then(Lss::bit_rate_index) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
@@ -72,7 +72,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", found);
         return Err(Stop::NotApplicable(reason));
     };
-    // The rate that is in use: nobody has to follow.
+    // The bit rate is the one in use, so that nobody has to follow.
     bench.show_state()?;
     configure(bench)?;
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
@@ -86,7 +86,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     bench.watch_restart();
     bench.drain()?;
     bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(MASTER_CAN_ID))?;
-    // What was on its way may still come.
+    // Frames that were on their way may still come.
     bench.listen(Duration::from_millis(20))?;
     let heard = bench.listen(Duration::from_millis(2 * u64::from(DELAY_MS) - 40))?;
     bench.listen(delay.times(2))?;

@@ -1,4 +1,4 @@
-//! LSS with more than one slave on the bus: the tester plays the others.
+//! LSS with several slaves on the bus: the tester acts as the others.
 
 use super::dialogue::{
     address, breach, expect, expect_configuration, expect_silence, observed, set_node_id, tell, wait,
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Bound, Request, Response};
 use canvass_bus::observation::Observation;
 
-/// How the device answers a Fastscan message that another slave answers too.
+/// The device's answer to a Fastscan message that another slave answers at the same time.
 fn scan_together(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
     bench.drain()?;
     bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
@@ -86,7 +86,7 @@ fn is_within(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<bool, Stop> {
     for (n, (bound, value)) in Bound::ALL.into_iter().zip(bounds).enumerate() {
         let request = Request::IdentifyRemote { bound, value };
         if n < last {
-            // Only the last of the six is answered: the others need no wait.
+            // Only the last of the six messages is answered: the others need no wait.
             bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
         } else {
             answered = tell(bench, request)? == Some(Response::Identified);

@@ -1,4 +1,4 @@
-//! What all LSS cases need: what is demanded of answers, states reached and proven.
+//! Shared functions of the LSS cases: requirements on answers, and reaching and proving states.
 
 use super::needs::LSS_INQUIRY;
 use crate::bench::Bench;
@@ -21,12 +21,12 @@ impl Observed for Lss {
     }
 }
 
-/// A breach of what LSS demands.
+/// A breach of a requirement on LSS.
 pub fn breach(duty: impl Into<String>) -> Breach {
     Breach::new(Service::Lss, duty.into())
 }
 
-/// Demands a response.
+/// Requires a response.
 pub fn expect(
     what: &str,
     expected: impl Into<Allowed>,
@@ -38,7 +38,7 @@ pub fn expect(
     })
 }
 
-/// Demands the confirmation of a configuration with one of these error codes; the best one first.
+/// Requires the confirmation of a configuration with one of these error codes; the best one first.
 pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found: Option<Response>) -> Check {
     let expected = Allowed::OneOf(allowed.iter().copied().map(Observation::ErrorCode).collect());
     layer_setting::expect_error(format!("{what} is answered"), expected, command, found, |error| {
@@ -46,7 +46,7 @@ pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found
     })
 }
 
-/// Demands a confirmation without a specific error code where there is none.
+/// Requires that a confirmation without specific error has no specific error code.
 pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
     demand(!found.is_some_and(Response::says_too_much), || {
         let breach = breach(format!("the response to {what} has a specific error code with error code 255 only"));
@@ -54,18 +54,18 @@ pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
     })
 }
 
-/// Demands silence.
+/// Requires silence.
 pub fn expect_silence(what: &str, found: Option<Response>) -> Check {
     layer_setting::expect_silence(format!("{what} is not answered"), found)
 }
 
-/// Sets the node-ID that the device will use.
+/// Sets the pending node-ID of the device.
 pub fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Stop> {
     bench.gives_node_id(node_id);
     exchange(bench, Request::ConfigureNodeId { node_id })
 }
 
-/// The node-ID that the slave gives; `None` if it gives none.
+/// The node-ID that the slave reports; `None` if it reports none.
 pub fn node_id(bench: &mut Bench<'_>) -> Result<Option<u8>, Stop> {
     Ok(match exchange(bench, Request::InquireNodeId)? {
         Some(Response::NodeId(node)) => Some(node),
@@ -73,7 +73,7 @@ pub fn node_id(bench: &mut Bench<'_>) -> Result<Option<u8>, Stop> {
     })
 }
 
-/// Brings the slave into configuration and proves it.
+/// Brings the slave into configuration and checks it.
 pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
     tell(bench, Request::SwitchGlobal { mode: 1 })?;
     if is_configuring(bench, bench.timing().lss)? {
@@ -83,7 +83,7 @@ pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Err(Stop::Inconclusive(Reason::new(duty, "an answer to an inquiry or to configure node-ID", "none to either")))
 }
 
-/// Whether the slave is in configuration: it answers an inquiry, or where it has none, it takes the node-ID that it has.
+/// Whether the slave is in configuration: it answers an inquiry or, without inquiry service, accepts its own node-ID.
 fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Stop> {
     let inquires = match bench.knowledge.known(LSS_INQUIRY.id) {
         Some(Found::Known(met)) => Some(met.is_ok()),
@@ -114,13 +114,13 @@ fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Sto
     Ok(takes)
 }
 
-/// Ends configuration. What was pending may make the device restart.
+/// Ends configuration. Pending values may make the device restart.
 pub fn wait(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.watch_restart();
     tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
 }
 
-/// Demands that the slave is in configuration.
+/// Requires that the slave is in configuration.
 pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
     let there = is_configuring(bench, bench.timing().lss)?;
     bench.check(demand(there, || {
@@ -129,7 +129,7 @@ pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
     }))
 }
 
-/// Demands that the slave is in waiting.
+/// Requires that the slave is in waiting.
 pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
     let there = is_configuring(bench, bench.timing().silence)?;
     bench.check(demand(!there, || {
@@ -138,7 +138,7 @@ pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
     }))
 }
 
-/// The LSS address by SDO: 1018h:01 to 04.
+/// The LSS address read by SDO: 1018h:01 to 04.
 pub fn address(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     let mut address = [0; 4];
     for (sub, part) in (1..).zip(&mut address) {
@@ -147,7 +147,7 @@ pub fn address(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     Ok(address)
 }
 
-/// Gives the four parts in an order; returns what came, the last of it within `patience`.
+/// Sends the four parts in this order; returns the responses, the last of them within `patience`.
 pub fn select(bench: &mut Bench<'_>, parts: &[(Part, u32)], patience: Duration) -> Result<Vec<Response>, Stop> {
     let mut heard = Vec::new();
     for (n, &(part, value)) in parts.iter().enumerate() {
@@ -157,7 +157,7 @@ pub fn select(bench: &mut Bench<'_>, parts: &[(Part, u32)], patience: Duration) 
     Ok(heard)
 }
 
-/// Demands that exactly one response came, or none.
+/// Requires exactly this response, or none.
 pub fn expect_heard(duty: String, expected: Option<Response>, heard: &[Response]) -> Check {
     demand(heard == expected.as_slice(), || {
         let actual = match heard {
@@ -171,7 +171,7 @@ pub fn expect_heard(duty: String, expected: Option<Response>, heard: &[Response]
     })
 }
 
-/// The four parts in their order.
+/// The four parts of the address in their order.
 pub fn parts(address: [u32; 4]) -> Vec<(Part, u32)> {
     Part::ALL.into_iter().zip(address).collect()
 }

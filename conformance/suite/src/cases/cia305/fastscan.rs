@@ -13,15 +13,15 @@ use crate::verdict::{Check, Judged, Stop, demand};
 use canvass_analyzer::wire::lss::{Request, Response};
 use canvass_bus::observation::Observation;
 
-/// The bit check with which a scan begins.
+/// The bit check of the message with which a scan begins.
 pub(super) const RESET: u8 = 0x80;
 
-/// A message that nobody has to answer; silence is an answer, too.
+/// Sends a message that need not be answered; silence is a valid answer, too.
 fn scan(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<Option<Response>, Stop> {
     tell(bench, Request::Fastscan { id, bit_check, sub, next })
 }
 
-/// The message that every slave without node-ID answers.
+/// Sends the message that every slave without node-ID answers.
 pub(super) fn scan_begin(bench: &mut Bench<'_>) -> Result<Option<Response>, Stop> {
     exchange(bench, Request::Fastscan { id: 0, bit_check: RESET, sub: 0, next: 0 })
 }
@@ -50,7 +50,7 @@ fn begin(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Finds the address bit by bit; returns it as far as it was found.
+/// Finds the address bit by bit; returns the part that was found.
 fn find(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     let mut found = [0_u32; 4];
     scan_begin(bench)?;
@@ -143,7 +143,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
 fn with_node_id(bench: &mut Bench<'_>) -> Judged {
     let answer = scan(bench, 0, RESET, 0, 0)?;
     bench.check(expect_silence("the begin of Fastscan with a node-ID", answer))?;
-    // Silence means something only if the slave is there.
+    // Silence proves something only if the slave is present.
     configure(bench)?;
     wait(bench)
 }

@@ -19,7 +19,7 @@ fn bounds(address: [u32; 4], margin: u32) -> [u32; 6] {
     ]
 }
 
-/// Gives the six bounds; returns what came. Only a slave within all of them has to answer, the last one.
+/// Sends the six bounds; returns the responses. Only a slave within all bounds must answer, after the last one.
 fn identify(bench: &mut Bench<'_>, bounds: [u32; 6], within: bool) -> Result<Vec<Response>, Stop> {
     let mut heard = Vec::new();
     for (n, (bound, value)) in Bound::ALL.into_iter().zip(bounds).enumerate() {
@@ -71,7 +71,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
         else {
             return Ok(());
         };
-        // A number that has no neighbour on that side can't be outside there.
+        // A number without neighbour on this side can't be out of bounds there.
         if *bound == value || value == *own {
             return Ok(());
         }
@@ -80,7 +80,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
         let duty = format!("a slave outside of the {} does not answer", Bound::ALL[place].name());
         bench.check(expect_heard(duty, None, &heard))
     })?;
-    // Silence means something only if the slave answers within its bounds.
+    // Silence proves something only if the slave answers within its bounds.
     tried(identify(bench, right, true)?.len(), "an answer to the bounds of its own address")
 }
 
@@ -90,7 +90,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
 fn configured(bench: &mut Bench<'_>) -> Judged {
     let answer = tell(bench, Request::IdentifyNonConfigured)?;
     bench.check(expect_silence("the search for slaves without node-ID", answer))?;
-    // Silence means something only if the slave is there.
+    // Silence proves something only if the slave is present.
     configure(bench)?;
     wait(bench)
 }

@@ -1,4 +1,4 @@
-//! CiA 305: layer setting services. All of them address every LSS slave on the bus, so the device must be alone.
+//! CiA 305: layer setting services. All cases address every LSS slave on the bus, so the device must be alone.
 
 mod bit_timing;
 mod crowd;

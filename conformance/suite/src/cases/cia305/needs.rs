@@ -1,4 +1,4 @@
-//! What the cases of CiA 305 need.
+//! The needs of the cases of CiA 305.
 
 use super::dialogue::{configure, tell, wait};
 use super::fastscan::{RESET, scan_begin};
@@ -7,7 +7,7 @@ use crate::bench::Found;
 use crate::need::Need;
 use canvass_analyzer::wire::lss::{Request, Response};
 
-/// Layer setting services: the description says that they are supported.
+/// Layer setting services, if the description says that they are supported.
 pub static LSS: Need = Need::new("lss", "layer setting services (LSS)", |bench| {
     Ok(match &bench.target().description {
         Some(description) if description.device.lss_supported => Ok(()),
@@ -17,9 +17,9 @@ pub static LSS: Need = Need::new("lss", "layer setting services (LSS)", |bench| 
 })
 .rescued_by(super::node_id::restore);
 
-/// The inquiry of the node-ID, which not every LSS slave has.
+/// The inquiry of the node-ID, which not every LSS slave supports.
 pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node-ID (LSS 5Eh)", |bench| {
-    // Bringing the slave into configuration finds it out.
+    // Bringing the slave into configuration finds out whether it supports the inquiry.
     configure(bench)?;
     wait(bench)?;
     Ok(match bench.knowledge.known(LSS_INQUIRY.id) {
@@ -28,8 +28,8 @@ pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node
     })
 });
 
-/// Fastscan, which is optional. Whether a slave has it shows while it has no node-ID: the message with which a scan begins
-/// is then answered by each slave that has.
+/// Fastscan, which is optional. A slave that supports it shows this only without node-ID: it then answers the message
+/// with which a scan begins.
 pub static FASTSCAN: Need = Need::new("fastscan", "Fastscan (LSS 51h)", |bench| {
     let (mut searched, mut answered) = (None, None);
     unconfigured(bench, |bench, _| {

@@ -13,10 +13,10 @@ use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
-/// After a boot-up: what else the device sends first belongs to its start.
+/// Wait after a boot-up: the first further frames of the device belong to its start.
 const AFTER_BOOT_UP: Duration = Duration::from_millis(100);
 
-/// A device that takes its node-ID over by itself when configuration ends does it by then.
+/// Maximum time until a device that activates its node-ID by itself at the end of configuration has done so.
 pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
@@ -25,8 +25,8 @@ pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {
     bench.vacant_neighbour().ok_or_else(none)
 }
 
-/// The node-ID with which the device starts, within the time that it has to boot: the expected one, whatever the message
-/// of it says, else one with which a node started that was never heard before.
+/// The node-ID with which the device starts, within its boot-up time: the expected one, with any data in the boot-up
+/// message, otherwise a node-ID that was never heard before.
 pub(super) fn boots(bench: &mut Bench<'_>, expected: u8) -> Result<Option<u8>, Stop> {
     let others: BTreeSet<NodeId> = bench.others().clone();
     let mut elsewhere = None;
@@ -48,7 +48,7 @@ pub(super) fn boots(bench: &mut Bench<'_>, expected: u8) -> Result<Option<u8>, S
     Ok(if there.is_some() { Some(expected) } else { elsewhere })
 }
 
-/// The device did not start with the node-ID with which it had to.
+/// The breach of a device that did not start with the expected node-ID.
 pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: Option<u8>) -> Breach {
     let found = booted.map_or(Observation::Silence, |node| Observation::Number(node.into()));
     let told =
@@ -56,8 +56,8 @@ pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: O
     breach(duty).expected(Observation::Number(expected.into())).found(found).told(told)
 }
 
-/// Gives the device its own node-ID, which is in use after a reset; where it does not take it, what is stored is back
-/// after reset node.
+/// Configures the device's own node-ID, which is in use after a reset. If the device refuses it, reset node loads the
+/// stored one.
 pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let own = bench.node().raw();
     configure(bench)?;
@@ -72,11 +72,11 @@ pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Gives the device its own node-ID and the bit rate of the bus back, and stores them where something else is stored.
+/// Configures the device's own node-ID and the bit rate of the bus, and stores them if other values are stored.
 pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
     let rate = bench.bit_rate().and_then(Lss::bit_rate_index);
-    // A device may be delivered without one, which no command gives back.
+    // A device may be delivered without bit rate, which no command restores.
     let keeps_bit_rate = bench.keeps_bit_rate();
     configure(bench)?;
     set_node_id(bench, own)?;
@@ -116,7 +116,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     own_again(bench)
 }
 
-/// Replaces what is pending by the node-ID that the device has, before it can come into force.
+/// Replaces the pending node-ID by the current one before it can take effect.
 fn own_again(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let own = bench.node().raw();
     set_node_id(bench, own)?;
@@ -152,7 +152,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
         (id & 0x780 == error_control::CAN_ID_BASE && record.frame.data() == [0]).then_some(id)
     })?;
     if restarted.is_some() {
-        // Some devices restart as soon as configuration is over.
+        // Some devices restart as soon as configuration ends.
         bench.uncancelled(back_to_own)?;
         bench.note("a new node-ID restarts the device as soon as it is in waiting");
         let reason = Reason::new("a new node-ID waits for a reset", "no restart", "a restart after configuration");

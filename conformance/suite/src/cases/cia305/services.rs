@@ -1,4 +1,4 @@
-//! Inquiries (CiA 305, 6.5), and what holds for all services.
+//! Inquiries (CiA 305, 6.5), and rules for all services.
 
 use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
 use crate::bench::Bench;
@@ -31,7 +31,7 @@ fn unanswered_in_waiting(bench: &mut Bench<'_>, requests: impl IntoIterator<Item
         let answer = tell(bench, request)?;
         bench.check(expect_silence(&format!("\"{request}\" in waiting"), answer))
     })?;
-    // Silence means something only if the slave is there.
+    // Silence proves something only if the slave is present.
     configure(bench)?;
     wait(bench)
 }
@@ -121,7 +121,7 @@ fn form(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// What a slave with that address answers in waiting: that it was selected, and that it is within bounds.
+/// The requests that a slave with this address answers in waiting: selection, and identification within bounds.
 fn of_waiting(address: [u32; 4]) -> [Vec<Request>; 2] {
     let [vendor, product, revision, serial] = address;
     let selected = parts(address).into_iter().map(|(part, value)| Request::SwitchSelective { part, value });
@@ -130,7 +130,7 @@ fn of_waiting(address: [u32; 4]) -> [Vec<Request>; 2] {
     [selected.collect(), identified.collect()]
 }
 
-/// Which of the services a slave answers is the matter of other cases.
+/// Requires the right form of an answer. Other cases judge which services a slave answers.
 fn expect_form(request: Request, frame: &Frame) -> Check {
     let response = Response::read(frame.data()).ok();
     let is_clean =

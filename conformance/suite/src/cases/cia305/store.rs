@@ -1,4 +1,4 @@
-//! Storing what LSS configured (CiA 305, 6.4.5).
+//! Storing the configuration of LSS (CiA 305, 6.4.5).
 
 use super::dialogue::{configure, exchange, expect_error, expect_plain, set_node_id, wait};
 use super::node_id::{boots, started_elsewhere, vacant};
@@ -8,7 +8,7 @@ use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::lss::{ConfigureCommand, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 
-/// Stores the node-ID; a device that does not store is none for the case.
+/// Stores the node-ID; makes the case not applicable if the device does not store.
 fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let answer = exchange(bench, Request::StoreConfiguration)?;
     bench.listen(bench.timing().silence)?;
@@ -17,7 +17,7 @@ fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
             let duty = "the device stores what LSS configures";
             Err(Stop::NotApplicable(Reason::new(duty, "error code 0", "error code 1: it does not support storing")))
         }
-        // That the confirmation is missing is the matter of another case.
+        // Another case judges a missing confirmation.
         None => Ok(()),
         answer => expect_error("store configuration", ConfigureCommand::Store, &[0], answer).or_inconclusive(),
     }
@@ -39,7 +39,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     bench.watch_restart();
     bench.command_all(Command::RESET_NODE)?;
     boots(bench, other)?;
-    // Only a second reset tells what was stored from what was pending.
+    // Only a second reset distinguishes the stored value from the pending one.
     bench.command_all(Command::RESET_NODE)?;
     let booted = boots(bench, other)?;
     let duty = "a node-ID that was stored is used after reset node";

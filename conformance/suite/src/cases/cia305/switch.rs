@@ -50,7 +50,7 @@ fn right(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// Gives parts that must not switch the slave: no answer, and it stays in waiting.
+/// Sends parts that must not switch the slave, and requires that it does not answer and stays in waiting.
 fn unselected(bench: &mut Bench<'_>, parts: &[(Part, u32)], what: &str) -> Judged {
     let heard = select(bench, parts, bench.timing().silence)?;
     bench.check(expect_heard(format!("{what} is not answered"), None, &heard))?;
@@ -117,7 +117,7 @@ fn interleaved(bench: &mut Bench<'_>) -> Judged {
     for (part, value) in own {
         mixed.push((part, value));
         if part == Part::RevisionNumber {
-            // Another device is addressed in between.
+            // The master addresses another device in between.
             mixed.push((Part::VendorId, value ^ 0x55));
         }
     }

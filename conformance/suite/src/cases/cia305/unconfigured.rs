@@ -1,4 +1,4 @@
-//! Slaves without node-ID: how they are made, and what they do.
+//! Slaves without node-ID: how a slave loses its node-ID, and how it then behaves.
 
 use super::dialogue::{
     address, breach, configure, exchange, expect, expect_configuration, node_id, observed, set_node_id, shown, tell,
@@ -16,10 +16,10 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-/// The node-ID that says "not configured".
+/// The node-ID for "not configured".
 const NONE: u8 = 255;
 
-/// Runs `test` while the device has no node-ID; gives it its own back afterwards, whatever came of it.
+/// Runs `test` while the device has no node-ID; restores its own afterwards, whatever the result.
 pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4]) -> Judged) -> Judged {
     let address = address(bench)?;
     configure(bench)?;
@@ -36,12 +36,12 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
             "it keeps its node-ID",
         ))),
     };
-    // What happened in the case counts, not that the device can't be configured after it.
+    // A breach in the case comes before a failure to configure the device after it.
     let configured = bench.uncancelled(back_to_own);
     judged.and(configured)
 }
 
-/// Whether the device has no node-ID any more; a slow one is waited for until it has started.
+/// Whether the device has no node-ID any more. The tester waits until a slow device has started.
 fn is_without(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     let deadline = bench.now() + bench.timing().boot_up;
     while bench.now() < deadline {
@@ -49,7 +49,7 @@ fn is_without(bench: &mut Bench<'_>) -> Result<bool, Stop> {
             return Ok(true);
         }
         if bench.answers()? {
-            // It may say that it has no node-ID, and answer SDOs all the same: that is the matter of a case.
+            // The device may report that it has no node-ID, but still answer SDOs: one case judges that.
             configure(bench)?;
             let is_without = node_id(bench)? == Some(NONE);
             wait(bench)?;
@@ -66,7 +66,8 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         bench.command_all(Command::RESET_NODE)?;
         let (node, others) = (bench.node(), bench.others().clone());
-        // Others may be on the bus: the device's is what has its old node-ID, and the start of a node that nobody knows.
+        // Others may be on the bus. Frames with the device's old node-ID are the device's, and so is the start of an
+        // unknown node.
         let heard = bench.wait_for(Duration::from_millis(1_500), |record| {
             let cob_id = record.frame.cob_id()?;
             let is_known = NodeId::of_cob_id(cob_id).is_some_and(|node| others.contains(&node));
@@ -130,7 +131,7 @@ fn told_again(bench: &mut Bench<'_>) -> Judged {
         tell(bench, Request::SwitchGlobal { mode: 1 })?;
         bench.listen(RESTART)?;
         let heard = bench.heard_since(from);
-        // One that goes on with its old node-ID is the matter of another case.
+        // Another case judges a device that continues with its old node-ID.
         let id = error_control::CAN_ID_BASE + u16::from(own);
         let is_boot_up = |record: &&Record| record.frame.cob_id() == Some(id) && record.data() == [0];
         let early = heard.iter().find(is_boot_up).map(|record| record.frame);

@@ -1,4 +1,4 @@
-//! The description against the device: what the device has and nobody described.
+//! The device compared with its description: objects of the device that the description lacks.
 
 use crate::bench::Bench;
 use crate::case;
@@ -8,7 +8,7 @@ use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::{Observation, Subject};
 
-/// Where devices usually have objects, looked at in every run.
+/// The index ranges in which devices usually have objects, checked in every run.
 const USUAL: [(u16, u16); 12] = [
     (0x1000, 0x102A),
     (0x1200, 0x1203),
@@ -24,7 +24,7 @@ const USUAL: [(u16, u16); 12] = [
     (0x6500, 0x650F),
 ];
 
-/// All of them, for an exhaustive run.
+/// All indexes, for an exhaustive run.
 const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
 
 /// The device has no object that its description does not name.
@@ -35,7 +35,7 @@ const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
        catches = [UndescribedObject])]
 fn undescribed(bench: &mut Bench<'_>) -> Judged {
     const JUDGED: u64 = 64;
-    // A device that gives nothing has nothing undescribed to show.
+    // A device that returns no value has no objects to show.
     bench.read(crate::bench::sdo::DEVICE_TYPE)?;
     let ranges: &[(u16, u16)] = if bench.options().exhaustive { &ALL } else { &USUAL };
     let mut found = 0;

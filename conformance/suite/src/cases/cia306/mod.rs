@@ -1,7 +1,7 @@
-//! CiA 306: the device description (EDS, DCF, XDD) in itself, and against the device.
+//! CiA 306: the device description (EDS, DCF, XDD) in itself, and compared with the device.
 //!
-//! What is wrong in a description was found when it was read; each case judges one kind of problem, and every kind
-//! belongs to one case. A maker of devices delivers both, so both are tested.
+//! Problems of a description are found when it is read; each case judges one kind of problem, and every kind belongs to
+//! one case. A manufacturer delivers both device and description, so both are tested.
 
 mod device;
 pub(crate) mod needs;
@@ -12,7 +12,7 @@ use crate::verdict::{Breach, Judged, Reason, Stop};
 use canvass_analyzer::dictionary::{EdsProblem, ProblemKind, Severity, consistency};
 use canvass_bus::observation::{Observation, Subject};
 
-/// What a problem of a description is about.
+/// The subject of a problem in a description.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Area {
     Text,
@@ -29,7 +29,7 @@ enum Area {
     Standard,
 }
 
-/// The sections that say something about the file or the device as a whole.
+/// The sections about the file or the device as a whole.
 const HEADER: [&str; 5] = ["FileInfo", "DeviceInfo", "DummyUsage", "Comments", "DeviceComissioning"];
 
 impl Area {
@@ -52,7 +52,7 @@ impl Area {
     }
 }
 
-/// Demands that the description has no problem of that area; each is a breach of its own. What is only worth knowing is
+/// Requires that the description has no problem in this area. Each problem is a breach of its own; mere remarks are
 /// noted.
 fn sound(bench: &mut Bench<'_>, area: Area, duty: &'static str) -> Judged {
     const NOTED: usize = 3;
@@ -80,10 +80,10 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &'static str) -> Judged {
     Ok(())
 }
 
-/// A problem as a breach: about the object whose section it stands in, else about the file.
+/// A problem as a breach: its subject is the object of its section, otherwise the file.
 fn breach(problem: &EdsProblem, duty: &'static str) -> Breach {
     let object = problem.section.to_ascii_lowercase().replace("sub", ":");
-    // `[1018sub1]` has one digit.
+    // A section name such as `[1018sub1]` has one digit for the sub-index.
     let object = match object.split_once(':') {
         Some((index, sub)) => format!("{index}:{sub:0>2}"),
         None => object,
@@ -92,7 +92,7 @@ fn breach(problem: &EdsProblem, duty: &'static str) -> Breach {
         Ok(subject @ (Subject::Entry(_) | Subject::Object(_))) => subject,
         _ => Subject::Description,
     };
-    // The names come from the file.
+    // The names come from the file: they may hold anything.
     let place: String = format!("[{}] {}", problem.section, problem.field).escape_debug().take(80).collect();
     let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind())).into());
     Breach::new(subject, duty).expected(problem.expected).found(found).told(problem.to_string())
@@ -237,7 +237,7 @@ mod tests {
         assert_ne!(number("1017").1, of("1017", "LowLimit", "eds/number/unreadable").1);
     }
 
-    /// What is found is what a waiver names.
+    /// A waiver can name the observation of a problem.
     #[test]
     fn a_problem_can_be_waived() {
         use canvass_bus::observation::Pattern;

@@ -1,4 +1,4 @@
-//! What the cases of CiA 306 need, and all others that ask the description.
+//! The needs of the cases of CiA 306, and of all other cases that use the description.
 
 use crate::need::Need;
 

@@ -1,4 +1,4 @@
-//! Node-ID and bit rate. Nothing of it is stored, but for the store case, which stores what the device has.
+//! Node-ID and bit rate. Only the store case stores, and it stores the current values.
 
 use super::dialogue::{breach, exchange, expect_error, in_configuration};
 use crate::bench::Bench;
@@ -13,7 +13,7 @@ use canvass_analyzer::wire::sdo;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// Leaves the node-ID that the device has as the one configured last.
+/// Configures the device's own node-ID, so that it is the last one configured.
 pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let node_id = bench.node().raw();
     exchange(bench, Request::ConfigureNodeId { node_id }).map(|_| ())
@@ -62,7 +62,7 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Sets the bit rate that the bus has as the one configured last, where it is known.
+/// Configures the bit rate of the bus, if it is known, so that it is the last one configured.
 pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if let Some(index) = bench.bit_rate().and_then(Lmt::bit_rate_index) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
@@ -127,7 +127,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
             .or_inconclusive()?;
         bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(lmt::MASTER_CAN_ID))?;
         let upload = sdo::Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
-        // Up to 200 ms before the end of the second delay.
+        // The waits end up to 200 ms before the end of the second delay.
         for _ in 0..3 {
             bench.listen(Duration::from_millis(60))?;
             let reply = bench.send_unanswered(&upload, "upload of 1000h:00 while the bit timing is activated")?;

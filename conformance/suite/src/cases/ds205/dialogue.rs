@@ -1,4 +1,4 @@
-//! What all LMT cases need: modes reached and proven, and the address of the slave.
+//! Shared functions of the LMT cases: reaching and proving modes, and the address of the slave.
 
 use crate::bench::Bench;
 use crate::cases::layer_setting::{self, Observed};
@@ -17,24 +17,24 @@ impl Observed for Lmt {
     }
 }
 
-/// A breach of what LMT demands.
+/// A breach of a requirement on LMT.
 pub fn breach(duty: impl Into<String>) -> Breach {
     Breach::new(Service::Lmt, duty.into())
 }
 
-/// Demands that a message is not answered.
+/// Requires that a message is not answered.
 pub fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
     let response = tell(bench, request)?;
     bench.check(layer_setting::expect_silence(format!("\"{request}\" is not answered {when}"), response))
 }
 
-/// Whether the slave is in configuration: only then it answers inquiries.
+/// Whether the slave is in configuration: only then does it answer inquiries.
 pub fn is_configuring(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     let response = tell(bench, Request::Inquire { part: Part::ManufacturerName })?;
     Ok(matches!(response, Some(Response::Part { .. })))
 }
 
-/// Demands that inquiries are answered, or that they are not.
+/// Requires that the slave answers inquiries, or that it does not.
 pub fn expect_configuring(bench: &mut Bench<'_>, configuring: bool, duty: impl Into<String>) -> Judged {
     let found = is_configuring(bench)?;
     bench.check(demand(found == configuring, || {
@@ -46,7 +46,7 @@ pub fn expect_configuring(bench: &mut Bench<'_>, configuring: bool, duty: impl I
     }))
 }
 
-/// Runs `judge` while the slave is in configuration, and leads it back to operation whatever comes of that.
+/// Runs `judge` while the slave is in configuration, and switches it back to operation, whatever the result.
 pub fn in_configuration(bench: &mut Bench<'_>, judge: impl FnOnce(&mut Bench<'_>) -> Judged) -> Judged {
     tell(bench, Request::SwitchGlobal { mode: 1 })?;
     let judged = judge(bench);
@@ -54,7 +54,7 @@ pub fn in_configuration(bench: &mut Bench<'_>, judge: impl FnOnce(&mut Bench<'_>
     judged
 }
 
-/// A part of the slave's address. Only in configuration.
+/// A part of the slave's address. The slave answers only in configuration.
 pub fn inquire(bench: &mut Bench<'_>, part: Part) -> Result<Seven, Stop> {
     let response = exchange(bench, Request::Inquire { part })?;
     match response {
@@ -70,7 +70,7 @@ pub fn inquire(bench: &mut Bench<'_>, part: Part) -> Result<Seven, Stop> {
     }
 }
 
-/// The three parts of the slave's address, asked for in configuration; the slave is in operation afterwards.
+/// The three parts of the slave's address, read in configuration; the slave is in operation afterwards.
 pub fn address(bench: &mut Bench<'_>) -> Result<[Seven; 3], Stop> {
     let mut address = [Seven([0; 7]); 3];
     in_configuration(bench, |bench| {
@@ -82,7 +82,7 @@ pub fn address(bench: &mut Bench<'_>) -> Result<[Seven; 3], Stop> {
     Ok(address)
 }
 
-/// Another part of the same kind: the last byte differs, and is two decimal digits if it was.
+/// Another part of the same kind: the last byte differs, and remains two decimal digits if it was that.
 pub fn other(value: Seven) -> Seven {
     let [a, b, c, d, e, f, last] = value.0;
     let last = if last & 0x0F == 0 { last | 1 } else { last & 0xF0 };

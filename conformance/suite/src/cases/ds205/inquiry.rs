@@ -1,4 +1,4 @@
-//! Who the slave is: inquiries, and identify remote slave.
+//! The identity of the slave: inquiries, and identify remote slave.
 
 use super::dialogue::{address, breach, exchange, in_configuration, inquire, observed, other, shown, tell};
 use crate::bench::Bench;
@@ -40,8 +40,8 @@ fn names(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Asks for slaves with these names and a serial number between `low` and `high`; the first answer. A slave that is not
-/// within has nothing to answer.
+/// Asks for slaves with these names and a serial number between `low` and `high`; returns the first answer. A slave
+/// outside these bounds must not answer.
 fn identify(
     bench: &mut Bench<'_>,
     names: [Seven; 2],

@@ -1,7 +1,7 @@
-//! CiA DS-205: layer management (LMT), the forerunner of LSS. The standard is withdrawn and not public: what is demanded
-//! here is what the manuals of such devices agree on, so no section is cited.
+//! CiA DS-205: layer management (LMT), the forerunner of LSS. The standard is withdrawn and not public: the
+//! requirements here are those on which the manuals of such devices agree, so no section is cited.
 //!
-//! All of it addresses every LMT slave on the bus, so the device must be alone.
+//! All cases address every LMT slave on the bus, so the device must be alone.
 
 mod configuration;
 mod dialogue;

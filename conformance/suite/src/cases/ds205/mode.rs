@@ -1,4 +1,4 @@
-//! Operation and configuration: switch mode global, switch mode selective.
+//! The modes operation and configuration: switch mode global, switch mode selective.
 
 use super::dialogue::{address, breach, expect_configuring, expect_silence, is_configuring, other, tell};
 use crate::bench::Bench;
@@ -32,7 +32,7 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Gives an address part by part; says whether the slave is in configuration then, and leads it back.
+/// Sends an address part by part; returns whether the slave is then in configuration, and switches it back.
 fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
     for (part, value) in Part::ALL.into_iter().zip(address) {
         tell(bench, Request::SwitchSelective { part, value })?;
@@ -42,7 +42,7 @@ fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
     Ok(selected)
 }
 
-/// The own address was given: the slave is in configuration.
+/// Requires that the slave is in configuration after its own address.
 fn expect_selected(selected: bool) -> Check {
     demand(selected, || {
         let breach = breach("the own address leads into configuration");
@@ -77,7 +77,7 @@ fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
             breach(duty).expected(Observation::Silence).found(Observation::named("an answer to an inquiry"))
         }))
     })?;
-    // Silence means something only if the own address is heard.
+    // Silence proves something only if the slave reacts to its own address.
     expect_selected(select(bench, own)?).or_inconclusive()
 }
 

@@ -1,11 +1,11 @@
-//! What the cases of CiA DS-205 need.
+//! The needs of the cases of CiA DS-205.
 
 use super::configuration::{configure_own, configure_own_rate};
 use super::dialogue::{in_configuration, is_configuring, tell};
 use crate::need::Need;
 use canvass_analyzer::wire::lmt::Request;
 
-/// Layer management: the slave answers an inquiry in configuration. It is led back to operation.
+/// Layer management: the slave answers an inquiry in configuration. The slave is switched back to operation.
 pub static LMT: Need = Need::new("lmt", "layer management (LMT)", |bench| {
     let described = bench.target().description.as_ref();
     if described.is_some_and(|description| description.device.lss_supported) {

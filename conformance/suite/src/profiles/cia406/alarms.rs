@@ -1,4 +1,4 @@
-//! Alarms (6503h, 6504h) and warnings (6505h, 6506h), and that EMCY and error register say the same.
+//! Alarms (6503h, 6504h) and warnings (6505h, 6506h), and their agreement with EMCY and error register.
 
 use super::number;
 use crate::bench::Bench;
@@ -19,9 +19,9 @@ const SUPPORTED_WARNINGS: Multiplexer = Multiplexer::new(encoder::SUPPORTED_WARN
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 /// The upper temperature limit of Kübler's Sendix encoders, in degrees Celsius plus 64.
 const TEMPERATURE_LIMIT: Multiplexer = Multiplexer::new(0x2120, 3);
-/// Below what any bench is: -31 °C.
+/// -31 °C, colder than any test bench.
 const FREEZING: u8 = 0x21;
-/// Bit 14 of 6505h, of these encoders.
+/// Bit 14 of 6505h, the temperature warning of these encoders.
 const TEMPERATURE_WARNING: u32 = 1 << 14;
 /// Bits 2 to 11 of 6503h have no meaning.
 const RESERVED_ALARMS: u32 = 0x0FFC;
@@ -107,7 +107,7 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let usual = bench.read(TEMPERATURE_LIMIT)?;
     bench.drain()?;
-    // What the transfer itself hears is not handed out: the EMCY may come before the confirmation.
+    // The EMCY may come before the confirmation of the write, where `listen` does not see it: the objects are judged.
     let first = bench.read_number(ERROR_REGISTER)?;
     bench.write(TEMPERATURE_LIMIT, &[FREEZING])?;
     bench.listen(SPAN)?;

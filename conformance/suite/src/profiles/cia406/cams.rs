@@ -1,6 +1,6 @@
 //! Cams (6300h to 6337h): state bits that are set while the position lies between two limits.
 //!
-//! The shaft is at rest: the limits are moved around it, which looks the same from inside.
+//! The shaft is at rest: the limits are moved around the position, which has the same effect on the cam.
 
 use super::position::position_at_rest;
 use super::preset::range_now;
@@ -19,10 +19,10 @@ const LOW: Multiplexer = Multiplexer::new(encoder::CAM_LOW_LIMIT, 1);
 const HIGH: Multiplexer = Multiplexer::new(encoder::CAM_HIGH_LIMIT, 1);
 const HYSTERESIS: Multiplexer = Multiplexer::new(encoder::CAM_HYSTERESIS, 1);
 const FIRST: u32 = 1;
-/// How far the limits are from the position.
+/// Distance of the limits from the position.
 const MARGIN: u32 = 200;
 
-/// Sets cam 1, active and not inverted, around or beside the position; low limit first, where that is possible.
+/// Configures cam 1, active and not inverted, around or beside the position; the low limit first, if possible.
 fn set(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Stop> {
     // Between the two writes the low limit must not be above the high one.
     bench.write(LOW, &0_u32.to_le_bytes())?;

@@ -1,5 +1,5 @@
-//! Objects that say the same in different ways: resolutions and ranges (6501h, 6502h, 650Ah), positions of different width
-//! (6004h, 6008h), and the position by SDO and by PDO.
+//! Objects with the same content in different forms: resolutions and ranges (6501h, 6502h, 650Ah), positions of
+//! different width (6004h, 6008h), and the position by SDO and by PDO.
 
 use super::number;
 use super::position::{OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, is_near, position_at_rest, small_range};
@@ -134,7 +134,7 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The position less 6509h, in the range.
+/// The position without the offset 6509h, within the range.
 fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u32, Stop> {
     let offset = i64::from(bench.read_number(OFFSET)? as i32);
     Ok((i64::from(position) - offset).rem_euclid(range.into()) as u32)
@@ -162,7 +162,7 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..20 {
         let position = bench.read_number(POSITION)?;
         positions.push(position);
-        // What the shaft can have turned since, a tenth more, and what a reading takes.
+        // The maximum movement of the shaft since the preset, with a tenth more, and the time of a reading.
         let most = per_ms * (bench.now().since(set).as_millis() + 5.0) * 1.1 + 4.0;
         let away = shorter(wanted, position, range).unsigned_abs() as f64;
         if away > most {
@@ -180,7 +180,7 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// From one position to another the shorter way round.
+/// The shorter way from one position to another.
 fn shorter(from: u32, to: u32, range: u32) -> i64 {
     let range = i64::from(range);
     let way = (i64::from(to) - i64::from(from)).rem_euclid(range);

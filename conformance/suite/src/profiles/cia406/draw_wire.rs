@@ -1,5 +1,5 @@
-//! Draw-wire encoders with two redundant channels (6020h twice in TPDO 1) and an inclinometer (5000h), as Kübler's C100 and
-//! D125.
+//! Draw-wire encoders with two redundant channels (6020h twice in TPDO 1) and an inclinometer (5000h), such as Kübler's
+//! C100 and D125.
 
 use crate::bench::Bench;
 use crate::bench::objects::TPDO_FIRST_ENTRY;
@@ -21,12 +21,12 @@ const ANGLE_RANGE: Multiplexer = Multiplexer::new(0x3004, 0);
 const REDUNDANT: Multiplexer = Multiplexer::new(0x3005, 0);
 pub(super) const ZERO_POINT: Multiplexer = Multiplexer::new(0x3010, 0);
 pub(super) const ANGLE: Multiplexer = Multiplexer::new(0x5000, 0);
-/// 360 degrees.
+/// 360 degrees, in hundredths of a degree.
 pub(super) const TURN: i64 = 36_000;
-/// 2 degrees: a housing may shake.
+/// 2 degrees, in hundredths of a degree: a housing may shake.
 const TREMBLE: i64 = 200;
 
-/// Both channels of each TPDO in a second.
+/// Both channels in each TPDO within a second.
 fn channels(bench: &mut Bench<'_>, tpdo: Multiplexer, timer: Multiplexer, bits: u8) -> Result<Vec<[u64; 2]>, Stop> {
     let cob_id = (CobId(bench.read_number(tpdo)?).can_id() & 0x7FF) as u16;
     bench.write(timer, &50_u16.to_le_bytes())?;
@@ -72,7 +72,7 @@ fn opposite(bench: &mut Bench<'_>) -> Judged {
 fn expect_constant_sum(channels: &[[u64; 2]]) -> Check {
     let sums = channels.iter().map(|[a, b]| a + b);
     let (least, most) = (sums.clone().min().unwrap_or(0), sums.max().unwrap_or(0));
-    // Both are taken one after the other.
+    // The device reads both channels one after the other.
     demand(most - least <= 20, || {
         let breach = Breach::new(Subject::Pdo { transmit: true, number: 1 }, "the sum of both channels is constant");
         let found = Observation::named("a sum of both channels that changes");
@@ -92,7 +92,7 @@ fn degrees(angle: i64) -> Observation {
 
 fn signed(raw: u64) -> i64 {
     let raw = i64::from(raw as u16 as i16);
-    // From 0 to 360 degrees the upper half does not fit into 16 bits with sign.
+    // In a range of 0 to 360 degrees the upper half does not fit into 16 bits with sign.
     let turn = if raw < -TURN / 2 { raw + 65_536 } else { raw }.rem_euclid(TURN);
     if turn > TURN / 2 { turn - TURN } else { turn }
 }
@@ -127,7 +127,7 @@ fn direction(bench: &mut Bench<'_>) -> Judged {
        needs = super::needs[Inclinometer], catches = [AngleRangeIgnored])]
 fn range(bench: &mut Bench<'_>) -> Judged {
     let positive = tilted(bench)? > 0;
-    // Towards negative angles, which the two ranges show differently.
+    // The direction towards negative angles, which the two ranges show differently.
     let now = bench.read_number(DIRECTION)?;
     if positive {
         bench.write(DIRECTION, &[u8::from(now == 0)])?;
@@ -174,7 +174,7 @@ fn zero_point(bench: &mut Bench<'_>) -> Judged {
     tilted(bench)?;
     bench.write(ZERO_POINT, &[1])?;
     let zero = angle(bench);
-    // Unlike a preset, 0 takes it back exactly.
+    // Unlike a preset, 0 reverses the change exactly.
     bench.with_leave_to_move(|bench| bench.write(ZERO_POINT, &[0]))?;
     let zero = zero?;
     bench.check(demand(zero.abs() <= TREMBLE, || {

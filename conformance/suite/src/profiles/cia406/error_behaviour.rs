@@ -1,6 +1,6 @@
-//! Error behaviour of the profile (1029h:02): what an error of the sensor does to the NMT state.
+//! Error behaviour of the profile (1029h:02): the effect of a sensor error on the NMT state.
 //!
-//! The error that can be provoked without opening a device is a temperature beyond its limits.
+//! Without opening a device, the tester can only provoke a temperature beyond its limits.
 
 use crate::bench::Bench;
 use crate::case;
@@ -13,11 +13,11 @@ use canvass_traces::Duration;
 
 const BEHAVIOUR: Multiplexer = Multiplexer::new(object::ERROR_BEHAVIOR, 2);
 const HIGH_LIMIT: Multiplexer = Multiplexer::new(0x2120, 3);
-/// 0 °C, as 2120h counts.
+/// 0 °C in the notation of 2120h.
 const FREEZING: u8 = 0x40;
 
-/// With that behaviour, lets the temperature leave its limits while the device is operational, and demands that it then
-/// is in `to`.
+/// With this behaviour, makes the temperature leave its limits while the device is operational, and requires that the
+/// device is then in `to`.
 fn overheated(bench: &mut Bench<'_>, behaviour: u8, to: State) -> Judged {
     if !bench.can_write(BEHAVIOUR)? {
         return Err(Stop::NotApplicable(Reason::new("1029h has an entry for the profile", "1029h:02", "none")));
@@ -27,7 +27,7 @@ fn overheated(bench: &mut Bench<'_>, behaviour: u8, to: State) -> Judged {
     let usual = bench.read(HIGH_LIMIT)?;
     bench.write(HIGH_LIMIT, &usual)?;
     bench.reach(State::OPERATIONAL)?;
-    // A device that is stopped by it does not come to confirm it.
+    // A device that becomes stopped does not get to confirm the write.
     bench.send_request(&Request::download(HIGH_LIMIT, &[FREEZING]))?;
     bench.listen(Duration::from_millis(300))?;
     bench.expect_state(to, &format!("a temperature beyond its limit with 1029h:02 = {behaviour}"))

@@ -1,5 +1,5 @@
-//! What the encoder says about itself: resolutions (6501h, 6502h, 650Ah), versions (6507h), operating time (6508h),
-//! serial number (650Bh).
+//! Identification of the encoder: resolutions (6501h, 6502h, 650Ah), versions (6507h), operating time (6508h), serial
+//! number (650Bh).
 
 use super::number;
 use super::position::{UNITS_PER_REVOLUTION, small_range};
@@ -17,7 +17,7 @@ const VERSIONS: Multiplexer = Multiplexer::new(encoder::PROFILE_AND_SOFTWARE_VER
 const OPERATING_TIME: Multiplexer = Multiplexer::new(encoder::OPERATING_TIME, 0);
 const SERIAL_NUMBER: Multiplexer = Multiplexer::new(encoder::SERIAL_NUMBER, 0);
 const IDENTITY_SERIAL_NUMBER: Multiplexer = Multiplexer::new(object::IDENTITY, 4);
-/// "Not supported", of 6508h and 650Bh.
+/// The value of 6508h and 650Bh for "not supported".
 const UNUSED: u32 = u32::MAX;
 
 /// 6501h is the physical resolution: it does not follow the scaling.

@@ -1,5 +1,5 @@
-//! Limit switches: objects of the manufacturer that bits 12 and 13 of 6000h switch on and of 6500h show. Only devices
-//! whose description names them so are judged.
+//! Limit switches: manufacturer objects that bits 12 and 13 of 6000h enable and whose states 6500h shows. Only devices
+//! with these names in their description are judged.
 
 use super::number;
 use super::position::{OPERATING_STATUS, POSITION, operate, position_at_rest};
@@ -13,7 +13,7 @@ const LIMIT_MIN: Multiplexer = Multiplexer::new(0x2104, 0);
 const LIMIT_MAX: Multiplexer = Multiplexer::new(0x2105, 0);
 const BELOW: u32 = 1 << 12;
 const ABOVE: u32 = 1 << 13;
-/// So far from the position that its last bits don't matter.
+/// Distance from the position at which its last bits don't matter.
 const MARGIN: u32 = 100;
 
 fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Stop> {
@@ -25,7 +25,7 @@ fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Stop> {
     Err(Stop::NotApplicable(reason))
 }
 
-/// The bits of 6500h with those limits.
+/// The bits of 6500h with these limits.
 fn status(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<u32, Stop> {
     bench.write(LIMIT_MIN, &low.to_le_bytes())?;
     bench.write(LIMIT_MAX, &high.to_le_bytes())?;

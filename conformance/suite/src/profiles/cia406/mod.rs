@@ -1,6 +1,7 @@
-//! CiA 406: encoders. The profile is not public: the sections are unknown, the objects are what manuals agree on.
+//! CiA 406: encoders. The profile is not public: the sections are unknown, and the objects are those on which manuals
+//! agree.
 //!
-//! The shaft must be at rest: cases that depend on it see that first. Those about speed need one that turns.
+//! The shaft must be at rest: cases that depend on it check that first. Cases on speed need a turning shaft.
 
 mod alarms;
 mod cams;
@@ -25,7 +26,7 @@ mod zero_point;
 
 use canvass_bus::observation::Observation;
 
-/// A number that an object shows.
+/// A number as an observation.
 fn number(value: impl Into<u64>) -> Observation {
     Observation::Number(value.into())
 }

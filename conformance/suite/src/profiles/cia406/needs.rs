@@ -1,4 +1,4 @@
-//! What the cases of CiA 406 need: what an encoder has, and what Kübler's encoders have beside it.
+//! The needs of the cases of CiA 406: features of encoders, and of Kübler's encoders in particular.
 
 use crate::bench::Bench;
 use crate::bench::Met;
@@ -31,8 +31,8 @@ pub static ENCODER: Need = Need::new("encoder", "an encoder of CiA 406 with a po
     bench.has_all(&[POSITION])
 });
 
-/// A preset (6003h) that a reset takes back, unless the user allows writing to non-volatile memory. A device that stores a preset at once wears
-/// its memory, and keeps a position that is not its own if the run ends in the middle.
+/// A preset (6003h) that a reset reverses, unless the user allows writing to non-volatile memory. A device that stores
+/// a preset at once wears its memory, and keeps a wrong position if the run ends in the middle.
 pub static VOLATILE_PRESET: Need = Need::new(
     "volatile-preset",
     "a preset that is not stored at once (or leave to write non-volatile memory)",
@@ -47,7 +47,7 @@ pub static VOLATILE_PRESET: Need = Need::new(
     },
 );
 
-/// Whether the device stores a preset as soon as it is written, as its manual says.
+/// Whether the device stores a preset as soon as it is written, according to its manual.
 pub(super) fn keeps_presets(bench: &Bench<'_>) -> bool {
     bench.manual().is_some_and(|model| model.sheet().storage.persist_at_once.contains(&PRESET))
 }
@@ -123,7 +123,7 @@ pub static HIGH_PRECISION: Need = Need::new("high-precision", "a position in 64 
     all(bench, &[(encoder::HIGH_PRECISION_POSITION, 0)])
 });
 
-/// The shaft turns, or the wire moves, while the case runs. One that rests now may turn in the next case.
+/// The shaft turns, or the wire moves, while the case runs. A shaft that is at rest now may turn in the next case.
 pub static TURNING_SHAFT: Need = Need::new("turning-shaft", "a shaft that turns while the case runs", |bench| {
     let at = if bench.has(POSITION)? { POSITION } else { LENGTH };
     if !bench.has(at)? {
@@ -160,7 +160,7 @@ fn all(bench: &mut Bench<'_>, objects: &[(u16, u8)]) -> Result<Met, Stop> {
     bench.has_all(&objects)
 }
 
-/// Objects in the manufacturer's area mean something only with the vendor-ID.
+/// Checks objects in the manufacturer's area, which have a meaning only together with the vendor-ID.
 fn of_kuebler(bench: &mut Bench<'_>, objects: &[(u16, u8)]) -> Result<Met, Stop> {
     if !bench.has(VENDOR_ID)? || bench.read_number(VENDOR_ID)? != KUEBLER {
         return Ok(Err("the device is not one of Kübler's".to_owned()));
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// The low word of 1000h is the profile: 406 is 196h.
+    /// The low word of 1000h is the profile: 406 is 196h in hexadecimal.
     #[test]
     fn an_encoder_has_its_profile_and_a_position() {
         let encoder = |device_type: &[u8]| unmet(&ENCODER, &[row(0x1000, 0, device_type), row(0x6004, 0, &[0; 4])]);
@@ -206,7 +206,7 @@ mod tests {
         assert!(unmet(&ENCODER, &[row(0x1000, 0, &[0x96, 1, 2, 0])]).is_some());
     }
 
-    /// 13h in 1018h:01.
+    /// Kübler's vendor-ID in 1018h:01 is 13h.
     #[test]
     fn what_is_kueblers_is_of_kueblers_devices() {
         let needs: [(&'static Need, &[(u16, u8)]); 3] = [
@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    /// 6020h:01 and :02 as the first two entries of 1A00h.
+    /// Two channels are 6020h:01 and :02 as the first two entries of 1A00h.
     #[test]
     fn two_channels_are_two_entries() {
         let mapped = |first: u8, second: u8| {
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(unmet(&TURNING_SHAFT, &[]).as_deref(), Some("the device has no position"));
     }
 
-    /// A device that stores a preset at once keeps it over a reset: it is written with leave only.
+    /// A device that stores a preset at once keeps it over a reset: it is written only with leave.
     #[test]
     fn a_preset_that_is_stored_at_once_needs_leave() {
         use crate::bench::{Options, Target};
@@ -266,8 +266,8 @@ mod tests {
         assert_eq!((met(stores.id(), &[Touch::Nvm]), met("reference-406", &[]), met("", &[])), (None, None, None));
     }
 
-    /// A shaft turns when its position is another one a tenth of a second later, either way, by more than it trembles; a
-    /// draw-wire encoder has its length instead.
+    /// A shaft turns if its position differs after a tenth of a second, in either direction, by more than it trembles;
+    /// a draw-wire encoder has its length instead.
     #[test]
     fn a_shaft_turns_by_more_than_it_trembles() {
         use crate::scripted::{dictionary, frame, with_bench};
@@ -278,7 +278,7 @@ mod tests {
                 if !request.to_string().starts_with(&format!("63F#40{index}")) {
                     return others(request);
                 }
-                // Whether there is such an object is asked first, of the position twice.
+                // First the tester asks whether the object exists, twice in the case of the position.
                 asked += 1;
                 let last = if index == "046000" { 4 } else { 3 };
                 let value = if asked < last { first } else { second };

@@ -30,7 +30,7 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Parameters that configure and do nothing else. Presets act when they are written, whatever the value.
+/// Parameters that configure without other effects. Presets act when they are written, whatever the value.
 const PARAMETERS: [u16; 7] = [
     encoder::OPERATING_PARAMETERS,
     encoder::UNITS_PER_REVOLUTION,
@@ -40,7 +40,7 @@ const PARAMETERS: [u16; 7] = [
     encoder::WORK_AREA_LOW_LIMIT,
     encoder::WORK_AREA_HIGH_LIMIT,
 ];
-/// Bit 2 of 6000h: the measuring range and the units per revolution are used.
+/// Bit 2 of 6000h: the measuring range and the units per revolution take effect.
 const SCALING: u32 = 1 << 2;
 
 /// The parameters of the profile that the description calls writable take the values that they have. While scaling is off,

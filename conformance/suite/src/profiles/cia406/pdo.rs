@@ -1,4 +1,4 @@
-//! When an encoder sends its position.
+//! The times at which an encoder sends its position.
 
 use super::position::position_at_rest;
 use crate::bench::Bench;
@@ -64,7 +64,7 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     .or_inconclusive()?;
     bench.write(CYCLIC_TIMER, &0_u16.to_le_bytes())?;
     bench.listen(bench.timing().reaction)?;
-    // A shaft that turns sends them on change.
+    // With a turning shaft the encoder would send TPDOs on change.
     position_at_rest(bench)?;
     let heard = bench.listen(Duration::from_millis(500))?;
     position_at_rest(bench)?;

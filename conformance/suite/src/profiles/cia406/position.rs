@@ -20,7 +20,7 @@ pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(encoder::OPERA
 pub(super) const CODE_SEQUENCE: u32 = 1;
 pub(super) const SCALING: u32 = 4;
 
-/// By how many units a position at rest may differ: the last bit of the sensor trembles.
+/// Maximum difference of a position at rest, in units: the last bit of the sensor trembles.
 pub(super) const TREMBLE: u32 = 2;
 
 /// The position of a shaft at rest.
@@ -36,7 +36,7 @@ pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     Ok(second)
 }
 
-/// Sets bits of 6000h, and clears those of `without`.
+/// Sets the bits `with` of 6000h, and clears the bits `without`.
 pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Stop> {
     let value = bench.read_number(OPERATING_PARAMETERS)? & !without | with;
     let value = u16::try_from(value).unwrap_or(u16::MAX);
@@ -44,7 +44,7 @@ pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<
     Ok(u32::from(value))
 }
 
-/// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
+/// Sets a range that every encoder supports: 256 units per revolution, 16 revolutions.
 pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     const RANGE_UNITS: u32 = 4_096;
     needs_revolutions(bench)?;
@@ -56,7 +56,7 @@ pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Stop> {
 
 pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
     let difference = a.abs_diff(b);
-    // Two positions that are further apart than the range are no neighbours over its end.
+    // Positions that are further apart than the range are not neighbours across its end.
     difference <= TREMBLE || difference <= range && range - difference <= TREMBLE
 }
 
@@ -65,7 +65,7 @@ pub(super) fn is_linear(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(matches!(bench.read_number(Multiplexer::new(object::DEVICE_TYPE, 0))? >> 16, 8 | 9))
 }
 
-/// Linear encoders have no revolutions, and no units per revolution that could be set.
+/// Linear encoders have no revolutions, and no configurable units per revolution.
 fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if is_linear(bench)? {
         let reason = Reason::new("the encoder is rotary", "another high word of 1000h", "8 or 9: linear");
@@ -103,7 +103,7 @@ fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
 fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let before = position_at_rest(bench)?;
-    // Above its range no place mirrors another.
+    // Above its range a position has no mirror image.
     expect_below(before, range)?;
     operate(bench, CODE_SEQUENCE, 0)?;
     let after = position_at_rest(bench)?;
@@ -133,12 +133,12 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let position = position_at_rest(bench)?;
     bench.check(expect_below(position, range))?;
-    // An offset from a stored preset shifts what follows.
+    // An offset from a stored preset would shift the following positions.
     if bench.read_number(OFFSET)? != 0 {
         return Ok(());
     }
-    // Half the units per revolution, half the position; the range then spans twice the revolutions, so the position is
-    // known only within half of it.
+    // With half the units per revolution the position is halved; the range then spans twice the revolutions, so the
+    // position is known only within half of it.
     bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
     let half = position_at_rest(bench)?;
     bench.check(demand(is_near(half % (range / 2), position / 2, range / 2), || {

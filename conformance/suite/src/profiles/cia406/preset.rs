@@ -19,20 +19,20 @@ const TPDO: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER,
 const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
 const FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
 
-/// How many positions the encoder shows as it is set now, at most 2^32 - 1.
+/// Number of positions in the encoder's current configuration, at most 2^32 - 1.
 pub(super) fn range_now(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     Ok(u32::try_from(positions(bench)?).unwrap_or(u32::MAX))
 }
 
-/// Makes the position of a shaft at rest another one, and gives the one before. After the case the zero point is put back: by
-/// the reset that takes back what was not stored, and where that does not help by [`Bench::put_back_zero_point`].
+/// Sets another position of a shaft at rest, and returns the earlier one. After the case the zero point is put back by
+/// the reset that reverses unstored changes, and if that does not help, by [`Bench::put_back_zero_point`].
 pub(super) fn preset(bench: &mut Bench<'_>, wanted: u32) -> Result<u32, Stop> {
     let before = position_at_rest(bench)?;
     bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation()?;
     Ok(before)
 }
 
-/// A position well away from the one of now.
+/// A position far from the current one.
 fn elsewhere(bench: &mut Bench<'_>) -> Result<(u32, u32), Stop> {
     let range = range_now(bench)?;
     let position = position_at_rest(bench)?;

@@ -1,4 +1,4 @@
-//! Which objects an encoder has, and of which types.
+//! The objects of an encoder, and their types.
 
 use super::number;
 use crate::bench::Bench;
@@ -10,7 +10,7 @@ use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 
-/// What every encoder of class C2 has.
+/// The mandatory objects of an encoder of class C2.
 const MANDATORY: [u16; 14] = [
     encoder::OPERATING_PARAMETERS,
     encoder::UNITS_PER_REVOLUTION,
@@ -28,7 +28,7 @@ const MANDATORY: [u16; 14] = [
     encoder::OFFSET_VALUE,
 ];
 
-/// The lengths of the data types; two where the profile's versions differ.
+/// The lengths of the data types; two lengths if the profile's versions differ.
 const LENGTHS: [(u16, &[usize]); 17] = [
     (encoder::OPERATING_PARAMETERS, &[2]),
     (encoder::UNITS_PER_REVOLUTION, &[4]),
@@ -38,7 +38,7 @@ const LENGTHS: [(u16, &[usize]); 17] = [
     (encoder::CYCLIC_TIMER, &[2]),
     (encoder::OPERATING_STATUS, &[2]),
     (encoder::SINGLE_TURN_RESOLUTION, &[4]),
-    // UNSIGNED16; more revolutions than that need UNSIGNED32.
+    // UNSIGNED16; more than 65535 revolutions need UNSIGNED32.
     (encoder::NUMBER_OF_REVOLUTIONS, &[2, 4]),
     (encoder::ALARMS, &[2]),
     (encoder::SUPPORTED_ALARMS, &[2]),

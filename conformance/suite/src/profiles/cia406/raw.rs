@@ -15,7 +15,7 @@ const RAW_POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_RAW_VALUE, 
 const RAW_DATA: Multiplexer = Multiplexer::new(0x2160, 0);
 const INVERSE: Multiplexer = Multiplexer::new(0x2161, 0);
 const CHECKSUM: Multiplexer = Multiplexer::new(0x2162, 0);
-/// The checksum begins with it.
+/// The start value of the checksum.
 const START: u16 = 0x1021;
 
 /// The raw position 600Ch comes from the sensor: a preset does not change it.
@@ -53,7 +53,7 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..5 {
         let before = bench.read_number(RAW_DATA)?;
         let checksum = bench.read_number(CHECKSUM)?;
-        // A trembling position would make the comparison unfair.
+        // A trembling position would falsify the comparison.
         if bench.read_number(RAW_DATA)? != before {
             continue;
         }

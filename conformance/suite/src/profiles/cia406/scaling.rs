@@ -62,7 +62,7 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
     let offsets = [bench.read_number(OFFSET)?, u32::from(steps == 0)];
     let physical = u64::from(position_at_rest(bench)?);
     operate(bench, SCALING, 0)?;
-    // Where scaling changes the offset, or the steps of a revolution, the two positions can't be compared.
+    // If scaling changes the offset, or the steps of a revolution, the two positions can't be compared.
     if offsets != [0, 0] || bench.read_number(OFFSET)? != 0 {
         let reason = Reason::new("the position has no offset", "6509h = 0", "another one");
         return Err(Stop::NotApplicable(reason));
@@ -115,7 +115,7 @@ fn fewer_units(bench: &mut Bench<'_>) -> Judged {
         let value = units.to_le_bytes();
         let attempt = bench.download(UNITS_PER_REVOLUTION, &value)?.under("with fewer units than there are steps");
         attempt.refused(Situation::Confirmed)?;
-        // Some take it over only when it is stored.
+        // Some devices activate the value only when it is stored.
         let now = bench.read_number(UNITS_PER_REVOLUTION)?;
         if now != units {
             bench.note(format!("6001h reads as {now} after {units} was written"));
@@ -125,7 +125,7 @@ fn fewer_units(bench: &mut Bench<'_>) -> Judged {
     smaller_range(bench, range)
 }
 
-/// 6002h takes a half and a quarter of its range, as far as these hold a revolution.
+/// Requires that 6002h accepts a half and a quarter of its range, if these contain a revolution.
 fn smaller_range(bench: &mut Bench<'_>, range: u32) -> Judged {
     if !bench.can_write(RANGE)? || !range.is_power_of_two() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The scaling bit (6000h bit 2) and what it keeps 6001h and 6002h from.
+//! The scaling bit (6000h bit 2), without which 6001h and 6002h have no effect.
 
 use super::number;
 use super::position::{OFFSET, POSITION, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest};
@@ -15,7 +15,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     let before = position_at_rest(bench)?;
     let offset = bench.read_number(OFFSET)?;
     let units = bench.read_number(UNITS_PER_REVOLUTION)?;
-    // Some refuse it now; then there is nothing that could have an effect.
+    // Some devices refuse the value now; then it can't have an effect.
     let attempt = bench.download(UNITS_PER_REVOLUTION, &(units / 2).max(1).to_le_bytes())?;
     let taken = attempt.outcome == Outcome::Downloaded;
     let after = position_at_rest(bench)?;

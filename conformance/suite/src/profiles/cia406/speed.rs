@@ -1,4 +1,4 @@
-//! Speed (6030h) and acceleration (6040h). How fast the shaft turns is taken from the position.
+//! Speed (6030h) and acceleration (6040h). The actual speed is calculated from the position.
 
 use super::position::{
     CODE_SEQUENCE, OPERATING_PARAMETERS, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, operate, position_at_rest,
@@ -14,7 +14,7 @@ use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 const SPEED: Multiplexer = Multiplexer::new(encoder::SPEED_VALUE, 1);
-/// Of which position the speed is.
+/// The parameter that selects the position from which the device calculates the speed.
 const SOURCE: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 1);
 const RAW_POSITION: u32 = 2;
 const DIVISOR: Multiplexer = Multiplexer::new(encoder::SPEED_PARAMETER, 4);
@@ -38,14 +38,14 @@ fn shown(number: i64) -> Observation {
     Observation::Value((number as i32).to_le_bytes().to_vec())
 }
 
-/// The change of 6004h in units per second, over half a second.
+/// The change of 6004h in units per second, measured over half a second.
 fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     let range = f64::from(range_now(bench)?);
     let (began, first) = (bench.now(), bench.read_number(POSITION)?);
     bench.listen(Duration::from_millis(500))?;
     let (ended, second) = (bench.now(), bench.read_number(POSITION)?);
     let change = f64::from(second) - f64::from(first);
-    // The shorter way round.
+    // The shorter way to the new position.
     let change = if change > range / 2.0 {
         change - range
     } else if change < -range / 2.0 {
@@ -61,7 +61,7 @@ fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     Ok(bench.read_number(if scaled { UNITS_PER_REVOLUTION } else { SINGLE_TURN })?.into())
 }
 
-/// Whether two speeds are the same but for a tenth and the last digits.
+/// Whether two speeds are equal except for a tenth and the last digits.
 fn is_like(a: f64, b: f64) -> bool {
     (a - b).abs() <= (b.abs() * 0.1).max(2.0)
 }
@@ -112,7 +112,7 @@ fn sign(bench: &mut Bench<'_>) -> Judged {
         }))
     })?;
     let [(one, one_turned), (other, other_turned)] = seen[..] else { return Ok(()) };
-    // What the other speed is at the change of position of the first.
+    // The other speed, scaled to the position change of the first.
     let alike = other.abs() * (one_turned / other_turned).abs();
     bench.check(demand(is_like(one.abs(), alike), || {
         let duty = "6030h has the same magnitude in both code sequences";
@@ -123,7 +123,7 @@ fn sign(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The bit that the device takes for the unit of the speed.
+/// The bit that the device uses for the unit of the speed.
 fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let before = bench.read_number(OPERATING_PARAMETERS)?;
     let [v3, v4] = SPEED_FORMATS;
@@ -138,7 +138,7 @@ fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Stop> {
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedFormatIgnored])]
 fn format(bench: &mut Bench<'_>) -> Judged {
     let bit = in_units_bit(bench)?;
-    // Few units, so that the speed fits into 16 bits, and another number than in revolutions per minute.
+    // Few units, so that the speed fits into 16 bits, and a number that differs from the revolutions per minute.
     operate(bench, SCALING, bit)?;
     bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
     bench.write(RANGE, &4_096_u32.to_le_bytes())?;
@@ -183,7 +183,7 @@ fn units(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The highest speed that 6030h can show.
+/// The maximum speed that 6030h can show.
 fn most(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     Ok(if bench.read(SPEED)?.len() == 2 { i16::MAX.into() } else { i32::MAX.into() })
 }

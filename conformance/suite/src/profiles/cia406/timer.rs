@@ -52,11 +52,11 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(200))?;
     bench.each([100_u16, 50], |bench, milliseconds| {
         bench.write(CYCLIC_TIMER, &milliseconds.to_le_bytes())?;
-        // The period under way may still be the old one.
+        // The current period may still be the old one.
         bench.listen(Duration::from_millis(200))?;
         let heard = bench.frames_of(can_id, Duration::from_secs(2))?.len() as u64;
         let right = 2_000 / u64::from(milliseconds);
-        // A position that changes may send more.
+        // A changing position may cause further TPDOs.
         bench.check(demand(heard >= right * 9 / 10, || {
             Breach::new(
                 CYCLIC_TIMER,

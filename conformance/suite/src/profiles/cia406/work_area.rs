@@ -17,7 +17,7 @@ const ALL: u32 = 0b111;
 const OUT_OF_RANGE: u32 = 1 << 0;
 const OVERFLOW: u32 = 1 << 1;
 const UNDERFLOW: u32 = 1 << 2;
-/// Between the position and a limit, so that a trembling position stays on its side.
+/// Distance between the position and a limit, so that a trembling position stays on its side.
 const DISTANCE: u32 = 100;
 
 /// Sets both limits, in an order in which the low one is never above the high one.
@@ -40,7 +40,7 @@ fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u
     }))
 }
 
-/// A position in the middle of its range, away from both ends.
+/// The position at rest. The case is not applicable if it is near an end of its range.
 fn middle(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let (range, position) = (range_now(bench)?, position_at_rest(bench)?);
     let far = position > 4 * DISTANCE && position < range.saturating_sub(4 * DISTANCE);

@@ -1,4 +1,4 @@
-//! The zero point of an encoder: what moves it (6003h) and what shows it (6004h, 6509h, 600Ch).
+//! The zero point of an encoder: the object that moves it (6003h) and the objects that show it (6004h, 6509h, 600Ch).
 
 use super::draw_wire::{ANGLE, TURN, ZERO_POINT};
 use super::position::{OFFSET, OPERATING_PARAMETERS, POSITION, PRESET, RANGE, SCALING, is_linear};
@@ -16,7 +16,7 @@ const RAW_POSITION: Multiplexer = Multiplexer::new(encoder::POSITION_RAW_VALUE, 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
 
-/// CiA 406.
+/// The profile CiA 406.
 struct Encoders;
 
 inventory::submit!(Registered(&Encoders));
@@ -70,7 +70,7 @@ impl Profile for Encoders {
     }
 }
 
-/// The inclinometer of Kübler's draw-wire encoders: 3010h tells whether the angle counts from a zero that was set.
+/// The inclinometer of Kübler's draw-wire encoders: 3010h shows whether the angle counts from a configured zero.
 fn inclinometer(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
     let is_there = bench.acting(ZERO_POINT) == Some(Acting::MovesZeroPoint) && bench.has(ANGLE)?;
     let (preset, position, offset, raw) = (ZERO_POINT, ANGLE, Some(ZERO_POINT), None);
@@ -78,10 +78,10 @@ fn inclinometer(bench: &mut Bench<'_>) -> Result<Option<Objects>, Stop> {
     Ok(is_there.then_some(Objects { preset, takes_position: false, position, offset, raw, range }))
 }
 
-/// How many positions the encoder shows as it is set now, at most 2^32.
+/// Number of positions in the encoder's current configuration, at most 2^32.
 ///
-/// With scaling that is 6002h, where 0 stands for 2^32. Without it, it is 6501h times 6502h; on a linear encoder 6501h is the
-/// measuring step in nanometres, and only 6002h says how many there are.
+/// With scaling the number is 6002h, where 0 stands for 2^32. Without scaling it is 6501h times 6502h; on a linear
+/// encoder 6501h is the measuring step in nanometres, and only 6002h gives the number.
 pub(super) fn positions(bench: &mut Bench<'_>) -> Result<u64, Stop> {
     const MOST: u64 = 1 << 32;
     let is_scaled = bench.read_number(OPERATING_PARAMETERS)? & SCALING != 0;

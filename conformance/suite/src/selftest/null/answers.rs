@@ -1,4 +1,4 @@
-//! What a null device makes of each frame.
+//! The reactions of a null device to frames.
 
 use super::NullDevice;
 use crate::selftest::Dice;
@@ -11,15 +11,15 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Frame};
 use std::collections::BTreeMap;
 
-/// How a null device reacts to a frame.
+/// The reaction of a null device to a frame.
 pub(super) enum Reaction {
-    /// The right device behind the null device gets the frame.
+    /// The right device behind the null device receives the frame.
     Passed,
-    /// The right device does not get the frame; the null device sends these frames instead.
+    /// The right device does not receive the frame; the null device sends these frames instead.
     Answered(Vec<Frame>),
 }
 
-/// The rules of a null device, and what they have to remember.
+/// The rules of a null device, and the state that they need.
 #[derive(Clone)]
 pub(super) struct Answers {
     kind: NullDevice,
@@ -27,11 +27,11 @@ pub(super) struct Answers {
     dice: Dice,
     /// The sequence number of the next segment, while a block is downloaded.
     block: Option<u8>,
-    /// What was written, where every object has one byte.
+    /// The written values, if every object has one byte.
     bytes: BTreeMap<Multiplexer, u8>,
 }
 
-/// Segments in each block: as many as there can be.
+/// Number of segments in each block: the maximum.
 const BLOCK_SIZE: u8 = 127;
 
 impl Answers {
@@ -39,7 +39,7 @@ impl Answers {
         Self { kind, node: u16::from(node.raw()), dice: Dice::new(1), block: None, bytes: BTreeMap::new() }
     }
 
-    /// What becomes of a frame of the bus.
+    /// The reaction to a frame on the bus.
     pub fn react(&mut self, frame: &Frame) -> Reaction {
         let is_plain = !frame.is_remote() && !frame.is_error();
         let id = frame.cob_id().filter(|_| is_plain);
@@ -52,17 +52,17 @@ impl Answers {
         }
     }
 
-    /// What becomes of a frame of the right device; `None`: it does not go out.
+    /// The frame that is sent instead of a frame of the right device; `None` if nothing is sent.
     pub fn on_send(&self, frame: Frame) -> Option<Frame> {
         match self.kind {
             NullDevice::ConfirmsAll | NullDevice::Ghost | NullDevice::MandatoryOnly => Some(frame),
             NullDevice::OneByte => Some(self.cut(frame)),
-            // Their starts are their own: nothing of a right device is left.
+            // These null devices start by themselves: nothing of a right device is left.
             _ => None,
         }
     }
 
-    /// Devices of which nothing is right but that they start.
+    /// The answers of devices that do nothing right except starting.
     fn on_any(&mut self, id: u16, frame: &Frame) -> Vec<Frame> {
         if id == nmt::CAN_ID {
             return self.boot_up(frame).into_iter().collect();
@@ -70,7 +70,7 @@ impl Answers {
         let answer_id = match id {
             MASTER_CAN_ID => SLAVE_CAN_ID,
             _ if id == REQUEST_BASE + self.node => RESPONSE_BASE + self.node,
-            // The RPDOs of the predefined connection set, as the TPDOs with their numbers.
+            // The RPDOs of the predefined connection set are answered by the TPDOs with their numbers.
             0x201..=0x57F if id & 0x80 == 0 && id & 0x7F == self.node => id - 0x80,
             _ => return Vec::new(),
         };
@@ -112,7 +112,7 @@ impl Answers {
         is_meant.then(|| ErrorControl::BOOT_UP.to_frame(error_control::CAN_ID_BASE + self.node))
     }
 
-    /// Reads and resets are carried out; every other request is confirmed, every other command taken.
+    /// Passes reads and resets on; confirms every other request, and ignores every other command.
     fn confirmed(&mut self, id: Option<u16>, frame: &Frame) -> Reaction {
         let answer = match id {
             Some(nmt::CAN_ID) if Nmt::read(frame.data()).is_ok_and(|nmt| nmt.command.is_reset()) => {
@@ -128,7 +128,7 @@ impl Answers {
         Reaction::Answered(answer.into_iter().collect())
     }
 
-    /// The confirmation of a request that writes, if the request has one; the outer `None`: the request reads.
+    /// The confirmation of a write request, if it has one; the outer `None` if the request reads.
     fn confirmation(&mut self, frame: &Frame) -> Option<Option<Frame>> {
         let answer = |response: Response| Some(Some(response.to_frame(RESPONSE_BASE + self.node)));
         if let Some(sequence) = self.block {
@@ -155,7 +155,7 @@ impl Answers {
         }
     }
 
-    /// A request to a device whose objects are not what it describes.
+    /// The reaction to a request if the objects differ from the description.
     fn on_object(&mut self, frame: &Frame) -> Reaction {
         let Ok(request) = Request::read(frame.data()) else { return Reaction::Passed };
         let Some(object) = request.multiplexer() else { return Reaction::Passed };
@@ -177,7 +177,7 @@ impl Answers {
         Reaction::Answered(vec![response.to_frame(RESPONSE_BASE + self.node)])
     }
 
-    /// A value in one byte.
+    /// An uploaded value, cut to one byte.
     fn cut(&self, frame: Frame) -> Frame {
         match Response::read(frame.data()) {
             Ok(Response::InitiateUpload { multiplexer, payload })
@@ -192,7 +192,7 @@ impl Answers {
     }
 }
 
-/// The answer of a slave to a configuration, with that error code.
+/// The answer of a slave to a configuration, with this error code.
 fn configured(request: &Frame, error: u8) -> Option<Frame> {
     let [command, ..] = request.bytes();
     let command = [ConfigureCommand::NodeId, ConfigureCommand::BitTiming, ConfigureCommand::Store]

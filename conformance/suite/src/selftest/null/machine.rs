@@ -1,4 +1,4 @@
-//! What stands between the bus and the device that a null device leaves of a right one.
+//! The part of a null device between the bus and its right device.
 
 use super::NullDevice;
 use super::answers::{Answers, Reaction};
@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 /// A null device.
 #[derive(Clone)]
 pub(super) struct NullMachine {
-    /// A right device, which gets and sends what the null device lets pass.
+    /// A right device. It receives and sends only the frames that the null device passes on.
     base: Device,
     answers: Answers,
     outbox: VecDeque<Frame>,

@@ -1,8 +1,8 @@
-//! Devices that do nothing right, or hardly anything: whoever passes on them passes without a trial.
+//! Devices that do nothing right, or hardly anything: a case that passes on them tests nothing.
 //!
-//! Every case that asks the device runs on every null device. A pass is right where the device does what the case is about,
-//! or where the case is about what must not come: `passes.toml` lists each with its reason, and is reviewed. A pass that it
-//! does not list, and one that it lists and that does not come, are failures.
+//! Every case that asks the device runs on every null device. A pass is right if the device has the tested behaviour,
+//! or if the case is about a message that must not come: `passes.toml` lists each with its reason, and is reviewed. A
+//! pass that is not listed is a failure, and so is a listed pass that does not occur.
 
 mod answers;
 mod machine;
@@ -23,28 +23,28 @@ use reviewed::Reviewed;
 /// A device that does nothing right, or hardly anything.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum NullDevice {
-    /// Never sends anything.
+    /// Never sends a frame.
     Silent,
     /// Starts, and refuses every request.
     RefusesAll,
-    /// Starts and can be read; confirms every write and every command, and carries out none.
+    /// Starts and can be read; confirms every write and every command, but carries none out.
     ConfirmsAll,
-    /// Sends every request back.
+    /// Returns every request unchanged.
     Echo,
-    /// Answers every request by the same message.
+    /// Answers every request with the same message.
     AlwaysSame,
-    /// Answers every request by random bytes.
+    /// Answers every request with random bytes.
     Random,
-    /// Right, but for the objects that it describes: it has none.
+    /// Right, except that it has none of the objects in its description.
     Ghost,
-    /// Right, but for its objects: each has one byte.
+    /// Right, except that each object has one byte.
     OneByte,
-    /// Right, with the mandatory objects only.
+    /// Right, with only the mandatory objects.
     MandatoryOnly,
 }
 
 impl NullDevice {
-    /// All of them.
+    /// All null devices.
     pub const ALL: [Self; 9] = [
         Self::Silent,
         Self::RefusesAll,
@@ -57,7 +57,7 @@ impl NullDevice {
         Self::MandatoryOnly,
     ];
 
-    /// Its name in `passes.toml` and in the output.
+    /// The name of the null device in `passes.toml` and in the output.
     pub const fn id(self) -> &'static str {
         match self {
             Self::Silent => "silent",
@@ -72,35 +72,36 @@ impl NullDevice {
         }
     }
 
-    /// Whether it does all that the standard demands.
+    /// Whether the null device meets all requirements of the standard.
     const fn is_right(self) -> bool {
         matches!(self, Self::MandatoryOnly)
     }
 
-    /// The model whose description the tester has, and whose firmware does what the null device leaves right.
+    /// The model whose description the tester uses, and whose firmware does the parts that the null device leaves
+    /// right.
     fn model(self) -> Result<Model, ModelError> {
         match self {
             Self::MandatoryOnly => Model::generic(self.id(), include_bytes!("mandatory-only.eds")),
-            // It has every optional service, so that every case of CiA 301 and 305 applies.
+            // This model has every optional service, so that every case of CiA 301 and 305 applies.
             _ => Model::by_id("reference-301").cloned().ok_or(ModelError::NodeId(0)),
         }
     }
 }
 
-/// What the cases made of a null device.
+/// The results of the cases on a null device.
 #[derive(Clone, Debug)]
 pub struct NullRow {
     /// The device.
     pub device: NullDevice,
-    /// How the cases ended: as many by each verdict, in the order of [`Kind::ALL`].
+    /// Number of cases with each verdict, in the order of [`Kind::ALL`].
     pub counts: [usize; Kind::ALL.len()],
-    /// The cases that passed, each with the reason that the reviewed list gives.
+    /// The cases that passed, each with its reason in the reviewed list.
     pub reviewed: Vec<(&'static Case, String)>,
-    /// The cases that passed, and are not in the list.
+    /// The cases that passed but are not in the list.
     pub unexplained: Vec<(&'static Case, Kind)>,
-    /// The cases that failed, or could not be judged, on a device that is right.
+    /// The cases that failed, or could not be judged, although the device is right.
     pub alarms: Vec<(&'static Case, Kind, Reason)>,
-    /// The entries of the list that did not pass, or that no case has as its id.
+    /// The entries of the list whose case did not pass, or does not exist.
     pub stale: Vec<String>,
 }
 
@@ -116,21 +117,21 @@ impl NullRow {
         }
     }
 
-    /// Whether the passes are those of the reviewed list, and nothing right has failed.
+    /// Whether the passes are the reviewed ones, and no right device has failed.
     pub const fn is_good(&self) -> bool {
         self.unexplained.is_empty() && self.stale.is_empty() && self.alarms.is_empty()
     }
 }
 
-/// Why the null devices can't be run.
+/// The reason why the null devices can't be run.
 #[derive(Debug, thiserror::Error)]
 pub enum NullError {
-    /// Its description can't be read.
+    /// A description can't be read.
     #[error("the null device {device}: {error}")]
     Model {
         /// The device.
         device: &'static str,
-        /// What is wrong.
+        /// The error in the description.
         error: ModelError,
     },
     /// The list of passes can't be read.
@@ -163,7 +164,7 @@ fn row(device: NullDevice, cases: &[&'static Case], reviewed: &Reviewed) -> Resu
         };
         let report = judge_machine(case, new, model.default_bit_rate(), &target, &mut knowledge, &mut |_| ());
         let kind = report.verdict.kind();
-        // What an open case records is no pass: it says what the device does.
+        // The record of an open case is no pass: it shows how the device behaves.
         let passes = is_pass(kind) && !records(case, &report.verdict);
         row.counts[kind as usize] += 1;
         if device.is_right() && matches!(kind, Kind::Fail | Kind::Inconclusive | Kind::Error) {
@@ -176,13 +177,13 @@ fn row(device: NullDevice, cases: &[&'static Case], reviewed: &Reviewed) -> Resu
         }
     }
     let passed = |id: &str| row.reviewed.iter().any(|(case, _)| case.id == id);
-    // Where only some cases were asked for, the others say nothing.
+    // If only some cases run, the entries of the other cases are not stale.
     let was_run = |id: &str| cases.iter().any(|case| case.id == id) || crate::catalogue::find(id).is_none();
     row.stale = reviewed.of(device).filter(|id| !passed(id) && was_run(id)).map(str::to_owned).collect();
     Ok(row)
 }
 
-/// Whether a verdict says that the device does what the case asks.
+/// Whether a verdict says that the device meets the requirement of the case.
 const fn is_pass(kind: Kind) -> bool {
     matches!(kind, Kind::Pass | Kind::Tolerated | Kind::Deviation)
 }

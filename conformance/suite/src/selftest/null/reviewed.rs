@@ -4,7 +4,7 @@ use super::NullDevice;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Which cases pass on which null device, and why that is right.
+/// The cases that pass on each null device, with the reasons why that is right.
 pub(super) struct Reviewed(BTreeMap<String, Vec<Passes>>);
 
 /// Cases that pass for the same reason.
@@ -15,16 +15,16 @@ struct Passes {
     cases: Vec<String>,
 }
 
-/// Why the list can't be used.
+/// The reason why the list can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum BadList {
-    /// It can't be read.
+    /// The list can't be read.
     #[error(transparent)]
     Toml(#[from] toml::de::Error),
-    /// A section of no null device.
+    /// A section is named after no null device.
     #[error("no null device is called \"{0}\"")]
     Device(String),
-    /// A case that stands twice in a section.
+    /// A case is listed twice in a section.
     #[error("{device}: \"{case}\" is listed twice")]
     Twice {
         /// The section.
@@ -32,7 +32,7 @@ pub enum BadList {
         /// The case.
         case: String,
     },
-    /// Passes without a reason.
+    /// Passes have no reason.
     #[error("{0}: expected a reason, found none")]
     Reason(String),
 }
@@ -60,14 +60,14 @@ impl Reviewed {
         Ok(Self(list))
     }
 
-    /// Why it is right that the case passes there.
+    /// The reason why it is right that the case passes on this null device.
     pub fn reason(&self, device: NullDevice, case: &str) -> Option<&str> {
         let groups = self.0.get(device.id())?;
         let group = groups.iter().find(|group| group.cases.iter().any(|id| id == case))?;
         Some(&group.reason)
     }
 
-    /// The cases that pass there.
+    /// The cases that pass on this null device.
     pub fn of(&self, device: NullDevice) -> impl Iterator<Item = &str> {
         self.0.get(device.id()).into_iter().flatten().flat_map(|group| &group.cases).map(String::as_str)
     }

@@ -1,4 +1,4 @@
-//! Stands between a device and the bus, and makes one thing wrong of what the device sends.
+//! The filter between a device and the bus, which makes one thing wrong in the device's frames.
 
 use super::mutant::{Change, FieldChange, FrameChange, Mutant, When};
 use super::primitive::{Primitive, Recognition};
@@ -12,16 +12,16 @@ use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How much later a late frame is sent: longer than the tester waits for any SDO response.
+/// Delay of a late frame: longer than the tester waits for any SDO response.
 pub const LATE: Duration = Duration::from_millis(1_500);
 
-/// An early frame is sent after this share of the period, in percent.
+/// Share of the period after which an early frame is sent, in percent.
 const EARLY_PERCENT: u64 = 60;
 
-/// What the filter has seen, and how often it has changed something.
+/// The primitives that the filter has seen, and the number of its changes.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// The primitives that were sent, by their place in [`Primitive::all`].
+    /// For each primitive in [`Primitive::all`], whether it was sent.
     pub sent: Vec<bool>,
     /// Number of frames that were changed.
     pub changed: u64,
@@ -36,26 +36,27 @@ pub struct Filter {
     recognition: Recognition,
     tally: Arc<Mutex<Tally>>,
     history: History,
-    /// Frames to be sent, each not before its time; those with [`Timestamp::MAX`] wait for the next frame of the device.
+    /// Frames to be sent, each not before its time. A frame with [`Timestamp::MAX`] waits for the next frame of the
+    /// device.
     held: VecDeque<(Timestamp, Frame)>,
 }
 
-/// The messages of the mutant's sort.
+/// The earlier messages of the mutant's sort.
 #[derive(Clone, Debug, Default)]
 struct History {
     count: u64,
-    /// The message before, as the device meant it, and when it was sent.
+    /// The previous message, before its change, with its time.
     before: Option<(Timestamp, Frame)>,
     /// The latest message about another object than `before`.
     other: Option<Frame>,
-    /// No message of the sort was sent since the last reset.
+    /// Whether no message of the sort was sent since the last reset.
     was_reset: bool,
-    /// The next message has already been sent, early.
+    /// Whether the next message has already been sent, early.
     is_ahead: bool,
 }
 
 impl Filter {
-    /// A filter that makes the mutant of a right device; without a mutant it only looks on.
+    /// A filter that turns a right device into the mutant; without a mutant it only observes.
     pub fn new(base: Device, protocol: Protocol, mutant: Option<Mutant>, primitives: Arc<[Primitive]>) -> Self {
         let tally = Tally { sent: vec![false; primitives.len()], changed: 0 };
         Self {
@@ -69,7 +70,7 @@ impl Filter {
         }
     }
 
-    /// What is seen and changed from now on.
+    /// The tally from now on.
     pub fn tally(&self) -> Arc<Mutex<Tally>> {
         Arc::clone(&self.tally)
     }
@@ -82,9 +83,9 @@ impl Filter {
         count(&mut self.tally.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    /// A frame of the device: what goes out now, if anything does.
+    /// The frame that is sent for a frame of the device, if any.
     fn filtered(&mut self, now: Timestamp, frame: Frame) -> Option<Frame> {
-        // What waits for the next frame of the device follows this one.
+        // Frames that wait for the next frame of the device follow this one.
         let waiting = self.held.iter_mut().filter(|(due, _)| *due == Timestamp::MAX);
         waiting.for_each(|(due, _)| *due = now);
         let node = self.node();
@@ -127,7 +128,7 @@ impl Filter {
         changed
     }
 
-    /// Of what comes in periods, the next one is sent before its time; of answers, see [`Filter::answer_early`].
+    /// Sends the next periodic message before its time; for answers see [`Filter::answer_early`].
     fn ahead(&mut self, now: Timestamp, frame: Frame) -> Option<Frame> {
         if std::mem::take(&mut self.history.is_ahead) {
             return None;
@@ -179,7 +180,7 @@ impl History {
         self.was_reset = false;
     }
 
-    /// The frame with another value in a field; as it is, where there is none.
+    /// The frame with a changed field; the unchanged frame if it lacks the field.
     fn with_field(&self, frame: Frame, field: Field, change: FieldChange) -> Option<Frame> {
         let Some(field) = field.within(frame.len()) else { return Some(frame) };
         let Some(now) = field.get(frame.data()) else { return Some(frame) };
@@ -200,7 +201,7 @@ impl History {
     }
 }
 
-/// The frame in another form.
+/// The frame in a changed form.
 fn reformed(frame: Frame, change: FrameChange) -> Option<Frame> {
     let (id, data) = (frame.id().raw(), frame.data());
     let standard = |id: u32| CanId::standard_masked(id);

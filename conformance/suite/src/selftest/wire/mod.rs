@@ -1,8 +1,8 @@
 //! The wire matrix: each field of each message that a device sends, wrong in each way, at each time.
 //!
-//! The messages and their fields are those that the wire types list themselves ([`canvass_analyzer::wire::Fields`]), so that
-//! a new one is in the matrix by itself. A mutant is a right device behind a filter. It runs the cases in their usual
-//! order, without those in which its message does not come, until one fails. Where no frame differs from the right device,
+//! The messages and their fields come from the wire types ([`canvass_analyzer::wire::Fields`]), so that the matrix
+//! includes new ones automatically. A mutant is a right device behind a filter. It runs the cases in their usual order
+//! until one fails, without the cases in which its message does not occur. If no frame differs from the right device,
 //! the mutant says nothing.
 
 mod filter;
@@ -28,16 +28,16 @@ use canvass_device::{Device, Firmware};
 use open::Open;
 use std::sync::{Arc, PoisonError};
 
-/// Which mutants run.
+/// The mutants that run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sample {
-    /// Draws them: the same seed draws the same.
+    /// The seed of the draw: equal seeds draw equal mutants.
     pub seed: u64,
-    /// Number of mutants; `None`: all.
+    /// Number of mutants; `None` means all.
     pub count: Option<usize>,
 }
 
-/// What the cases made of the mutants.
+/// The results of the cases on the mutants.
 #[derive(Clone, Debug)]
 pub struct WireMatrix {
     /// One row for each mutant.
@@ -46,7 +46,7 @@ pub struct WireMatrix {
     pub unsent: Vec<Primitive>,
 }
 
-/// What the cases made of a mutant.
+/// The results of the cases on a mutant.
 #[derive(Clone, Debug)]
 pub struct WireRow {
     /// The mutant.
@@ -57,42 +57,42 @@ pub struct WireRow {
     pub outcome: Outcome,
 }
 
-/// What the cases made of a mutant.
+/// The outcome of a mutant.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// No frame differs from those of the right device.
+    /// No frame differs from the right device's.
     Unchanged,
     /// A case failed.
     Found {
-        /// The first that did.
+        /// The first case that failed.
         case: &'static Case,
-        /// Whether what it found names the service of the mutant.
+        /// Whether the breach names the service of the mutant.
         is_named: bool,
-        /// What it found.
+        /// The breach.
         breach: String,
     },
-    /// No case failed, and these were inconclusive: the first of them, and how many.
+    /// No case failed, but some were inconclusive: the first of them, and their number.
     Inconclusive(&'static Case, usize),
     /// Every case passed.
     Passed,
-    /// No case failed, and none has to: the standard leaves it open, for the reason of the reviewed list.
+    /// No case failed, and none has to: the standard leaves the change open, for this reason in the reviewed list.
     LeftOpen(String),
 }
 
 /// Number of mutants of a primitive, by outcome.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counts {
-    /// All.
+    /// Number of all mutants.
     pub made: usize,
-    /// Those that changed a frame.
+    /// Number of mutants that changed a frame.
     pub changed: usize,
-    /// Of these those that the standard leaves open.
+    /// Number of changed mutants that the standard leaves open.
     pub open: usize,
-    /// Those that failed a case.
+    /// Number of mutants on which a case failed.
     pub found: usize,
-    /// Those whose first fail names their service.
+    /// Number of mutants whose first failure names their service.
     pub named: usize,
-    /// Those that failed no case, and made some inconclusive.
+    /// Number of mutants on which no case failed but some were inconclusive.
     pub inconclusive: usize,
 }
 
@@ -102,7 +102,7 @@ impl WireMatrix {
         self.rows.iter().filter(|row| chosen(row)).fold(Counts::default(), |counts, row| counts.with(&row.outcome))
     }
 
-    /// The mutants that changed the traffic and failed no case.
+    /// The mutants that changed the traffic but on which no case failed.
     pub fn survivors(&self) -> impl Iterator<Item = &WireRow> {
         self.rows.iter().filter(|row| matches!(row.outcome, Outcome::Inconclusive(..) | Outcome::Passed))
     }
@@ -125,7 +125,7 @@ impl Counts {
 /// Runs a sample of the mutants.
 ///
 /// # Errors
-/// If the reviewed list of what the standard leaves open can't be read.
+/// The error of the reviewed list if it can't be read.
 pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) -> Result<WireMatrix, toml::de::Error> {
     let open = Open::read()?;
     let primitives: Arc<[Primitive]> = Primitive::all().into();
@@ -135,7 +135,7 @@ pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) ->
         primitives.iter().position(|known| known.is(mutant.primitive.service, mutant.primitive.layout))
     };
     let best = |place: usize| {
-        // Of equal ones the first.
+        // Of equal models the first.
         let by_reach = stages.iter().rev().max_by_key(|stage| stage.cases_with(place).count());
         by_reach.filter(|stage| stage.cases_with(place).next().is_some())
     };
@@ -165,7 +165,7 @@ fn drawn(mutants: Vec<Mutant>, Sample { seed, count }: Sample) -> Vec<Mutant> {
     numbered.into_iter().filter_map(|(_, at)| mutants.get(at).copied()).collect()
 }
 
-/// A model, and which of its messages come in which case.
+/// A model, with the primitives that it sends in each case.
 struct Stage {
     model: &'static Model,
     target: Target,
@@ -186,7 +186,7 @@ impl Stage {
         stage
     }
 
-    /// The cases in which that primitive is sent.
+    /// The cases in which this primitive is sent.
     fn cases_with(&self, place: usize) -> impl Iterator<Item = &'static Case> {
         self.sent.iter().filter(move |(_, sent)| sent.get(place) == Some(&true)).map(|(case, _)| *case)
     }
@@ -243,11 +243,11 @@ fn found(case: &'static Case, verdict: &Verdict, service: Service) -> Outcome {
     Outcome::Found { case, is_named, breach: breach.map(ToString::to_string).unwrap_or_default() }
 }
 
-/// Whether a breach is about a service: by its subject, or by the chapter of its case.
+/// Whether a breach concerns a service: by its subject, or by the chapter of its case.
 fn names(case: &'static Case, breach: &Breach, service: Service) -> bool {
     let of = |subject: Service| breach.subject == Subject::Service(subject);
     match service {
-        // What can be read and written are the objects.
+        // SDO reads and writes the objects.
         Service::Sdo => {
             of(Service::Sdo)
                 || chapter(case) == "object dictionary"

@@ -1,87 +1,87 @@
-//! One wrong thing that a device does on the bus: which message, what of it, how, and when.
+//! Mutants: one wrong thing that a device does on the bus, given by the message, its part, the change and the time.
 
 use super::primitive::{Primitive, hyphened};
 use canvass_analyzer::wire::Field;
 use std::fmt;
 
-/// A device that is right, but for this.
+/// A device that is right except for one change.
 #[derive(Clone, Copy, Debug)]
 pub struct Mutant {
-    /// The message.
+    /// The changed message.
     pub primitive: Primitive,
-    /// What is wrong with it.
+    /// The change of the message.
     pub change: Change,
-    /// Which of its messages.
+    /// The messages of this sort that are changed.
     pub when: When,
 }
 
-/// What is wrong with a message.
+/// A change of a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Change {
-    /// A field.
+    /// A field is changed.
     Field(Field, FieldChange),
-    /// The frame as a whole.
+    /// The frame as a whole is changed.
     Frame(FrameChange),
 }
 
-/// What becomes of a field.
+/// A change of a field.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FieldChange {
-    /// All its bits are 0.
+    /// All bits of the field are 0.
     Zero,
-    /// All its bits are 1.
+    /// All bits of the field are 1.
     Ones,
-    /// One more.
+    /// The value is one higher.
     Plus,
-    /// One less.
+    /// The value is one lower.
     Minus,
-    /// Its highest bit is the other one.
+    /// The highest bit of the field is inverted.
     Flip,
-    /// That of the message of its sort before.
+    /// The field has its value from the previous message of the sort.
     Before,
-    /// That of the last message of its sort about another object.
+    /// The field has its value from the last message of the sort about another object.
     Other,
 }
 
-/// What becomes of a frame.
+/// A change of a frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FrameChange {
-    /// It is not sent.
+    /// The frame is not sent.
     Lost,
-    /// It is sent twice.
+    /// The frame is sent twice.
     Doubled,
-    /// It is sent [`super::filter::LATE`] later.
+    /// The frame is sent [`super::filter::LATE`] later.
     Late,
-    /// The one before is sent once more, ahead of it.
+    /// The previous frame is sent once more before the frame.
     Early,
-    /// The next frame of the device goes first.
+    /// The next frame of the device is sent before the frame.
     Swapped,
-    /// It has a byte less.
+    /// The frame has one byte less.
     Shorter,
-    /// It has a byte more.
+    /// The frame has one byte more.
     Longer,
-    /// It has no byte.
+    /// The frame has no data bytes.
     Empty,
-    /// Its CAN-ID is one more.
+    /// The CAN-ID of the frame is one higher.
     IdPlus,
-    /// Its CAN-ID is one less.
+    /// The CAN-ID of the frame is one lower.
     IdMinus,
-    /// It is a remote frame.
+    /// The frame is a remote frame.
     Remote,
-    /// Its CAN-ID has 29 bits.
+    /// The CAN-ID of the frame has 29 bits.
     Extended,
 }
 
-/// Which messages of its sort are wrong.
+/// The messages of a sort that are changed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum When {
-    /// The first since the device was switched on.
+    /// The first message since the device was switched on.
     First,
-    /// All.
+    /// All messages.
     Every,
-    /// The second, the fourth and so on.
+    /// The second message, the fourth and so on.
     EverySecond,
-    /// The first after each reset.
+    /// The first message after each reset.
     AfterReset,
 }
 
@@ -124,7 +124,7 @@ impl When {
 }
 
 impl Mutant {
-    /// Every change of every field and frame, at all times.
+    /// Every change of every field and frame, at every time.
     pub fn all(primitives: &[Primitive]) -> Vec<Self> {
         primitives.iter().flat_map(|primitive| Self::of(*primitive)).collect()
     }
@@ -134,7 +134,7 @@ impl Mutant {
         let of_field = |field: &Field| {
             let field = *field;
             let changes = FieldChange::ALL.into_iter().filter(move |(change, _)| {
-                // Of a single bit all that changes it is the same.
+                // All changes of a single bit have the same effect.
                 let is_new =
                     field.bits > 1 || matches!(change, FieldChange::Zero | FieldChange::Ones | FieldChange::Flip);
                 is_new && (has_object || *change != FieldChange::Other)

@@ -4,7 +4,7 @@ use super::Mutant;
 use crate::glob;
 use serde::Deserialize;
 
-/// Which mutants are right, and why.
+/// Mutants that are right, with the reasons.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Open {
@@ -20,12 +20,12 @@ struct Group {
 
 impl Open {
     /// # Errors
-    /// If the list can't be read.
+    /// The error of the list if it can't be read.
     pub fn read() -> Result<Self, toml::de::Error> {
         toml::from_str(include_str!("open.toml"))
     }
 
-    /// Why the mutant is right, if it is.
+    /// The reason why the mutant is right; `None` if it is not listed.
     pub fn reason(&self, mutant: &Mutant) -> Option<&str> {
         let id = mutant.to_string();
         let group = self.open.iter().find(|group| group.mutants.iter().any(|pattern| glob::matches(pattern, &id)))?;
@@ -38,7 +38,7 @@ mod tests {
     use super::*;
     use crate::selftest::wire::Primitive;
 
-    /// A pattern that no mutant has says nothing.
+    /// A pattern that matches no mutant would have no effect.
     #[test]
     fn every_pattern_is_that_of_a_mutant() {
         let ids: Vec<String> = Mutant::all(&Primitive::all()).iter().map(ToString::to_string).collect();

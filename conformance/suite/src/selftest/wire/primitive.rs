@@ -1,4 +1,4 @@
-//! What a device sends, sort by sort: the layouts of all wire types, and how a frame of the device is recognised.
+//! The primitives of a device: the layouts of all wire types, and the recognition of a device's frames.
 
 use canvass_analyzer::Service;
 use canvass_analyzer::wire::emcy::Emcy;
@@ -15,7 +15,7 @@ use canvass_traces::Frame;
 pub struct Primitive {
     /// The service.
     pub service: Service,
-    /// Its fields.
+    /// The layout of the primitive's fields.
     pub layout: &'static Layout,
 }
 
@@ -23,14 +23,14 @@ impl Primitive {
     /// `sdo/initiate-upload`.
     pub fn id(&self) -> String {
         let service = match self.service {
-            // Boot-up, heartbeats and guarding have one form.
+            // Boot-up, heartbeats and guarding have the same form.
             Service::Heartbeat => "error-control",
             other => other.name(),
         };
         format!("{service}/{}", hyphened(self.layout.name))
     }
 
-    /// All of them. What no right device sends, as a response that the standard does not know, is not among them.
+    /// All primitives, except those that no right device sends, such as a response that the standard does not define.
     pub fn all() -> Vec<Self> {
         let of = |service, layouts: &[&'static Layout]| {
             let known = layouts.iter().filter(|layout| layout.name != "unknown");
@@ -50,24 +50,24 @@ impl Primitive {
         .concat()
     }
 
-    /// Whether both are the same sort of message.
+    /// Whether this is the primitive with this service and layout.
     pub fn is(&self, service: Service, layout: &Layout) -> bool {
         self.service == service && self.layout.name == layout.name
     }
 }
 
-/// A name as a part of an id.
+/// A name in the form of a part of an id.
 pub fn hyphened(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
 }
 
-/// What has to be remembered of the bus to recognise what a device sends.
+/// The state of the bus that is needed to recognise the frames of a device.
 #[derive(Clone, Debug)]
 pub struct Recognition {
     protocol: Protocol,
-    /// Segments of a block upload are on their way: they have no command specifier.
+    /// Whether segments of a block upload follow, which have no command specifier.
     is_block: bool,
-    /// A remote frame has asked for the state.
+    /// Whether a remote frame has asked for the state.
     is_guarded: bool,
 }
 
@@ -76,7 +76,7 @@ impl Recognition {
         Self { protocol, is_block: false, is_guarded: false }
     }
 
-    /// Takes in a frame for the device with that node-ID.
+    /// Takes a frame to the device with this node-ID.
     pub fn heard(&mut self, frame: &Frame, node: u16) {
         let Some(id) = frame.id().as_standard() else { return };
         if frame.is_remote() {
@@ -87,7 +87,7 @@ impl Recognition {
         }
     }
 
-    /// What a frame is that the device with that node-ID sends.
+    /// The service and layout of a frame from the device with this node-ID.
     pub fn sent(&mut self, frame: &Frame, node: u16) -> Option<(Service, &'static Layout)> {
         let id = frame.id().as_standard().filter(|_| !frame.is_remote())?;
         let layout_of = |service, layout| Some((service, layout));
@@ -105,7 +105,7 @@ impl Recognition {
                 Protocol::Lss => layout_of(Service::Lss, lss::Response::read(frame.data()).ok()?.layout()),
                 Protocol::Lmt => layout_of(Service::Lmt, lmt::Response::read(frame.data()).ok()?.layout()),
             },
-            // Where the predefined connection set has PDOs; elsewhere an EMCY may have been moved to.
+            // The PDOs of the predefined connection set; an EMCY may have been moved outside of it.
             0x180..0x580 if !frame.is_empty() => layout_of(Service::Pdo, &pdo::PDO),
             _ => None,
         }
@@ -113,7 +113,7 @@ impl Recognition {
 
     fn of_server(&self, data: &[u8]) -> Option<&'static Layout> {
         let response = Response::read(data).ok()?;
-        // The last block may have been confirmed: then the end of the transfer follows.
+        // The last block may have been confirmed, after which the end of the transfer follows.
         let is_end = matches!(response, Response::EndBlockUpload { .. } | Response::Abort(_));
         if self.is_block && !is_end {
             return Some(BlockSegment::read(data).ok()?.layout());

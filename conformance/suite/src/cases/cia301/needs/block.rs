@@ -8,9 +8,9 @@ use crate::verdict::{Breach, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 
-/// The SDO server knows block uploads.
+/// The SDO server supports block uploads.
 pub static BLOCK_UPLOAD: Need = Need::new("block-upload", "SDO block uploads", |bench| {
-    // Without a long object a short one will do: its CRC can be judged, too.
+    // Without a long object a short one serves: its CRC can be judged, too.
     let multiplexer = bench.long_object(8)?.unwrap_or(DEVICE_TYPE);
     let request = Request::InitiateBlockUpload { multiplexer, crc: true, block_size: 1, threshold: 0 };
     let reply = begun(bench, multiplexer, &request, "block upload of")?;
@@ -20,7 +20,7 @@ pub static BLOCK_UPLOAD: Need = Need::new("block-upload", "SDO block uploads", |
     }
 });
 
-/// The SDO server knows block downloads.
+/// The SDO server supports block downloads.
 pub static BLOCK_DOWNLOAD: Need =
     Need::new("block-download", "SDO block downloads", |bench| Ok(block_download(bench)?.map(|_| ())));
 
@@ -30,7 +30,7 @@ pub static BLOCK_CRC: Need = Need::new("block-crc", "a CRC in SDO block download
     Ok(crc.and_then(|crc| if crc { Ok(()) } else { Err("the SDO server checks no CRC of block downloads".to_owned()) }))
 });
 
-/// Whether a block download begins as one, and if so whether with CRC.
+/// Whether the server accepts a block download, and if so whether it supports CRC.
 fn block_download(bench: &mut Bench<'_>) -> Result<Result<bool, String>, Stop> {
     let Some(scratch) = bench.scratch_objects()?.into_iter().next() else {
         return Ok(Err("the device has no object that can be written without consequence".to_owned()));
@@ -53,12 +53,12 @@ pub(super) fn begun(
 ) -> Result<Reply, Stop> {
     let reply = bench.exchange(request, format!("{what} {multiplexer}"))?;
     bench.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
-    // A firmware that answers aborts does it now, not in the middle of the case.
+    // A firmware that answers aborts does so now, not in the middle of the case.
     bench.listen(bench.timing().reaction)?;
     Ok(reply)
 }
 
-/// 0504 0001h says that the server does not know block transfers; nothing else does.
+/// Only 0504 0001h says that the server does not support block transfers.
 fn unsupported(reply: &Reply) -> Result<Met, Stop> {
     if reply.abort() == Some(AbortCode::COMMAND_SPECIFIER) {
         return Ok(Err(format!("the {} is answered by {}", reply.what, reply.actual())));

@@ -1,4 +1,4 @@
-//! What the cases of CiA 301 need.
+//! The needs of the cases of CiA 301.
 
 mod block;
 mod objects;

@@ -10,7 +10,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request};
 use canvass_bus::client::Outcome;
 
-/// An object that can be written without consequence, and read back.
+/// An object that can be written and read back without side effects.
 pub static SCRATCH_OBJECT: Need =
     Need::new("scratch-object", "an object that can be written and read back without consequence", |bench| {
         Ok(match bench.scratch_objects()?.is_empty() {
@@ -19,14 +19,14 @@ pub static SCRATCH_OBJECT: Need =
         })
     });
 
-/// A value of more than four bytes that can be read: it comes in segments.
+/// A readable value of more than four bytes, which is uploaded in segments.
 pub static SEGMENTED_UPLOAD: Need =
     Need::new("segmented-upload", "a readable value of more than four bytes", |bench| {
         let found = bench.long_object(8)?.map(|_| ());
         Ok(found.ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()))
     });
 
-/// The SDO server takes downloads in segments. It has to if an object has more than four bytes (CiA 301, 7.2.4.2.1).
+/// The SDO server supports segmented downloads. It must if an object has more than four bytes (CiA 301, 7.2.4.2.1).
 pub static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downloads in segments", |bench| {
     if bench.long_writable().is_some() || bench.long_object(5)?.is_some() {
         return Ok(Ok(()));
@@ -44,7 +44,7 @@ pub static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downl
     })
 });
 
-/// A device name, hardware or software version: 1008h, 1009h, 100Ah.
+/// A device name, hardware version or software version (1008h, 1009h, 100Ah).
 pub static NAME: Need = Need::new("name", "a device name or version (1008h, 1009h or 100Ah)", |bench| {
     Ok(match bench.names()?.is_empty() {
         true => Err("the device has no 1008h, 1009h or 100Ah".to_owned()),
@@ -76,7 +76,7 @@ pub static EMCY_INHIBIT: Need = Need::new("emcy-inhibit", "the inhibit time of E
     bench.can_write_all(&[Multiplexer::new(object::INHIBIT_TIME_EMCY, 0)])
 });
 
-/// The device's description names an application object that can be written without consequence.
+/// The description contains an application object that can be written without side effects.
 pub static APPLICATION_PARAMETER: Need =
     Need::new("application-parameter", "an application object that can be written without consequence", |bench| {
         Ok(match bench.application_scratch()? {
@@ -115,7 +115,7 @@ pub static STORE: Need = Need::new("store", "parameters that are stored on comma
 
 const STORE_ALL: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 
-/// Bit 1 of 1010h:01 is set, and no other bit is: 1010h then can't be written (CiA 301, 7.5.2.13).
+/// Whether only bit 1 of 1010h:01 is set: then 1010h can't be written (CiA 301, 7.5.2.13).
 fn stores_only_by_itself(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(match bench.upload(STORE_ALL)?.outcome {
         Outcome::Uploaded(value) => number(&value) == 0b10,
@@ -131,7 +131,7 @@ pub static VERIFY_CONFIGURATION: Need = Need::new("verify-configuration", "verif
     ])
 });
 
-/// A string that can be written without consequence, as the description says.
+/// A string that can be written without side effects, according to the description.
 pub static LONG_SCRATCH: Need =
     Need::new("long-scratch", "a string that can be written without consequence", |bench| {
         Ok(match bench.long_writable() {

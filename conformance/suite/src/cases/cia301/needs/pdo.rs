@@ -1,4 +1,4 @@
-//! PDOs, and SYNC, which moves them.
+//! PDOs, and SYNC, which triggers them.
 
 use crate::bench::Bench;
 use crate::bench::Met;
@@ -17,7 +17,7 @@ const SYNC_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCES: u32 = 1 << 30;
 
-/// TPDO 1, switched on: 1800h and 1A00h. One that is delivered off or empty is mapped and switched on for the case.
+/// TPDO 1, switched on: 1800h and 1A00h. A TPDO that is delivered off or empty is mapped and switched on for the case.
 pub static TPDO: Need =
     Need::new("tpdo", "a TPDO that is switched on, or can be (1800h, 1A00h)", tpdo).provided_by(tpdo);
 
@@ -46,7 +46,7 @@ fn dynamic_mapping(bench: &mut Bench<'_>) -> Result<Met, Stop> {
 pub static RPDO: Need =
     Need::new("rpdo", "an RPDO (1400h, 1600h)", |bench| bench.has_all(&[FIRST_RPDO.parameter(1), FIRST_RPDO.entry(0)]));
 
-/// RPDO 1 with a mapping that can be changed, and an object for it that SDOs can read.
+/// RPDO 1 with a mapping that can be changed, and an object for it that SDO can read.
 pub static RPDO_MAPPING: Need = Need::new(
     "rpdo-mapping",
     "an RPDO 1 whose mapping can be changed, and an object for it that SDOs can read",
@@ -61,7 +61,7 @@ pub static RPDO_MAPPING: Need = Need::new(
     },
 );
 
-/// TPDO 1 with a mapping that can be changed, and an object for it that SDOs can write.
+/// TPDO 1 with a mapping that can be changed, and an object for it that SDO can write.
 pub static CHANGEABLE: Need = Need::new(
     "changeable",
     "a TPDO 1 whose mapping can be changed, and an object for it that SDOs can write",
@@ -74,7 +74,7 @@ pub static CHANGEABLE: Need = Need::new(
 /// SYNC, 1005h.
 pub static SYNC: Need = Need::new("sync", "SYNC (1005h)", |bench| bench.has_all(&[SYNC_ID]));
 
-/// The device can produce SYNC: 1005h bit 30 and 1006h. The bit is set while the period is 0: then nothing is sent.
+/// The device can produce SYNC: 1005h bit 30 and 1006h. The bit is set while the period is 0, so that no SYNC is sent.
 pub static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (1005h bit 30, 1006h)", |bench| {
     if let Err(why) = bench.can_write_all(&[SYNC_ID, Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0)])? {
         return Ok(Err(why));

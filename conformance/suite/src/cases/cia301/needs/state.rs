@@ -1,4 +1,4 @@
-//! NMT states, error control, and who is on the bus.
+//! NMT states, error control, and the nodes on the bus.
 
 use crate::bench::Bench;
 use crate::bench::Met;
@@ -17,11 +17,11 @@ pub static VISIBLE_STATE: Need =
         }
     });
 
-/// A heartbeat producer whose period can be set, 1017h.
+/// A heartbeat producer with a configurable period, 1017h.
 pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (1017h)", |bench| {
     let heartbeats = bench.heartbeats()?;
     if !heartbeats.is_settable() && bench.described(HEARTBEAT_TIME) == Some(true) && bench.can_write(HEARTBEAT_TIME)? {
-        // Described as one that can be written: that it can't is a breach. 7.5.2.20: UNSIGNED16.
+        // The description says that 1017h can be written: it is a breach if it can't. 7.5.2.20: UNSIGNED16.
         bench.upload(HEARTBEAT_TIME)?.value()?;
         bench.download(HEARTBEAT_TIME, &1_000_u16.to_le_bytes())?.expect_confirmation()?;
     }
@@ -32,7 +32,7 @@ pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (101
     })
 });
 
-/// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
+/// The heartbeat consumer, 1016h:01, and a node-ID next to the device's own for the tester to use.
 pub static HEARTBEAT_CONSUMER: Need =
     Need::new("heartbeat-consumer", "the heartbeat consumer (1016h:01)", heartbeat_consumer);
 
@@ -44,7 +44,7 @@ fn heartbeat_consumer(bench: &mut Bench<'_>) -> Result<Met, Stop> {
     })
 }
 
-/// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
+/// Configurable life guarding, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
 pub static MONITORING: Need =
     Need::new("monitoring", "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)", |bench| {
         match bench.can_be_guarded()? {
@@ -56,7 +56,7 @@ pub static MONITORING: Need =
         }
     });
 
-/// Whether the manual says that entries of 1016h act only once they are stored.
+/// Whether the entries of 1016h take effect only after they are stored, according to the manual.
 fn watches_once_stored(bench: &Bench<'_>) -> bool {
     bench.manual().is_some_and(|model| model.sheet().network.heartbeat_consumer_needs_store)
 }
@@ -82,7 +82,8 @@ pub static START_UP: Need = Need::new("start-up", "NMT start-up (1F80h)", |bench
     bench.can_write_all(&[Multiplexer::new(object::NMT_STARTUP, 0)])
 });
 
-/// No other node was heard on the bus or answers, or the user allows commanding other nodes: the case commands all nodes.
+/// No other node was heard on the bus or answers, or the user allows commands to other nodes: the case commands all
+/// nodes.
 pub static ALONE: Need =
     Need::new("alone", "a bus without other nodes, because the case commands all of them", |bench| bench.is_alone())
         .fleeting();

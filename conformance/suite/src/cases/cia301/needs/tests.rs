@@ -47,7 +47,7 @@ fn row(index: u16, sub: u8, value: &[u8], writable: bool) -> Row {
     ((index, sub), value.to_vec(), writable)
 }
 
-/// Bit 0 of 1010h:01: on command; bit 1: by itself; the others are 0 (CiA 301, 7.5.2.13).
+/// Bit 0 of 1010h:01 means storing on command, bit 1 autonomous storing; the others are 0 (CiA 301, 7.5.2.13).
 #[test]
 fn storing_on_command_is_told_from_storing_by_itself() {
     for (value, met) in [(0, true), (1, true), (2, false), (3, true), (6, true), (7, true)] {
@@ -56,7 +56,7 @@ fn storing_on_command_is_told_from_storing_by_itself() {
     }
 }
 
-/// A heartbeat can be set, is fixed, or there is none; guarding shows the state where there is none.
+/// A heartbeat is configurable, fixed, or absent; without heartbeat, guarding shows the state.
 #[test]
 fn a_state_shows_by_heartbeat_or_guarding() {
     let (settable, fixed, off) =
@@ -81,7 +81,7 @@ fn a_state_shows_by_heartbeat_or_guarding() {
     assert_eq!(unmet(&HEARTBEAT, &[off]).as_deref(), Some("the device has no 1017h that can be written"));
 }
 
-/// A SYNC producer takes bit 30 of 1005h.
+/// A SYNC producer accepts bit 30 of 1005h.
 #[test]
 fn a_sync_producer_can_be_switched_on() {
     let (id, period) = (row(0x1005, 0, &[0x80, 0, 0, 0], true), row(0x1006, 0, &[0; 4], true));
@@ -100,12 +100,12 @@ fn objects_that_serve_a_case() {
     };
     assert!(met(&NAME, &[&name]) && !met(&NAME, &[&heartbeat]));
     assert!(met(&SCRATCH_OBJECT, &[&heartbeat]) && !met(&SCRATCH_OBJECT, &[&name]));
-    // Four bytes need no segments, and this server knows no blocks.
+    // Four bytes need no segments, and this server does not support blocks.
     assert!(!met(&SEGMENTED_UPLOAD, &[&name]) && !met(&LONG_SCRATCH, &[&name]));
     for need in [&BLOCK_UPLOAD, &BLOCK_DOWNLOAD, &BLOCK_CRC] {
         assert!(!met(need, &[&device, &heartbeat]), "{need:?}");
     }
-    // Switched on, with an object in it; switched off; empty.
+    // A PDO that is on and mapped, one that is off, and an empty one.
     let tpdo = |valid: u8, count: u8| {
         [
             row(0x1800, 1, &[0xBF, 1, 0, valid], true),
@@ -128,8 +128,8 @@ fn unknown() -> Target {
     Target::unknown(NodeId::new(NODE).unwrap())
 }
 
-/// What a device with those values answers, but for requests that begin so: these are answered so, or not at all. What was
-/// asked is kept.
+/// A device with these values. Requests with one of these beginnings get the given answer, or none. All requests are
+/// recorded.
 type Asked = Rc<RefCell<Vec<String>>>;
 
 fn but(
@@ -149,7 +149,7 @@ fn but(
     }
 }
 
-/// What comes of asking for a need, and what was sent.
+/// The result of asking for a need, and the frames sent.
 fn sent(
     need: &'static Need,
     rows: &[Row],
@@ -165,8 +165,8 @@ fn actual(met: Result<(), Stop>) -> Option<String> {
     met.err().map(|stop| stop.reason().actual)
 }
 
-/// A block download is known by its confirmation, and its CRC by a bit of that; 0504 0001h says that there is none, and every
-/// other refusal is wrong. It is broken off before any data.
+/// Block download is recognised by its confirmation, and its CRC by a bit of the confirmation; 0504 0001h means that it
+/// is not supported, and any other refusal is a breach. The transfer is aborted before any data.
 #[test]
 fn block_downloads_are_known_by_their_confirmation() {
     const WITH: &[(&str, &str)] = &[("63F#C6171000", "5BF#A41710007F000000")];
@@ -191,7 +191,8 @@ fn block_downloads_are_known_by_their_confirmation() {
     }
 }
 
-/// Where no value is long, the device type is read in blocks; what comes on an abort comes before the case.
+/// If no value is long, the device type is read in blocks; the tester waits for answers to its abort before the case
+/// begins.
 #[test]
 fn block_uploads_are_known_by_their_confirmation() {
     const KNOWN: &[(&str, &str)] = &[("63F#A4001000", "5BF#C600100004000000")];
@@ -207,8 +208,8 @@ fn block_uploads_are_known_by_their_confirmation() {
     assert_eq!(begun, canvass_traces::Timestamp::ZERO + Duration::from_millis(1 + 50));
 }
 
-/// A server whose objects have no more than four bytes need not know segments, and says so by 0504 0001h; another refusal is
-/// that of the value.
+/// A server whose objects have at most four bytes need not support segments, and says so by 0504 0001h; any other
+/// refusal concerns the value.
 #[test]
 fn segmented_downloads_are_known_unless_the_command_is() {
     const TAKEN: &[(&str, &str)] = &[("63F#21171000", "5BF#6017100000000000")];
@@ -225,7 +226,7 @@ fn segmented_downloads_are_known_unless_the_command_is() {
              command specifier not valid or unknown"
         )
     );
-    // A value of five bytes has to come in segments, and one that can be written goes in them: nobody is asked.
+    // A value of five bytes needs segments in both directions, so the server is not asked.
     const FIVE: &[(&str, &str)] = &[("63F#40081000", "5BF#4108100005000000"), ("63F#60", "5BF#0541424344450000")];
     let (met, log) = sent(&SEGMENTED_DOWNLOAD, &[], FIVE);
     assert!(met.is_ok() && !log.iter().any(|request| request.starts_with("63F#21")), "{log:?}");
@@ -236,8 +237,8 @@ fn segmented_downloads_are_known_unless_the_command_is() {
     assert_eq!(asked(&LONG_SCRATCH, dictionary(Vec::new()), &text, &Options::default()), Ok(()));
 }
 
-/// A 1017h that is described as one that can be written, and can't be, breaks its description; where it is described
-/// otherwise, or not at all, it is only not what a case needs.
+/// A 1017h that can't be written although the description says so is a breach; without such a description it only does
+/// not meet the need.
 #[test]
 fn a_heartbeat_time_that_can_not_be_written_breaks_its_description() {
     let met = |lines: &str, rows: &[Row]| {
@@ -251,7 +252,7 @@ fn a_heartbeat_time_that_can_not_be_written_breaks_its_description() {
     assert_eq!(constant.as_deref(), Some("the period is fixed: 1017h is 1 s and can't be written"));
 }
 
-/// The tester acts as a neighbour of the device: one of four node-IDs has to be free.
+/// The tester acts as a neighbour of the device: one of four node-IDs must be free.
 #[test]
 fn a_heartbeat_consumer_needs_a_vacant_neighbour() {
     let consumer = |neighbours: &'static [u8]| {
@@ -267,7 +268,8 @@ fn a_heartbeat_consumer_needs_a_vacant_neighbour() {
     assert_eq!(full.as_deref(), Some("every node-ID beside that of the device is in use"));
 }
 
-/// Some devices watch other nodes only once that is stored: their manual says so, and cases that store nothing leave it.
+/// Some devices monitor other nodes only after 1016h is stored: their manual says so, and cases that store nothing do
+/// not apply.
 #[test]
 fn a_manual_says_that_monitoring_acts_once_it_is_stored() {
     let stored = Model::all().iter().find(|model| model.sheet().network.heartbeat_consumer_needs_store).unwrap();
@@ -286,7 +288,7 @@ fn a_manual_says_that_monitoring_acts_once_it_is_stored() {
     assert_eq!(met("reference-301", &[]).as_deref(), Some("the device has no 1016h:01"));
 }
 
-/// A mapping that can be changed is of use only with an object for it.
+/// A changeable mapping is useful only with an object for it.
 #[test]
 fn a_mapping_needs_an_object() {
     const RECEIVED: [(&str, &str); 3] =
@@ -314,8 +316,8 @@ fn a_mapping_needs_an_object() {
     assert_eq!(met(&CHANGEABLE, &fixed(SENT, 0)).as_deref(), Some("1800h:01 can't be written"));
 }
 
-/// A device that can't produce SYNC refuses bit 30 as the standard lets it; any other refusal is a breach. One that can has its
-/// COB-ID again.
+/// A device that can't produce SYNC refuses bit 30 as the standard allows; any other refusal is a breach. A device that
+/// can produce SYNC gets its COB-ID back.
 #[test]
 fn a_sync_producer_is_left_off() {
     const REFUSED: &[(&str, &str)] = &[("63F#2305100080000040", "5BF#8005100030000906")];
@@ -332,7 +334,7 @@ fn a_sync_producer_is_left_off() {
     assert_eq!((written[1].as_str(), written[2].as_str()), ("63F#2305100080000040", "63F#2305100080000000"));
 }
 
-/// What is lacking is named as far as it is known: a timer only where there is a PDO that could have it.
+/// The missing object is named as far as it is known: a timer only if there is a PDO that could have it.
 #[test]
 fn what_is_lacking_is_named() {
     assert_eq!(unmet(&EVENT_TIMER, &[]).as_deref(), Some("the device has no 1800h:01"));

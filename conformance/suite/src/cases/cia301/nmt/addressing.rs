@@ -8,7 +8,7 @@ use canvass_analyzer::wire::nmt::{self, Command};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
 
-/// Demands that the device is still operational and sent no boot-up.
+/// Requires that the device is still operational and sent no boot-up.
 fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
     let heard = bench.listen(bench.silence())?;
     let restarts = heard.iter().any(|record| bench.is_boot_up(&record.frame));
@@ -91,7 +91,7 @@ fn malformed(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/nmt/back-to-back", clause = "CiA 301 7.2.8.2.1.2", confidence = Cited, level = Must,
        needs = [VisibleState], catches = [NmtStartWhenStoppedIgnored, NmtCommandLost])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
-    /// Some devices send a heartbeat for each change of the state, one after the other: the last one counts.
+    /// Some devices send a heartbeat for each state change, one after the other: the last one counts.
     const SETTLED: Duration = Duration::from_millis(300);
     bench.show_state()?;
     for _ in 0..10 {
@@ -111,7 +111,7 @@ fn long_frame(bench: &mut Bench<'_>) -> Judged {
     let mut obeyed = Vec::new();
     bench.each(3..=8_usize, |bench, length| {
         bench.reach(State::PRE_OPERATIONAL)?;
-        // Start, and then a command whose effect stays.
+        // A start command, followed by a command with a lasting effect.
         let stop = Command::STOP.0;
         let bytes = [Command::START.0, node, stop, node, stop, node, stop, node];
         bench.send_bytes(0, bytes.get(..length).unwrap_or(&bytes))?;

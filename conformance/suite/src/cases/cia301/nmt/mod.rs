@@ -1,4 +1,4 @@
-//! NMT: what a slave does on each command.
+//! NMT: the reactions of a slave to each command.
 
 mod addressing;
 mod broadcast;

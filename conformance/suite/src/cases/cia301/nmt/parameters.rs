@@ -1,4 +1,4 @@
-//! What resets do to parameters that were not stored (CiA 301, 7.3.2.2.1).
+//! The effect of resets on parameters that were not stored (CiA 301, 7.3.2.2.1).
 
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
@@ -30,12 +30,13 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     stores_on_command_only(bench)?;
-    // Prepared by a reset, the device holds its power-on values now. What it refuses meanwhile stays as it was.
+    // After the reset of the preparation, the device has its power-on values. A parameter that it refuses to change
+    // keeps its value.
     let mut changed = Vec::new();
     for scratch in parameters {
         if bench.download(scratch.multiplexer, &scratch.other)?.outcome == Outcome::Downloaded {
             match bench.expect_effect(scratch.multiplexer, &scratch.other) {
-                // It keeps its value: the others are judged all the same.
+                // This parameter keeps its value; the others are still judged.
                 Err(Stop::Inconclusive(_)) => {}
                 effect => {
                     effect?;
@@ -56,7 +57,7 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
     })
 }
 
-/// What a device stores by itself is its power-on value as soon as it is written.
+/// A value that a device stores autonomously becomes its power-on value as soon as it is written.
 fn stores_on_command_only(bench: &mut Bench<'_>) -> Judged {
     if bench.stores_by_itself()? {
         let reason = Reason::new("parameters are stored on command only", "bit 1 of 1010h:01 is 0", "1");
@@ -65,7 +66,7 @@ fn stores_on_command_only(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Writes another value, resets, and reads.
+/// Writes another value, resets the device, and reads the value.
 fn changed_and_reset(bench: &mut Bench<'_>, scratch: &Scratch, command: Command) -> Result<Vec<u8>, Stop> {
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.reset(command)?;

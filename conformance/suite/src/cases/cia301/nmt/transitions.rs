@@ -8,14 +8,14 @@ use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::{Observation, Subject};
 
-/// Brings the device into `from`, gives the command and demands that the device is then in `to`.
+/// Brings the device into `from`, sends the command and requires that the device is then in `to`.
 fn transition(bench: &mut Bench<'_>, from: State, command: Command, to: State) -> Judged {
     bench.reach(from)?;
     bench.command(command)?;
     bench.expect_state(to, &format!("{command} in {from}"))
 }
 
-/// Brings the device into `from`, resets it and demands a boot-up and then pre-operational; or operational, where the
+/// Brings the device into `from`, resets it and requires a boot-up and then pre-operational; or operational, if the
 /// device starts by itself, which is allowed ("by local control").
 fn reset(bench: &mut Bench<'_>, from: State, command: Command) -> Judged {
     bench.reach(from)?;

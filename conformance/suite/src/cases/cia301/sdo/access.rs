@@ -1,4 +1,4 @@
-//! Which transfers the server refuses, and with which abort code (CiA 301, 7.2.4.3.17).
+//! Transfers that the server must refuse, with their abort codes (CiA 301, 7.2.4.3.17).
 
 use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;
@@ -101,8 +101,8 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Communication and profile objects with a limit below what their type can hold, and the value just above it.
-/// Manufacturer objects stay out: among them are node-ID and bit rate.
+/// Communication and profile objects with a limit below the maximum of their type, each with the value just above the
+/// limit. Manufacturer objects are left out: among them are node-ID and bit rate.
 fn limited_objects(bench: &Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
     let node = bench.node();
     let Some(description) = &bench.target().description else { return Vec::new() };

@@ -14,7 +14,7 @@ use canvass_analyzer::wire::sdo::{self, AbortCode, BlockSegment, Request, Respon
 use canvass_bus::client::block_download::{DownloadManner, Mischief};
 use canvass_bus::observation::Observation;
 
-/// A scratch object with its value of before written once, so that it is put back.
+/// A scratch object. Its current value is written once, so that the bench puts it back.
 fn subject(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
     let scratch = bench.scratch(&[4, 2])?;
     bench.write(scratch.multiplexer, &scratch.value)?;
@@ -26,7 +26,7 @@ fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Ve
     let multiplexer = bench.long_scratch()?;
     let value = text(length);
     let attempt = bench.download(multiplexer, &value)?;
-    // Where strings have one length, it is that which they have.
+    // If strings have a fixed length, the value has the length of the current one.
     let is_fixed = is_refused_length(attempt.abort());
     let value = if is_fixed { text(bench.read(multiplexer)?.len()) } else { value };
     Ok((multiplexer, value))
@@ -41,8 +41,8 @@ fn has_value(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8]) -> J
     bench.expect_tidy()
 }
 
-/// A string whose segments fit into one block with one to spare: no more than six where its length is free, and no fewer
-/// than three.
+/// A string whose segments fit into one block with one to spare: at most six segments if its length is free, and at
+/// least three.
 fn one_block(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     const LENGTH: usize = 40;
     let (multiplexer, value) = long_subject(bench, LENGTH)?;
@@ -59,8 +59,8 @@ fn one_block(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     long_subject(bench, 7 * segments - 2)
 }
 
-/// Writes a string with something wrong in its only block and demands that the server makes it good: it confirms what
-/// came in order, and takes the rest when it comes again. `confirmed` may be the last segment, 0 stands for that.
+/// Writes a string with an error in its only block and requires that the server recovers: it confirms the segments that
+/// came in order, and accepts the rest when it is repeated. `confirmed` may be the last segment, which 0 stands for.
 fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Judged {
     let (multiplexer, value) = one_block(bench)?;
     let last = u8::try_from(value.len().div_ceil(7)).unwrap_or(u8::MAX);
@@ -83,7 +83,7 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
     has_value(bench, multiplexer, &value)
 }
 
-/// Writes one object of each length in blocks, and demands that each is taken.
+/// Writes one object of each length in blocks, and requires that the server accepts each.
 fn taken(bench: &mut Bench<'_>, manner: fn(&[u8]) -> DownloadManner) -> Judged {
     let mut scratches = bench.scratch_objects()?;
     scratches.sort_by_key(|scratch| scratch.value.len());
@@ -111,7 +111,7 @@ fn crc_not_kept(bench: &mut Bench<'_>) -> Judged {
     let with_crc = DownloadManner::right(&scratch.value);
     let (first, _) = bench.block_download(scratch.multiplexer, &scratch.value, with_crc)?;
     first.expect_confirmation().or_inconclusive()?;
-    // The CRC of zeros is 0, as that of a transfer without one: the other value has to be another one.
+    // The CRC of zeros is 0, like that of a transfer without CRC, so the other value must differ from 0.
     let without_crc = DownloadManner { crc: false, ..DownloadManner::right(&scratch.other) };
     let (mut second, _) = bench.block_download(scratch.multiplexer, &scratch.other, without_crc)?;
     second.what = format!("{} without CRC after one with CRC", second.what);
@@ -211,7 +211,7 @@ fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
     if attempt.abort() == Some(AbortCode::SEQUENCE_NUMBER) {
         return bench.expect_unchanged(multiplexer, &before);
     }
-    // A server may go on over it or stop there.
+    // A server may continue after the repeated segment, or stop there.
     made_good(bench, Mischief::Repeat(2), &[2, 0])
 }
 
@@ -219,7 +219,7 @@ fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/block-download/segments-swapped", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segments_swapped(bench: &mut Bench<'_>) -> Judged {
-    // Of 1 3 2 two were in order, unless the server stops at the first that was not.
+    // Of the segments 1 3 2, two were in order, unless the server stops at the first that was not.
     made_good(bench, Mischief::Swap(2), &[1, 2])
 }
 
@@ -258,7 +258,7 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
 fn abandoned(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
     begin(bench, &scratch)?;
-    // The data is there, only its end was not said.
+    // All data has been sent, but not the end of the transfer.
     send_segment(bench, segment(1, true, &scratch.other))?;
     interrupted(bench, &scratch, "in the middle of a block download")
 }
@@ -291,7 +291,7 @@ fn send_segment(bench: &mut Bench<'_>, segment: [u8; 8]) -> Judged {
     bench.wait_for(limit, |record| (record.frame.cob_id() == Some(response)).then_some(())).map(|_| ())
 }
 
-/// Sees whether a request is served meanwhile, and ends the block download.
+/// Requires that the server serves a request meanwhile, and ends the block download.
 fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> Judged {
     let served = bench.expect_served(circumstance);
     bench.send_request(&Request::abort(scratch.multiplexer, AbortCode::GENERAL))?;

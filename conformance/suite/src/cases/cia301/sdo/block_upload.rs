@@ -12,7 +12,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_bus::client::block_upload::UploadManner;
 use canvass_bus::observation::Observation;
 
-/// An object of several segments, and its value as a segmented upload gives it.
+/// An object of several segments, and its value from a segmented upload.
 fn subject(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     let Some(multiplexer) = bench.long_object(15)? else {
         let reason = Reason::new("an object fills several segments", "more than 14 bytes", "none found");
@@ -22,7 +22,7 @@ fn subject(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     Ok((multiplexer, value))
 }
 
-/// Objects of one byte, of four, and of several segments.
+/// Objects of one byte, of four bytes, and of several segments.
 fn subjects(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     let mut found = bench.long_objects(5, 3)?;
     for short in [DEVICE_TYPE, Multiplexer::new(object::ERROR_REGISTER, 0), Multiplexer::new(object::IDENTITY, 1)] {
@@ -33,7 +33,7 @@ fn subjects(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     Ok(found)
 }
 
-/// Reads in blocks and demands the value that another upload gave.
+/// Uploads an object in blocks and requires the value from another upload.
 fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: UploadManner) -> Judged {
     let may_switch = manner.threshold > 0;
     let (attempt, client) = bench.block_upload(multiplexer, manner)?;
@@ -53,7 +53,7 @@ fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: 
     }))
 }
 
-/// Reads several objects in blocks.
+/// Uploads several objects in blocks.
 fn all_give(bench: &mut Bench<'_>, manner: &UploadManner) -> Judged {
     let objects = subjects(bench)?;
     bench.each(objects, |bench, multiplexer| {
@@ -63,7 +63,7 @@ fn all_give(bench: &mut Bench<'_>, manner: &UploadManner) -> Judged {
     bench.expect_tidy()
 }
 
-/// Reads a value of several segments in blocks.
+/// Uploads a value of several segments in blocks.
 fn same_value(bench: &mut Bench<'_>, manner: UploadManner) -> Judged {
     let (multiplexer, right) = subject(bench)?;
     gives(bench, multiplexer, &right, manner)?;
@@ -88,7 +88,7 @@ fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer, block_size: u8) -> Res
                                           SdoBlockCrcUnasked],
        cct = "2.19")]
 fn complete(bench: &mut Bench<'_>) -> Judged {
-    // What a server keeps of a CRC has no place in a transfer without.
+    // The previous transfer had a CRC, whose remains must not affect a transfer without CRC.
     bench.block_upload(DEVICE_TYPE, UploadManner::default())?;
     all_give(bench, &UploadManner { crc: false, ..UploadManner::default() })
 }
@@ -110,7 +110,7 @@ fn lengths(bench: &mut Bench<'_>) -> Judged {
     bench.each([1_usize, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890], |bench, length| {
         let value: Vec<u8> = (0..length).map(|n| b'a' + (n % 26) as u8).collect();
         if bench.download(multiplexer, &value)?.abort().is_some() {
-            // The description does not say how long a string may be.
+            // The description does not give the maximum length of a string.
             return Ok(());
         }
         let right = bench.read(multiplexer)?;
@@ -242,7 +242,7 @@ fn restart(bench: &mut Bench<'_>) -> Judged {
     same_value(bench, UploadManner::default())
 }
 
-/// Ends what a case has left unfinished.
+/// Ends a transfer that the case has left unfinished.
 fn give_up(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Judged {
     bench.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
     bench.listen(bench.timing().reaction).map(|_| ())

@@ -1,4 +1,4 @@
-//! Transfers that a case leads message by message.
+//! Transfers that a case performs message by message.
 
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
@@ -10,7 +10,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response, Segment};
 use canvass_bus::observation::Observation;
 
-/// An object and a sub-index that no device has, and what they are.
+/// An object and a sub-index that no device has, each with its situation.
 pub(super) const MISSING: [(Multiplexer, Situation); 2] = [
     (Multiplexer::new(0xFFFF, 0), Situation::MissingObject),
     (Multiplexer::new(object::DEVICE_TYPE, 1), Situation::MissingEntry),
@@ -35,7 +35,7 @@ pub(in crate::cases::cia301) fn begin_upload(bench: &mut Bench<'_>, multiplexer:
     reply.expect("the start of a segmented upload", is_start).or_inconclusive()
 }
 
-/// Starts a segmented download to a scratch object, which announces as many bytes as it has.
+/// Starts a segmented download to a scratch object, and announces the object's length.
 pub(super) fn begin_download(bench: &mut Bench<'_>, scratch: &Scratch) -> Judged {
     let multiplexer = scratch.multiplexer;
     bench.write(multiplexer, &scratch.value)?;
@@ -52,14 +52,15 @@ pub(super) fn segment(toggle: bool, data: &[u8], last: bool) -> Result<Request, 
     })
 }
 
-/// Sends a download segment whose confirmation is not the matter of the case.
+/// Sends a download segment whose confirmation the case does not test.
 pub(super) fn confirmed_segment(bench: &mut Bench<'_>, toggle: bool, data: &[u8], last: bool) -> Judged {
     let reply = bench.exchange(&segment(toggle, data, last)?, "download segment")?;
     let is_right = |response: &Response| *response == Response::DownloadSegment { toggle };
     reply.expect("its confirmation", is_right).or_inconclusive()
 }
 
-/// Writes zeros in segments, and gives the answer that ends it: a refusal may come at once or with the last segment.
+/// Writes zeros in segments, and returns the answer that ends the transfer: a refusal may come at once or with the last
+/// segment.
 pub(super) fn in_segments(bench: &mut Bench<'_>, multiplexer: Multiplexer, bytes: u8) -> Result<Reply, Stop> {
     let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(bytes.into()) };
     let what = format!("segmented download to {multiplexer}");
@@ -80,7 +81,7 @@ pub(super) fn in_segments(bench: &mut Bench<'_>, multiplexer: Multiplexer, bytes
     Ok(Reply { subject: multiplexer.into(), ..reply })
 }
 
-/// Asks for the other segments of an upload, of which `data` has come, and demands the whole value.
+/// Requests the remaining segments of an upload, of which `data` has come, and requires the whole value.
 pub(super) fn finish_upload(
     bench: &mut Bench<'_>,
     multiplexer: Multiplexer,

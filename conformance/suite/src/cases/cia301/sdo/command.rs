@@ -13,7 +13,7 @@ use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
 
-/// Command specifier 7, which CiA 301 does not define, with an object after it as an initiate message has.
+/// Command specifier 7, which CiA 301 does not define, followed by an object as in an initiate message.
 const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1, 0, 0, 0, 0] };
 
 /// An unknown command specifier is answered with abort 0504 0001h, which does not name the object of an earlier request.
@@ -28,8 +28,8 @@ fn unknown(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Of what a server can't read it may name the object that stands there, or none; that of a transfer that is over it refuses
-/// nothing of.
+/// Requires that the abort of an unreadable request names the object in the request, or none, but not the object of an
+/// earlier transfer.
 fn names_no_earlier(reply: &Reply, earlier: Multiplexer) -> Check {
     let named = match reply.response {
         Some(Response::Abort(abort)) => Some(abort.multiplexer),
@@ -100,11 +100,11 @@ fn unanswered(bench: &mut Bench<'_>) -> Judged {
 fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     let no_object = Multiplexer::new(0xFFFF, 2);
     let no_sub_index = Multiplexer::new(object::DEVICE_TYPE, 1);
-    // What a server may wrongly remember.
+    // A server may wrongly remember this object.
     bench.read(Multiplexer::new(object::ERROR_REGISTER, 0))?;
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let requests = [Request::upload(no_object), Request::upload(no_sub_index), value(no_object), value(DEVICE_TYPE)];
-    // Whichever object the abort names, every exchange judges it.
+    // Every exchange judges the object that the abort names.
     for request in requests {
         let asked = request.multiplexer().unwrap_or(DEVICE_TYPE);
         let reply = bench.exchange(&request, format!("refused request to {asked}"))?;

@@ -1,7 +1,7 @@
 //! Access rights, lengths and limits of every object that the device's description names (CiA 301, 7.2.4.3.17).
 //!
-//! Requests are sent that must be refused. Objects whose acceptance could do harm stay out: node-ID and bit rate, and
-//! what the manufacturer keeps in 2000h to 5FFFh.
+//! The cases send requests that must be refused. Objects that could do harm if the device accepted the request are left
+//! out: node-ID and bit rate, and manufacturer objects from 2000h to 5FFFh.
 
 use crate::bench::Bench;
 use crate::case;
@@ -11,10 +11,10 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, Entry, Value};
 use canvass_analyzer::object;
 
-/// An object and what the description says of it.
-/// The number of errors.
+/// Number of errors in the error history.
 const ERROR_COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
 
+/// An object and its entry in the description.
 type Described = (Multiplexer, Entry);
 
 fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) -> Result<Vec<Described>, Stop> {
@@ -105,7 +105,7 @@ fn every_length(
     bench.each(objects, |bench, (multiplexer, entry)| {
         let length = wrong(entry.data_type.bytes().unwrap_or(1));
         let attempt = bench.download(multiplexer, &vec![0; length])?;
-        // What is in use may refuse every write because of that.
+        // An object in use may refuse every write for this reason.
         let is_refused_as_used = may_be_in_use(multiplexer) && attempt.abort().is_some();
         if is_refused_as_used { Ok(()) } else { bench.check(attempt.refused(situation)) }
     })

@@ -28,7 +28,7 @@ const SHORT: [(Multiplexer, usize); 4] = [
 fn upload(bench: &mut Bench<'_>) -> Judged {
     let mut read = 0;
     bench.each(SHORT, |bench, (multiplexer, length)| {
-        // DS-301 V3.0 had no 1018h: that it is missing is the matter of the cases on identity.
+        // DS-301 V3.0 had no 1018h: the cases on identity judge whether it is missing.
         if bench.described(multiplexer) == Some(false) {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Frames on the CAN-ID of SDO requests that are no SDO requests (CiA 301, 7.2.4.3).
+//! Frames with the CAN-ID of SDO requests that are not SDO requests (CiA 301, 7.2.4.3).
 
 use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;
@@ -14,7 +14,7 @@ fn request_id(bench: &Bench<'_>) -> u32 {
     u32::from(sdo::REQUEST_BASE) + u32::from(bench.node().raw())
 }
 
-/// What the SDO server sends after a frame, if anything.
+/// The answer of the SDO server to a frame, if any.
 fn answer_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Option<Frame>, Stop> {
     bench.drain()?;
     if let Some(frame) = frame {
@@ -84,7 +84,7 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
-    // Silence means something only if the server is there.
+    // Silence proves something only if the server is present.
     tried(usize::from(bench.answers()?), "an answer to a request of its own")?;
     let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(other));
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];

@@ -1,5 +1,5 @@
-//! Each communication parameter takes the value that it has (CiA 301, 7.4.5): a device that refuses it has a parameter that
-//! is written in its description only, and most cases about the service find nothing to try.
+//! Each communication parameter accepts its current value (CiA 301, 7.4.5): if a device refuses it, the parameter is
+//! writable only in the description, and most cases about its service have nothing to test.
 
 use crate::bench::Bench;
 use crate::bench::sdo::{Attempt, number};
@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 const PRODUCES: u32 = 1 << 30;
 const CONSUMES: u32 = 1 << 31;
 
-/// What holds a configuration, and does nothing else when it is written.
+/// Whether an object contains configuration, and has no other effect when it is written.
 fn is_parameter(at: Multiplexer, entry: &Entry) -> bool {
     let is_known = matches!(
         at.index.0,
@@ -50,7 +50,7 @@ fn cob_id_of_pdo(at: Multiplexer) -> Option<Multiplexer> {
     }
 }
 
-/// Whether the object may refuse each write for the time being, by its value or that of what it belongs to.
+/// Whether the object may refuse every write for the moment, because of its value or that of a related object.
 fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool, Stop> {
     if let Some(cob_id) = cob_id_of_pdo(at) {
         let is_entry = canvass_analyzer::object::is_pdo_mapping(at.index.0) && at.sub.0 > 0;
@@ -60,7 +60,7 @@ fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool,
         object::COB_ID_SYNC => value & PRODUCES != 0,
         object::COB_ID_TIME => value & (PRODUCES | CONSUMES) != 0,
         object::COB_ID_EMCY => value & CobId::INVALID == 0,
-        // Not while SYNC is produced with a period.
+        // 1019h may refuse writes while SYNC has a period.
         object::SYNCHRONOUS_COUNTER_OVERFLOW => {
             bench.read_number(Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0))? != 0
         }
@@ -68,14 +68,14 @@ fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool,
     })
 }
 
-/// Whether a device that knows why refuses for a reason that is not the value: it can't store it now.
+/// Whether the abort code gives a reason other than the value: the device can't store it now.
 fn is_of_the_moment(attempt: &Attempt) -> bool {
     const MOMENT: [AbortCode; 4] =
         [AbortCode::GENERAL, AbortCode(0x0800_0020), AbortCode::LOCAL_CONTROL, AbortCode::DEVICE_STATE];
     attempt.abort().is_some_and(|code| MOMENT.contains(&code))
 }
 
-/// Writes the value that an object has; a refusal is wrong unless the object is in use.
+/// Writes the current value of an object. A refusal is a breach unless the object is in use.
 fn rewrite(bench: &mut Bench<'_>, at: Multiplexer) -> Judged {
     let value = bench.read(at)?;
     let attempt = bench.download(at, &value)?;
@@ -109,7 +109,7 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         let own = bench.read_number(cob_id)?;
         let on = own & !CobId::INVALID;
         if own != on && (CobId(on).is_restricted() || bench.download(cob_id, &on.to_le_bytes())?.abort().is_some()) {
-            // It is delivered off, and can't be switched on as it is.
+            // The PDO is delivered off, and can't be switched on with this COB-ID.
             return Ok(());
         }
         let attempt = bench.download(cob_id, &(on | CobId::INVALID).to_le_bytes())?;

@@ -1,4 +1,4 @@
-//! Refusals for more than one reason, and of limits that contradict each other (CiA 301, 7.2.4.3.17).
+//! Refusals for more than one reason, and refusals of contradictory limits (CiA 301, 7.2.4.3.17).
 
 use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;

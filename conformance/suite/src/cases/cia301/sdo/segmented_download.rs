@@ -1,5 +1,5 @@
-//! Segmented download (CiA 301, 7.2.4.3.3 and 7.2.4.3.4). The client chooses how it writes, so short objects must take
-//! segments too.
+//! Segmented download (CiA 301, 7.2.4.3.3 and 7.2.4.3.4). The client chooses the protocol, so the server must accept
+//! segments even for short objects.
 
 use super::by_hand::{MISSING, begin_download, confirmed_segment, in_segments, segment};
 use crate::bench::Bench;
@@ -171,7 +171,7 @@ fn segment_ends(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The description does not say how long a string may be.
+/// Whether the server refuses the length of a string, whose maximum the description does not give.
 pub(super) const fn is_refused_length(abort: Option<AbortCode>) -> bool {
     matches!(abort, Some(AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW))
 }

@@ -26,7 +26,7 @@ fn segmented(bench: &mut Bench<'_>) -> Judged {
 fn over_after_end(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = long_object(bench)?;
     let value = bench.upload(multiplexer)?.value().or_inconclusive()?;
-    // The toggle bit that would be the next.
+    // The next expected toggle bit.
     let toggle = value.len().div_ceil(7) % 2 == 1;
     let reply = bench.exchange(&Request::UploadSegment { toggle }, "request for a segment after the last one")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;

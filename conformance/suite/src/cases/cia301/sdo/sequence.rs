@@ -1,4 +1,4 @@
-//! Requests one after the other, at the same time, given up, and never finished (CiA 301, 7.2.4).
+//! Sequences of requests: successive, simultaneous, aborted and unfinished ones (CiA 301, 7.2.4).
 
 use super::by_hand::{begin_download, begin_upload, confirmed_segment, long_object};
 use crate::bench::sdo::DEVICE_TYPE;
@@ -40,7 +40,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, _) in &right {
         bench.send_request(&Request::upload(*multiplexer))?;
     }
-    // One answer after the other.
+    // The server answers one request after the other.
     let heard = bench.listen(bench.timing().sdo_response.times(2))?;
     let response_id = response_id(bench);
     let answers: Vec<Record> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
@@ -67,7 +67,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     bench.expect_served("after two requests back to back")
 }
 
-/// What the server sends on.
+/// The CAN-ID of the server's responses.
 fn response_id(bench: &Bench<'_>) -> u16 {
     sdo::RESPONSE_BASE + u16::from(bench.node().raw())
 }
@@ -145,7 +145,7 @@ fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Time for which the client stays silent; a server that supervises its transfers ends them by then.
+/// Time for which the client stays silent; a server that supervises its transfers ends them in this time.
 const SILENCE: Duration = Duration::from_millis(3_000);
 
 /// After a client that does not go on with a segmented transfer the next request is served. A server that ends the
@@ -175,7 +175,7 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// How many requests are timed.
+/// Number of requests whose response time is measured.
 const REQUESTS: usize = 600;
 
 /// Of many requests in a row every one is answered in time. Median, 95th percentile and maximum are reported.

@@ -64,14 +64,14 @@ fn close(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Sends a request on each channel without a pause between them, and gives the answers.
+/// Sends a request on each channel without a pause between them, and returns the answers.
 fn ask_both(bench: &mut Bench<'_>, first: &Request, other: &Request) -> Result<[Option<Response>; 2], Stop> {
     bench.drain()?;
     bench.send(&other.to_frame(TO_SERVER as u16))?;
     bench.send_request(first)?;
     let ids = [sdo::RESPONSE_BASE + u16::from(bench.node().raw()), TO_CLIENT as u16];
     let mut answers = [None, None];
-    // One answer after the other.
+    // The server answers one request after the other.
     bench.wait_for(bench.timing().sdo_response.times(2), |record| {
         for (id, answer) in ids.iter().zip(&mut answers) {
             if record.frame.cob_id() == Some(*id) && answer.is_none() {

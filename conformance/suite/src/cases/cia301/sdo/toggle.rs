@@ -1,8 +1,8 @@
 //! Segments whose toggle bit is wrong (CiA 301, 7.2.4.3.2 and 7.2.4.3.5).
 //!
-//! The content of a segment that repeats its toggle bit is ignored; the server may abort. So the cases see which of the two
-//! the server does, and what must follow from it: a transfer that was aborted is over and has changed nothing, one that
-//! was not goes on as if the segment had not come.
+//! The server ignores the content of a segment that repeats its toggle bit, and may abort the transfer. So the cases
+//! find out which of the two the server does, and judge the consequence: an aborted transfer is over and has changed
+//! nothing, another transfer continues as if the segment had not come.
 
 use super::by_hand::{begin_download, begin_upload, confirmed_segment, finish_upload, long_object, segment};
 use crate::bench::Bench;
@@ -16,7 +16,7 @@ use canvass_analyzer::wire::sdo::{Abort, AbortCode, Request, Response};
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
 
-/// The rest of a download, written with the right toggle bit after a segment that was ignored, is taken.
+/// Requires that the rest of a download is accepted after an ignored segment, if its toggle bit is right.
 fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) -> Judged {
     let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after one without")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle })?;
@@ -50,7 +50,7 @@ fn second_toggle(bench: &mut Bench<'_>) -> Judged {
     let (first, rest) = scratch.other.split_at(1);
     confirmed_segment(bench, false, first, false)?;
     let reply = bench.exchange(&segment(false, rest, true)?, "second download segment with toggle 0 again")?;
-    // Its content is ignored; that the segment before is confirmed once more is allowed.
+    // The content is ignored; the server may confirm the previous segment once more.
     let is_confirmed = reply.response == Some(Response::DownloadSegment { toggle: false });
     if is_confirmed || reply.response.is_none() {
         return goes_on(bench, &scratch, true, rest);
@@ -60,7 +60,8 @@ fn second_toggle(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Asks for the first segment with toggle bit 1. `None`: the request was ignored, and the transfer has gone on.
+/// Requests the first segment with toggle bit 1. `None` if the server ignored the request and the transfer has
+/// continued.
 fn wrong_first(bench: &mut Bench<'_>) -> Result<(Multiplexer, Option<Reply>), Stop> {
     let multiplexer = long_object(bench)?;
     let right = bench.read(multiplexer)?;
