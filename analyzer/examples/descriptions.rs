@@ -1,16 +1,16 @@
 //! Writes device descriptions for measurements: `descriptions FOLDER FILES OBJECTS [findings]` writes FILES files of
-//! OBJECTS objects each, a quarter of them with four sub-indexes. With `findings` each object that is a single value
-//! has one.
+//! OBJECTS objects each. A quarter of the objects have four sub-indexes. With `findings` each object with a single
+//! value has one finding.
 
 #![allow(clippy::print_stderr)]
 
 use std::fmt::Write;
 use std::path::Path;
 
-/// The first index; the objects go on from there.
+/// The first index; the other objects follow it without a gap.
 const FIRST: u32 = 0x2001;
 
-/// A description of that many objects; each file has another vendor.
+/// A description of `objects` objects; each file has another vendor.
 fn description(file: u32, objects: u32, has_findings: bool) -> String {
     let mut text = format!(
         "[FileInfo]\nFileName={file:04}.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\nDescription=measured\n\

@@ -1,6 +1,6 @@
-//! How many SDO exchanges per second one thread of this machine simulates:
-//! `cargo run --release --example bus_speed [EXCHANGES]`. The seconds are those of the processor, where Linux tells them,
-//! so that it matters little what else the machine does.
+//! Prints how many SDO exchanges per second one thread of this machine simulates: `cargo run --release --example
+//! bus_speed [EXCHANGES]`. Seconds are processor time, where Linux reports it, so that other load on the machine
+//! matters little.
 
 use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_device::Device;

@@ -1,7 +1,8 @@
-//! How long a simulated day of a network takes: `cargo run --release --example network_day [SECONDS]`.
+//! Measures how long a simulated day of a network takes: `cargo run --release --example network_day [SECONDS]`.
 //!
-//! Eight encoders at 250 kbit/s: each sends its position every 100 ms and a heartbeat every second, and is asked for one
-//! object by SDO every ten seconds. Prints the frames, the seconds of the network and the nanoseconds of this thread.
+//! Eight encoders at 250 kbit/s: each sends its position every 100 ms and a heartbeat every second, and gets an SDO
+//! request for one object every ten seconds. Prints the frames, the seconds of the network and the nanoseconds of this
+//! thread.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, BusError, SimulatedBus};
@@ -27,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let begin = Instant::now();
     let mut frames = run(&mut bus, Duration::from_secs(1))?;
     for node in 1..=NODES {
-        // Heartbeat 1 s; TPDO 1 by its timer alone, every 100 ms; start.
+        // Requests: a heartbeat every second; TPDO 1 every 100 ms by its timer alone; start.
         for request in
             [[0x2B, 0x17, 0x10, 0, 0xE8, 3, 0, 0], [0x2F, 0, 0x18, 2, 255, 0, 0, 0], [0x2B, 0, 0x62, 0, 100, 0, 0, 0]]
         {

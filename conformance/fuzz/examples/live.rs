@@ -1,5 +1,4 @@
-//! Fuzzes a device on a bus that goes on, and says how fast and how far it came: `live BUS NODE MODEL|FILE SECONDS [SEED]
-//! [TARGET]`.
+//! Fuzzes a device on a live bus, and prints speed and coverage: `live BUS NODE MODEL|FILE SECONDS [SEED] [TARGET]`.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
@@ -35,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let reach = SdoReach::of(&knowledge);
     let mut opened = canvass_device::address::open(bus)?;
-    // A program that takes this end for its adapter may connect later.
+    // The bus may be the peer of another program's adapter; that program may connect later.
     opened.bus.wait_for_client(canvass_traces::Duration::from_secs(10))?;
     let begun = Instant::now();
     plan.time.ends = Some(begun + Duration::from_secs_f64(seconds));
@@ -46,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if now >= told + 10.0 {
             told = now;
             let (reached, all) = progress.coverage.sdo_share(reach);
-            // What can't be shown is no reason to end.
+            // A failure to print is no reason to end the run.
             let _ = writeln!(out, "{now:.0} s: {} exchanges, SDO {reached} of {all}", progress.executions);
         }
         true

@@ -1,6 +1,7 @@
-//! Judges a simulated device by all cases and by the fuzzer, for `cargo xtask mutants`: `mutant suite|fuzz SEED EXCHANGES`.
-//! A line for each model: what was found, or a number that stands for the whole traffic. Ends with the first find.
-//! `mutant verdicts` lists how each case ends on each model, for who wants to know why a mutant (`CANVASS_MUTANT`) survives.
+//! Judges a simulated device by all cases and by the fuzzer, for `cargo xtask mutants`: `mutant suite|fuzz SEED
+//! EXCHANGES`. Prints a line for each model: the finding, or a hash of all traffic. Ends with the first finding.
+//! `mutant verdicts` lists how each case ends on each model, which helps to see why a mutant (`CANVASS_MUTANT`)
+//! survives.
 
 use canvass_bus::{Bus, BusError};
 use canvass_device::Firmware;
@@ -19,7 +20,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{Write, stdout};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// The models whose devices have all services between them, those of the standards first.
+/// Models whose devices together have all services; the models of the standards come first.
 const MODELS: [&str; 5] = ["reference-301", "reference-406", "kuebler-sendix-m58", "tr-c65", "tr-lmp30"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if args.first().is_some_and(|word| word == "verdicts") {
         return verdicts();
     }
-    // A crash of the device is reported in a line; where it was is not asked.
+    // A crash of the device is reported in one line, without its place.
     std::panic::set_hook(Box::new(|_| ()));
     for id in MODELS {
         let model = Model::by_id(id).ok_or("no such model")?;
@@ -53,13 +54,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 enum Judged {
     Found(String),
-    /// A case about what the standard leaves open has recorded it; nothing failed.
+    /// A case recorded how the device handles what the standard leaves open; nothing failed.
     Recorded(&'static str),
-    /// Nothing was found; what stands for all frames with their times.
+    /// Nothing was found; the hash of all frames with their times.
     Traffic(u64),
 }
 
-/// Every case on a device of its own.
+/// Runs each case on a device of its own.
 fn suite(model: &'static Model) -> Judged {
     let mut traffic = DefaultHasher::new();
     let mut recorded = None;
@@ -117,7 +118,7 @@ fn heard(record: &Record, traffic: &mut DefaultHasher) {
     (record.timestamp, record.frame).hash(traffic);
 }
 
-/// A test stand whose frames are counted.
+/// A test stand that hashes its frames.
 struct Heard {
     stand: Simulated,
     now: Timestamp,

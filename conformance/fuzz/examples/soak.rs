@@ -1,5 +1,6 @@
-//! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...]`,
-//! `soak faults SECONDS [SEED] [FAULT...]`; firmwares with liberties: `soak liberties EXCHANGES [SEED] [COMBINATIONS]`.
+//! Fuzzes models without fault, and faults, for any length of time: `soak models EXCHANGES [SEED] [TARGET] [ALLOW]
+//! [MODEL...]`, `soak faults SECONDS [SEED] [FAULT...]`; firmwares with liberties: `soak liberties EXCHANGES [SEED]
+//! [COMBINATIONS]`.
 
 use canvass_analyzer::NodeId;
 use canvass_device::Fault;
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-/// `allow`: what `--allow` would name, with commas; `-` for nothing.
+/// Fuzzes the models. `allow` holds values of `--allow`, separated by commas; `-` allows nothing.
 fn models(
     exchanges: u64,
     seed: u64,
@@ -136,7 +137,7 @@ fn show(out: &mut impl Write, found: &Found) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Of this process, in seconds: what else the computer does matters little.
+/// The processor time of this process in seconds, on which other load of the computer has little influence.
 fn processor_time() -> f64 {
     let text = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
     let nanos = text.split_whitespace().next().and_then(|nanos| nanos.parse::<f64>().ok());

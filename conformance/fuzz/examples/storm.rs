@@ -1,6 +1,6 @@
-//! Random frames for every model: `cargo run --profile storm --example storm [FRAMES [SEED [MODEL...]]]`.
+//! Sends random frames to every model: `cargo run --profile storm --example storm [FRAMES [SEED [MODEL...]]]`.
 //!
-//! The profile checks what a release does not: overflow of numbers, and assertions.
+//! The profile enables checks that a release omits: integer overflow and debug assertions.
 
 use canvass_device::models::Model;
 use canvass_fuzzer::storm::storm;
