@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Options of the program, and the names of the same options in the page.
+/// Formats of `canvass diagnose`, and the names of the files that the page saves in these formats.
 const DIAGNOSES: [(&str, &str); 5] = [
     ("html", "diagnosis.html"),
     ("json", "diagnosis.json"),

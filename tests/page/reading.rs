@@ -37,7 +37,7 @@ fn what_was_chosen_last_is_read_to_its_end() {
     }
     opened.browser.wait(IS_READ);
     assert_ne!(status(&opened), of_small);
-    // No files are opened, then others.
+    // Reading is cancelled, then another file is opened.
     opened.take(&[large, small.clone()]);
     opened.browser.wait(IS_READING);
     opened.browser.click("#progress button");

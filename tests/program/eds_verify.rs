@@ -1,4 +1,4 @@
-//! `canvass eds verify`: devices against their descriptions.
+//! `canvass eds verify`: compares devices with their descriptions.
 
 use crate::running::{run, run_with_input};
 use serde_json::Value;
@@ -7,7 +7,7 @@ const MODELS: &str = "conformance/device/models";
 const ENCODER: &str = "conformance/device/models/reference-406.eds";
 const ENCODER_TEXT: &str = include_str!("../../conformance/device/models/reference-406.eds");
 
-/// The status and the document that it prints.
+/// The exit status and the printed document.
 fn json(args: &[&str], input: &str) -> (i32, Value) {
     let run = run_with_input(&[&["eds", "verify"], args, &["--format", "json"]].concat(), input);
     let document = serde_json::from_str(&run.stdout);
@@ -32,7 +32,7 @@ fn every_model_is_as_its_file_describes_it() {
             continue;
         }
         let (file, bus) = (path.to_str().unwrap(), format!("sim:{}", path.file_stem().unwrap().to_str().unwrap()));
-        // A node-ID that the device has as a parameter is one that somebody has configured.
+        // The object that holds the node-ID differs from its default, as a configured setting.
         let (status, document) = json(&[file, &bus, "--node", "5"], "");
         assert_eq!(status, 0, "{document:#}");
         let others: Vec<String> = kinds(&document).into_iter().filter(|kind| !kind.starts_with("setting")).collect();
@@ -41,7 +41,7 @@ fn every_model_is_as_its_file_describes_it() {
     }
 }
 
-/// What another release of the firmware would do.
+/// Faults stand for the changes of another release of the firmware.
 #[test]
 fn each_fault_of_a_firmware_is_found() {
     let faults = [
