@@ -85,7 +85,7 @@ fn a_malformed_line_is_reported_and_the_rest_decoded() {
         report.starts_with("-:2:") && report.contains("malformed: expected") && report.contains("found"),
         "{report}"
     );
-    // With `--strict` the file is no candump log at all.
+    // A file whose times have a single decimal is no candump log.
     assert_ne!(run_with_input(&["decode", "-", "--strict"], WITH_A_MISTAKE).status, 0);
 }
 

@@ -108,7 +108,7 @@ fn a_device_that_does_not_answer_is_no_difference() {
     assert!(silent.stderr.contains("node 9 does not answer"), "{}", silent.stderr);
     let file = run(&["eds", "verify", "no-such.eds", "sim:reference-406"]);
     assert!(file.status == 2 && file.stderr.contains("no-such.eds"), "{}", file.stderr);
-    // One that lets whoever asks for what it does not have wait, is not waited for 4000 times.
+    // If a device is silent for absent objects, the survey gives up instead of waiting for 4000 timeouts.
     let (status, document) = json(&[ENCODER, "sim:reference-406+sdo-no-object-silent"], "");
     assert_eq!((status, document["given_up_at"].is_u64()), (0, true), "{document:#}");
 }
