@@ -1,5 +1,5 @@
-//! Writes what a healthy machine of eight nodes says on a bus of 500 kbit/s that is half full, as long as is asked for:
-//! boot-up, configuration, and then SYNC with synchronous PDOs every 10 ms, heartbeats, TIME and SDO reads.
+//! Writes FRAMES frames of a healthy machine of eight nodes on a half-loaded bus of 500 kbit/s: boot-up, configuration,
+//! and then SYNC with synchronous PDOs every 10 ms, heartbeats, TIME and SDO reads.
 //!
 //! `cargo run --release -p canvass-traces --example machine -- FORMAT FRAMES`
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         error => error,
     };
     match run.and_then(|()| bus.writer.finish()) {
-        // Nobody wants more of it.
+        // The reader has closed its end: it needs no more frames.
         Err(WriteError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => Ok(written?),
     }
@@ -40,12 +40,12 @@ struct Bus {
     writer: Box<dyn Writer>,
     channels: Channels,
     left: u64,
-    /// When the next frame may begin.
+    /// The time at which the bus is free for the next frame.
     free: u64,
 }
 
 impl Bus {
-    /// A frame that wants to be sent at that time: it waits until the bus is free.
+    /// Sends a frame at this time, or when the bus is free.
     fn send(&mut self, at: u64, id: u32, data: &[u8]) -> Result<(), WriteError> {
         let Some(frame) = Frame::new(CanId::standard_masked(id), data) else { return Ok(()) };
         let end = self.free.max(at) + u64::from(bit_length(&frame).unwrap_or(0)) * BIT;
@@ -54,7 +54,7 @@ impl Bus {
         self.writer.write(&Record::new(Timestamp(end), ChannelId(0), frame), &self.channels)
     }
 
-    /// Request and answer, a millisecond apart.
+    /// Sends a request, and its answer a millisecond later.
     fn sdo(&mut self, at: u64, node: u32, request: [u8; 8], answer: [u8; 8]) -> Result<(), WriteError> {
         self.send(at, 0x600 + node, &request)?;
         self.send(at + MILLISECOND, 0x580 + node, &answer)
@@ -66,7 +66,7 @@ impl Bus {
         self.sdo(at, node, request, [0x60, low, high, sub, 0, 0, 0, 0])
     }
 
-    /// The nodes start and are configured.
+    /// Starts and configures the nodes.
     fn start(&mut self) -> Result<(), WriteError> {
         for node in 1..=NODES {
             let at = BEGIN + u64::from(node) * 50 * MILLISECOND;
@@ -83,7 +83,7 @@ impl Bus {
         self.send(BEGIN + 900 * MILLISECOND, 0x000, &[0x01, 0x00])
     }
 
-    /// One cycle after the other.
+    /// Runs one cycle after the other.
     fn operate(&mut self) -> Result<(), WriteError> {
         let mut n = 0_u64;
         while self.left > 0 {
@@ -107,7 +107,7 @@ impl Bus {
         Ok(())
     }
 
-    /// What does not come in every cycle.
+    /// Sends messages that do not come in every cycle.
     fn rarely(&mut self, at: u64, n: u64) -> Result<(), WriteError> {
         let node = (n % 10) as u32;
         if (1..=NODES).contains(&node) {

@@ -1,4 +1,5 @@
-//! How fast a capture becomes records: prints the number of frames and damages and the best CPU time in nanoseconds.
+//! Measures how fast a capture becomes records: prints the number of frames and damages and the best CPU time in
+//! nanoseconds.
 //!
 //! `cargo run --release -p canvass-traces --example read_speed -- FILE [RUNS]`
 
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// What this thread has had of a processor, so that other programs on the machine don't count.
+/// The processor time of this thread, so that other programs on the machine don't count.
 fn cpu_time() -> nix::Result<Duration> {
     ClockId::CLOCK_THREAD_CPUTIME_ID.now().map(Duration::from)
 }

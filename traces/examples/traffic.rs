@@ -1,4 +1,4 @@
-//! Writes the traffic of a machine's bus to standard output, as much as is asked for: for benchmarks.
+//! Writes FRAMES frames of a machine's bus to standard output, for benchmarks.
 //!
 //! `cargo run --release -p canvass-traces --example traffic -- FORMAT FRAMES [BUSES]`
 
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frames: u64 = args.next().ok_or("expected a number of frames")?.parse()?;
     let buses: u16 = args.next().as_deref().unwrap_or("1").parse()?;
     match write(format, frames, buses.max(1)) {
-        // Nobody wants more of it.
+        // The reader has closed its end: it needs no more frames.
         Err(WriteError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => Ok(written?),
     }
@@ -36,7 +36,7 @@ fn write(format: Format, frames: u64, buses: u16) -> Result<(), WriteError> {
     writer.finish()
 }
 
-/// An eight-node bus as machines have it: mostly PDOs, then SDO dialogues, heartbeats and SYNC.
+/// The traffic of an eight-node bus as in machines: mostly PDOs, then SDO dialogues, heartbeats and SYNC.
 struct Traffic {
     random: u64,
     time_us: u64,
@@ -44,7 +44,7 @@ struct Traffic {
 }
 
 impl Traffic {
-    /// xorshift64: repeatable, and enough for traffic.
+    /// Random numbers that are the same in every run (xorshift64), good enough for traffic.
     const fn random(&mut self) -> u64 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;

@@ -1,11 +1,11 @@
-//! Writes traffic that costs an analyzer as much as any: what a broken machine, or somebody who means harm, puts on a bus.
+//! Writes traffic of the highest cost for an analyzer, as a broken machine or an attacker may send it.
 //!
 //! `cargo run --release -p canvass-traces --example worst -- KIND FRAMES`
 
 use canvass_traces::{CanId, ChannelId, Channels, Format, Frame, Record, Timestamp, WriteError, WriteOptions};
 use std::io;
 
-/// A kind: its name, how many channels, the distance of two frames in microseconds, and the n-th frame.
+/// A kind of traffic: its name, number of channels, distance of two frames in microseconds, and the n-th frame.
 type Kind = (&'static str, u16, u64, fn(u64) -> Frame);
 
 const KINDS: [Kind; 11] = [
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let kind = kind.ok_or_else(|| format!("expected one of {:?}", KINDS.map(|kind| kind.0)))?;
     let frames: u64 = args.next().ok_or("expected a number of frames")?.parse()?;
     match write(kind, frames) {
-        // Nobody wants more of it.
+        // The reader has closed its end: it needs no more frames.
         Err(WriteError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => Ok(written?),
     }
@@ -67,7 +67,7 @@ const fn high(n: u64) -> u8 {
     (n >> 8) as u8
 }
 
-/// All nodes are given COB-IDs for all TPDOs that there can be.
+/// Gives COB-IDs to all possible TPDOs of all nodes.
 fn cob_ids(n: u64) -> Frame {
     let (exchange, [id, id_high, ..]) = (n / 2, (0x181 + n / 2 % 0x3FF).to_le_bytes());
     let (node, [index, index_high, ..]) = (1 + exchange % 127, (0x1800 + exchange / 127 % 512).to_le_bytes());
@@ -77,7 +77,7 @@ fn cob_ids(n: u64) -> Frame {
     }
 }
 
-/// Every node is told to consume the heartbeats of all, then all send theirs.
+/// Configures every node to consume the heartbeats of all nodes, which then send them.
 fn consumers(n: u64) -> Frame {
     let (entry, node) = (n / 2 % 127 + 1, n / 254 + 1);
     match n % 2 {
@@ -87,7 +87,7 @@ fn consumers(n: u64) -> Frame {
     }
 }
 
-/// Every CAN-ID on every channel, with what changes the states of all nodes and raises errors.
+/// Every CAN-ID on every channel, with messages that change the states of all nodes and raise errors.
 fn identifiers(n: u64) -> Frame {
     let (round, id) = (n / 64 / 2_048, n / 64 % 2_048);
     match id {
